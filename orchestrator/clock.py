@@ -1,0 +1,49 @@
+"""Time in whole numbers: sync intervals, and whole solver steps inside each.
+
+Times given by a user are decimal numbers; dividing them as floats (0.3 / 0.1 = 2.999…) loses a
+step now and then.  Here they become exact fractions first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+def exact(value_s: float) -> Fraction:
+    """The decimal number a user wrote: 1e-4 is 1/10000 exactly."""
+    return Fraction(repr(float(value_s)))
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Sync interval ``index`` (from 0) of constant length."""
+
+    index: int
+    length_s: float
+
+    @property
+    def start_s(self) -> float:
+        return float(self.index * exact(self.length_s))
+
+    @property
+    def end_s(self) -> float:
+        return float((self.index + 1) * exact(self.length_s))
+
+    def steps(self, largest_step_s: float) -> int:
+        """The fewest whole steps of at most ``largest_step_s`` that fill the interval."""
+        return steps_in(self.length_s, largest_step_s)
+
+
+def steps_in(length_s: float, largest_step_s: float) -> int:
+    """The fewest whole steps of at most ``largest_step_s`` (> 0) that fill ``length_s``."""
+    if largest_step_s <= 0:
+        raise ValueError(f"a step must be positive, got {largest_step_s} s")
+    return max(1, -(-exact(length_s) // exact(largest_step_s)))
+
+
+def intervals(duration_s: float, length_s: float) -> Iterator[Interval]:
+    """The sync intervals that cover ``duration_s``; the last may reach beyond it."""
+    for index in range(steps_in(duration_s, length_s)):
+        yield Interval(index, length_s)

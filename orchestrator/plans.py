@@ -1,0 +1,217 @@
+"""Plans: all that a solver needs to know to be built, checked and in plain records.
+
+``build.py`` makes them from the case; tests make them by hand.  Every adapter is a module
+``adapters.<port>.<solver>`` with one function ``build(plan)`` that returns the open solver.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from orchestrator.clock import Interval
+from orchestrator.geometry import Rectangle, TriangleSurface
+from orchestrator.ports import Array
+
+
+class SolverMissing(Exception):
+    """A solver's package is not installed; the message says what to install (exit code 3)."""
+
+
+class SolverFailed(Exception):
+    """A solver failed or went unstable; the message says which, when and why (exit code 4)."""
+
+
+@dataclass(frozen=True)
+class Hyperelastic:
+    """Two-parameter Mooney-Rivlin  W = C10 (I1 - 3) + C01 (I2 - 3) + K/2 (J - 1)^2  with the
+    isochoric invariants, and Maxwell branches for damping: each a pair (ratio of the branch's
+    modulus to the elastic one, relaxation time in s)."""
+
+    density_kg_m3: float
+    c10_Pa: float
+    c01_Pa: float
+    bulk_modulus_Pa: float
+    branches: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def shear_modulus_Pa(self) -> float:
+        return 2.0 * (self.c10_Pa + self.c01_Pa)
+
+    @property
+    def youngs_modulus_Pa(self) -> float:
+        """At small strain, incompressible."""
+        return 3.0 * self.shear_modulus_Pa
+
+
+@dataclass(frozen=True)
+class PanelPlan:
+    """One panel: geometry, material, and how finely to solve it.
+
+    ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
+    free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
+    """
+
+    name: str
+    rectangle: Rectangle
+    frames: tuple[str, str]
+    thickness_m: float
+    material: Hyperelastic
+    gravity_m_s2: Array
+    cells: tuple[int, int]
+    step_s: float
+    integrator: str
+    sync_interval_s: float
+    log: Path | None = None
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid frame: mass, inertia about the centre of mass in world axes at t = 0."""
+
+    name: str
+    mass_kg: float
+    inertia_kg_m2: Array  # (3, 3)
+    center_of_mass_m: Array  # (3,)
+
+
+@dataclass(frozen=True)
+class Bushing:
+    """Linear spring and damper along three axes between two bodies ("ground" is the fixed one).
+
+    ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_m`` and
+    ``damping_N_s_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
+    t = 0 but for the preload that holds the bodies' weight when the frames are drawn at rest.
+    """
+
+    name: str
+    bodies: tuple[str, str]
+    position_m: Array
+    axes: Array
+    stiffness_N_m: Array
+    damping_N_s_m: Array
+
+
+@dataclass(frozen=True)
+class Exciter:
+    """A rotating unbalance: force of size  mass_moment * speed^2  turning about ``axis``.
+
+    The angle runs up smoothly: speed(t) = speed_rad_s * (1 - cos(pi t / run_up_s)) / 2 until
+    ``run_up_s``, then constant; at angle = ``phase_rad`` the force points along ``start``
+    (a unit vector normal to ``axis``; positive rotation about ``axis``).  The force is the
+    unbalance's inertia force: mass_moment * (speed^2 radial - d(speed)/dt tangential).
+    """
+
+    body: str
+    position_m: Array
+    axis: Array
+    start: Array
+    mass_moment_kg_m: float
+    speed_rad_s: float
+    run_up_s: float
+    phase_rad: float = 0.0
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Prescribed harmonic motion of a body about its place at t = 0, with smooth run-up.
+
+    Translation amplitude_m * sin(w t + phase_rad), and rotation by the vector
+    rotation_rad * sin(w t + rotation_phase_rad) about ``center_m``; each (3,), component-wise.
+    Both are multiplied by (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``.
+    """
+
+    body: str
+    center_m: Array
+    speed_rad_s: float
+    amplitude_m: Array
+    phase_rad: Array
+    rotation_rad: Array
+    rotation_phase_rad: Array
+    run_up_s: float
+
+
+@dataclass(frozen=True)
+class FramesPlan:
+    """Frames and the points they carry: ``points_m`` (n, 3) at t = 0, ``carrier`` (n,) names.
+
+    ``reaction_N`` (n, 3) is the panels' force at t = 0.  With ``drawn_at_rest`` the bushings'
+    preload holds weight and initial reaction, so that nothing moves until an exciter starts;
+    otherwise the machine drops onto force-free bushings.
+    """
+
+    bodies: tuple[Body, ...]
+    bushings: tuple[Bushing, ...]
+    exciters: tuple[Exciter, ...]
+    drives: tuple[Drive, ...]
+    gravity_m_s2: Array
+    points_m: Array
+    carrier: tuple[str, ...]
+    reaction_N: Array
+    drawn_at_rest: bool
+    step_s: float
+    sync_interval_s: float
+    log: Path | None = None
+
+
+@dataclass(frozen=True)
+class GrainMaterial:
+    name: str
+    youngs_modulus_Pa: float
+    poisson_ratio: float
+
+
+@dataclass(frozen=True)
+class ParticleList:
+    """Particles to create: positions (n, 3), velocities (n, 3), spins (n, 3) in rad/s,
+    diameters (n,), densities (n,), materials (n,) as indices.  Ids are given in order."""
+
+    position_m: Array
+    velocity_m_s: Array
+    spin_rad_s: Array
+    diameter_m: Array
+    density_kg_m3: Array
+    material: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.diameter_m)
+
+
+class Feed(Protocol):
+    """New particles for each interval.  Deterministic: alike on every rank."""
+
+    def due(self, interval: Interval) -> ParticleList:
+        """Particles wanted at the interval's start; they do not overlap each other."""
+        ...
+
+    def settle(self, accepted: np.ndarray) -> None:
+        """Which of those just offered (bool per particle) found room; the rest is tried again."""
+        ...
+
+
+@dataclass(frozen=True)
+class ParticlesPlan:
+    """Particles, the surface they touch, and the laws between them.
+
+    ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
+    ``domain_m`` (2, 3): lowest and highest corner; particles that leave it are removed and
+    counted.  ``communicator`` is an mpi4py communicator or None.
+    """
+
+    surface: TriangleSurface
+    materials: tuple[GrainMaterial, ...]
+    restitution: Array
+    sliding_friction: Array
+    rolling_friction: Array
+    particles: ParticleList
+    largest_diameter_m: float
+    domain_m: Array
+    gravity_m_s2: Array
+    step_s: float
+    sync_interval_s: float
+    feed: Feed | None = None
+    communicator: Any = None
+    folder: Path | None = None
