@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 
 @dataclass(frozen=True)
@@ -60,5 +60,5 @@ class TriangleSurface:
     Points that no triangle uses (probes) are allowed."""
 
     position_m: Array
-    triangles: np.ndarray
-    material: np.ndarray
+    triangles: Indices
+    material: Indices

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle, TriangleSurface
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 
 class SolverMissing(Exception):
@@ -174,7 +175,7 @@ class ParticleList:
     spin_rad_s: Array
     diameter_m: Array
     density_kg_m3: Array
-    material: np.ndarray
+    material: Indices
 
     def __len__(self) -> int:
         return len(self.diameter_m)
@@ -187,7 +188,7 @@ class Feed(Protocol):
         """Particles wanted at the interval's start; they do not overlap each other."""
         ...
 
-    def settle(self, accepted: np.ndarray) -> None:
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Which of those just offered (bool per particle) found room; the rest is tried again."""
         ...
 
