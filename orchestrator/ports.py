@@ -13,13 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
 from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
+
+if TYPE_CHECKING:
+    from orchestrator.hermite import Path
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -194,9 +197,12 @@ class Particles(Protocol):
         """Force on the surface points at t = 0."""
         ...
 
-    def advance(self, interval: Interval, surface: Motion) -> Load:
-        """Mean force on the surface points over the interval, during which the surface moves
-        smoothly (cubic Hermite) from the motion given last to ``surface``."""
+    def advance(self, interval: Interval, path: Path) -> Load:
+        """Mean force on the surface points over the interval, during which they follow ``path``.
+
+        The path's start may differ from the last path's end by the coupling's correction of
+        what was extrapolated; the work of that small jump is booked as received, too.
+        """
         ...
 
     def snapshot(self) -> ParticleSnapshot: ...

@@ -1,0 +1,82 @@
+"""Between the particles' triangles and the finite-element nodes: one matrix H.
+
+Motion goes down by H, load goes up by its transpose, so that the virtual work of both sides is
+the same whatever the two meshes are; H's rows sum to one, so that force is conserved, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from orchestrator.clock import Interval
+from orchestrator.geometry import Rectangle
+from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, Panel, PanelState
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Triangles over a panel, in material coordinates.
+
+    ``coordinates_m`` (n, 2), ``triangles`` (m, 3) with normals to the bed's side, and
+    ``centre_line`` the points nearest the middle of the width, in order along the panel.
+    """
+
+    coordinates_m: Array
+    triangles: Indices
+    centre_line: Indices
+
+
+def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
+    """A regular grid of right triangles over the free length and under both clamps.
+
+    The diagonals alternate, so that the panel has no preferred direction.
+    """
+    along, across = cells
+    free = np.linspace(0.0, rectangle.length_m, along + 1)
+    held = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
+    s = np.concatenate([[-c for c in held], free, [rectangle.length_m + c for c in held]])
+    y = np.linspace(0.0, rectangle.width_m, across + 1)
+    rows = len(y)
+    number = np.arange(len(s) * rows).reshape(len(s), rows)
+    a, b, c, d = (
+        n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
+    )
+    even = (np.add.outer(np.arange(len(s) - 1), np.arange(across)) % 2 == 0).ravel()
+    one = np.where(even[:, None], np.column_stack([a, b, c]), np.column_stack([a, b, d]))
+    two = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
+    coordinates = np.column_stack([np.repeat(s, rows), np.tile(y, len(s))])
+    return Grid(coordinates, np.vstack([one, two]).astype(np.int64), number[:, rows // 2])
+
+
+class Mapped:
+    """A panel seen through other points of its surface: again a panel."""
+
+    def __init__(self, panel: Panel, coordinates_m: Array) -> None:
+        """``coordinates_m`` (n, 2): the material coordinates of the new surface points."""
+        self._panel = panel
+        self._H = panel.interpolation(coordinates_m)
+        self._HT = csr_array(self._H.T)
+        self.mount: Mount = panel.mount
+
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        raise NotImplementedError("a mapped panel is not mapped again: map the panel itself")
+
+    def initial(self) -> PanelState:
+        return self._seen(self._panel.initial())
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return self._seen(self._panel.advance(interval, clamps, Load(self._HT @ load.force_N)))
+
+    def _seen(self, state: PanelState) -> PanelState:
+        surface = state.surface
+        seen = Motion(self._H @ surface.position_m, self._H @ surface.velocity_m_s)
+        return PanelState(seen, state.reaction)
+
+    def account(self) -> Account:
+        return self._panel.account()
+
+    def close(self) -> None:
+        self._panel.close()
