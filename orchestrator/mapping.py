@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle
-from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, Panel, PanelState
+from orchestrator.ports import Account, Array, Indices, Load, MeshedPanel, Motion, Mount, PanelState
 
 
 @dataclass(frozen=True)
@@ -54,15 +54,12 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
 class Mapped:
     """A panel seen through other points of its surface: again a panel."""
 
-    def __init__(self, panel: Panel, coordinates_m: Array) -> None:
+    def __init__(self, panel: MeshedPanel, coordinates_m: Array) -> None:
         """``coordinates_m`` (n, 2): the material coordinates of the new surface points."""
         self._panel = panel
         self._H = panel.interpolation(coordinates_m)
         self._HT = csr_array(self._H.T)
         self.mount: Mount = panel.mount
-
-    def interpolation(self, coordinates_m: Array) -> csr_array:
-        raise NotImplementedError("a mapped panel is not mapped again: map the panel itself")
 
     def initial(self) -> PanelState:
         return self._seen(self._panel.initial())

@@ -170,11 +170,6 @@ class Panel(Protocol):
 
     mount: Mount
 
-    def interpolation(self, coordinates_m: Array) -> csr_array:
-        """H of shape (n, surface points): values at material coordinates (n, 2) = H @ values at
-        the surface points.  Rows sum to one, so H.T hands over load without loss."""
-        ...
-
     def initial(self) -> PanelState:
         """At rest between the clamps at t = 0."""
         ...
@@ -188,6 +183,15 @@ class Panel(Protocol):
         ...
 
     def close(self) -> None: ...
+
+
+class MeshedPanel(Panel, Protocol):
+    """A panel with a mesh of its own, which the particles' surface is mapped to."""
+
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        """H of shape (n, surface points): values at material coordinates (n, 2) = H @ values at
+        the surface points.  Rows sum to one, so H.T hands over load without loss."""
+        ...
 
 
 class Particles(Protocol):

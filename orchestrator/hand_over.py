@@ -1,0 +1,91 @@
+"""Hand-overs turned off one by one, to see what each of them does (``[hand_over]`` in a case).
+
+Each is a wrapper around one solver, put on while the machine is built; a run with every
+hand-over on knows nothing of this file.  What is turned off is physics left out: momentum and
+energy no longer close across that interface, and the run's log says so.
+"""
+
+from __future__ import annotations
+
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.ports import (
+    Account,
+    Frames,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Particles,
+    ParticleSnapshot,
+)
+
+
+class UnpushedFrames:
+    """Frames that do not feel the panels."""
+
+    def __init__(self, frames: Frames) -> None:
+        self._frames = frames
+
+    def initial(self) -> Motion:
+        return self._frames.initial()
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        return self._frames.advance(interval, Load.zero(len(reaction)))
+
+    def account(self) -> Account:
+        return self._frames.account()
+
+    def close(self) -> None:
+        self._frames.close()
+
+
+class DeafPanel:
+    """A panel that does not feel the particles, or whose clamps stay where they were."""
+
+    def __init__(self, panel: Panel, *, clamps_move: bool, load_acts: bool) -> None:
+        self._panel = panel
+        self._clamps_move = clamps_move
+        self._load_acts = load_acts
+        self.mount: Mount = panel.mount
+
+    def initial(self) -> PanelState:
+        return self._panel.initial()
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        still = Motion(self.mount.position_m, 0.0 * self.mount.position_m)
+        return self._panel.advance(
+            interval,
+            clamps if self._clamps_move else still,
+            load if self._load_acts else Load.zero(len(load)),
+        )
+
+    def account(self) -> Account:
+        return self._panel.account()
+
+    def close(self) -> None:
+        self._panel.close()
+
+
+class ParticlesOnStillSurface:
+    """Particles that see the surface as it was at t = 0."""
+
+    def __init__(self, particles: Particles, surface: Motion) -> None:
+        self._particles = particles
+        self._still = Motion(surface.position_m, 0.0 * surface.velocity_m_s)
+
+    def initial(self) -> Load:
+        return self._particles.initial()
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        return self._particles.advance(interval, Path(self._still, self._still, path.length_s))
+
+    def snapshot(self) -> ParticleSnapshot:
+        return self._particles.snapshot()
+
+    def account(self) -> Account:
+        return self._particles.account()
+
+    def close(self) -> None:
+        self._particles.close()
