@@ -49,7 +49,12 @@ class State:
     load: Load
 
 
-Scheme = Callable[[Solvers, Interval, State], State]
+@dataclass(frozen=True)
+class Pending:
+    """Impulse, (3,) each, that was given at a sync point but not yet received above."""
+
+    load_N_s: Array
+    reaction_N_s: Array
 
 
 def initial(solvers: Solvers) -> State:
@@ -77,9 +82,25 @@ def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
     return State(clamps, _acceleration(now.clamps, clamps, interval), panel, load)
 
 
-SCHEMES: dict[str, Scheme] = {
-    "particles-first": particles_first,
-    "serial-staggered": serial_staggered,
+@dataclass(frozen=True)
+class Scheme:
+    """``advance`` carries the state over an interval; ``late``: loads act one interval late."""
+
+    advance: Callable[[Solvers, Interval, State], State]
+    late: bool
+
+    def pending(self, state: State, interval: Interval) -> Pending:
+        """What is in transit after ``interval``."""
+        held_s = interval.length_s if self.late else 0.0
+        return Pending(
+            held_s * state.load.force_N.sum(axis=0),
+            held_s * state.panel.reaction.force_N.sum(axis=0),
+        )
+
+
+SCHEMES = {
+    "particles-first": Scheme(particles_first, late=False),
+    "serial-staggered": Scheme(serial_staggered, late=True),
 }
 
 

@@ -41,25 +41,39 @@ class UnpushedFrames:
         self._frames.close()
 
 
-class DeafPanel:
-    """A panel that does not feel the particles, or whose clamps stay where they were."""
+class UnloadedPanel:
+    """A panel that does not feel the particles."""
 
-    def __init__(self, panel: Panel, *, clamps_move: bool, load_acts: bool) -> None:
+    def __init__(self, panel: Panel) -> None:
         self._panel = panel
-        self._clamps_move = clamps_move
-        self._load_acts = load_acts
         self.mount: Mount = panel.mount
 
     def initial(self) -> PanelState:
         return self._panel.initial()
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        still = Motion(self.mount.position_m, 0.0 * self.mount.position_m)
-        return self._panel.advance(
-            interval,
-            clamps if self._clamps_move else still,
-            load if self._load_acts else Load.zero(len(load)),
-        )
+        return self._panel.advance(interval, clamps, Load.zero(len(load)))
+
+    def account(self) -> Account:
+        return self._panel.account()
+
+    def close(self) -> None:
+        self._panel.close()
+
+
+class StillClampedPanel:
+    """A panel whose clamps stay where they were at t = 0."""
+
+    def __init__(self, panel: Panel) -> None:
+        self._panel = panel
+        self.mount: Mount = panel.mount
+        self._still = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
+
+    def initial(self) -> PanelState:
+        return self._panel.initial()
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return self._panel.advance(interval, self._still, load)
 
     def account(self) -> Account:
         return self._panel.account()

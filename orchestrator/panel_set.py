@@ -6,6 +6,7 @@ results, so that everybody knows the whole surface and all reactions.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
@@ -68,7 +69,7 @@ class PanelSet:
 def slices(lengths: Sequence[int]) -> tuple[slice, ...]:
     """Consecutive slices of the given lengths."""
     ends = np.cumsum([0, *lengths]).tolist()
-    return tuple(slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True))
+    return tuple(slice(a, b) for a, b in itertools.pairwise(ends))
 
 
 def joined(states: Sequence[PanelState]) -> PanelState:

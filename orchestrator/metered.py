@@ -1,0 +1,120 @@
+"""Solvers with a meter: time spent, impulse handed over, and a name on every failure.
+
+A metered solver is again a solver; the coupling does not know the difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.plans import SolverFailed
+from orchestrator.ports import (
+    Account,
+    Array,
+    BrokenRecord,
+    Frames,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Particles,
+    ParticleSnapshot,
+)
+from orchestrator.stopwatch import Stopwatch
+
+
+@contextmanager
+def named(member: str, interval: Interval) -> Iterator[None]:
+    """A failure inside says which member failed, and when."""
+    try:
+        yield
+    except (SolverFailed, BrokenRecord, FloatingPointError) as error:
+        raise SolverFailed(
+            f"{member} failed between t = {interval.start_s:.6g} s and "
+            f"{interval.end_s:.6g} s (sync interval {interval.index}): {error}"
+        ) from error
+
+
+def impulse_N_s(load: Load, interval: Interval) -> Array:
+    """(3,) what a mean load hands over in the interval."""
+    return np.asarray(interval.length_s * load.force_N.sum(axis=0))
+
+
+class MeteredFrames:
+    """``received_N_s`` (3,): impulse of the panels on the frames since t = 0."""
+
+    def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
+        self._frames, self._name, self._stopwatch = frames, name, stopwatch
+        self.received_N_s: Array = np.zeros(3)
+
+    def initial(self) -> Motion:
+        return self._frames.initial()
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
+        with self._stopwatch("frames"), named(self._name, interval):
+            return self._frames.advance(interval, reaction)
+
+    def account(self) -> Account:
+        return self._frames.account()
+
+    def close(self) -> None:
+        self._frames.close()
+
+
+class MeteredPanel:
+    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0."""
+
+    def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
+        self._panel, self._name, self._part, self._stopwatch = panel, name, part, stopwatch
+        self.mount: Mount = panel.mount
+        self.received_N_s: Array = np.zeros(3)
+        self.given_N_s: Array = np.zeros(3)
+
+    def initial(self) -> PanelState:
+        return self._panel.initial()
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        with self._stopwatch(self._part), named(self._name, interval):
+            state = self._panel.advance(interval, clamps, load)
+        self.received_N_s = self.received_N_s + impulse_N_s(load, interval)
+        self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
+        return state
+
+    def account(self) -> Account:
+        return self._panel.account()
+
+    def close(self) -> None:
+        self._panel.close()
+
+
+class MeteredParticles:
+    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0."""
+
+    def __init__(self, particles: Particles, name: str, stopwatch: Stopwatch) -> None:
+        self._particles, self._name, self._stopwatch = particles, name, stopwatch
+        self.given_N_s: Array = np.zeros(3)
+
+    def initial(self) -> Load:
+        return self._particles.initial()
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        with self._stopwatch("particles"), named(self._name, interval):
+            load = self._particles.advance(interval, path)
+        self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
+        return load
+
+    def snapshot(self) -> ParticleSnapshot:
+        return self._particles.snapshot()
+
+    def account(self) -> Account:
+        return self._particles.account()
+
+    def close(self) -> None:
+        self._particles.close()
