@@ -35,9 +35,11 @@ class Ledger:
     ``account``s are collective under MPI, so are ``energy_J`` and ``momentum_residual``.
     """
 
-    def __init__(self, members: Members) -> None:
+    def __init__(self, members: Members, pending: Pending) -> None:
+        """``pending``: what the scheme holds back at t = 0."""
         self._members = members
         self._opening = self._accounts()
+        self._opening_pending = pending
 
     def _accounts(self) -> dict[str, Account]:
         members = self._members
@@ -82,14 +84,12 @@ class Ledger:
             "frames": [frames.received_N_s],
             "panel": [panel.received_N_s, -panel.given_N_s],
         }
-        crossing = {"panel-frames": [panel.given_N_s, -frames.received_N_s, -pending.reaction_N_s]}
+        held = pending.reaction_N_s - self._opening_pending.reaction_N_s
+        crossing = {"panel-frames": [panel.given_N_s, -frames.received_N_s, -held]}
         if particles is not None:
             through["particles"] = [-particles.given_N_s]
-            crossing["particles-panel"] = [
-                particles.given_N_s,
-                -panel.received_N_s,
-                -pending.load_N_s,
-            ]
+            held = pending.load_N_s - self._opening_pending.load_N_s
+            crossing["particles-panel"] = [particles.given_N_s, -panel.received_N_s, -held]
         residual = {interface: _relative(terms) for interface, terms in crossing.items()}
         for member, impulses in through.items():
             opening = self._opening[member]

@@ -1,0 +1,58 @@
+"""Processes: one program on every MPI rank, one voice.
+
+``mpirun -n N flipflow run …`` starts N copies.  LIGGGHTS decomposes the particles over all of
+them, panels are dealt out, frames are solved on rank 0 and their motion is broadcast.  A failure
+on any rank ends all of them: the first rank to fail speaks, then aborts the others, which may be
+waiting for it in a collective call.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from orchestrator.clock import Interval
+from orchestrator.ports import Account, Frames, Load, Motion
+
+Shared = TypeVar("Shared")
+_LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
+
+
+def communicator() -> Any:
+    """The world's communicator, or None in a run of one process (mpi4py is not even imported)."""
+    if not any(name in os.environ for name in _LAUNCHERS):
+        return None
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
+
+
+def is_first(world: Any) -> bool:
+    """True on the rank that writes files and speaks to the user."""
+    return world is None or world.rank == 0
+
+
+class FramesOnFirstRank:
+    """Frames solved on rank 0; all ranks get the same motion, bit for bit."""
+
+    def __init__(self, world: Any, open_frames: Callable[[], Frames]) -> None:
+        self._world = world
+        self._frames = open_frames() if world.rank == 0 else None
+
+    def initial(self) -> Motion:
+        return self._shared(lambda frames: frames.initial())
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        return self._shared(lambda frames: frames.advance(interval, reaction))
+
+    def account(self) -> Account:
+        return self._shared(lambda frames: frames.account())
+
+    def close(self) -> None:
+        if self._frames is not None:
+            self._frames.close()
+
+    def _shared(self, ask: Callable[[Frames], Shared]) -> Shared:
+        answer = ask(self._frames) if self._frames is not None else None
+        return cast(Shared, self._world.bcast(answer))

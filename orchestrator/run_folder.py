@@ -1,0 +1,99 @@
+"""The folder of a run: made once, never written over, and left usable whatever happens."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import platform
+import socket
+import subprocess
+import sys
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+LOG = logging.getLogger("flipflow")
+
+
+class FolderUnusable(Exception):
+    """The output folder exists already or cannot be written (exit code 2)."""
+
+
+def make(folder: Path) -> Path:
+    """A new folder; raises FolderUnusable if it is there already or cannot be made."""
+    try:
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        raise FolderUnusable(
+            f"{folder}: exists already; nothing was written. "
+            "Give another folder with --out, or remove this one."
+        ) from None
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
+    return folder
+
+
+def fresh_name(parent: Path, case: str) -> Path:
+    """``<parent>/<case>-<n>`` with the first free number."""
+    number = 1
+    while (parent / f"{case}-{number}").exists():
+        number += 1
+    return parent / f"{case}-{number}"
+
+
+def log_to(folder: Path) -> logging.Handler:
+    """``run.log`` with times; returns the handler so that it can be taken off again."""
+    handler = logging.FileHandler(folder / "run.log")
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO)
+    return handler
+
+
+def provenance(ranks: int) -> dict[str, Any]:
+    """Who ran what, where and with which versions."""
+    packages = ("flipflow", "numpy", "scipy", "h5py", "exudyn", "fenics-dolfinx", "mpi4py")
+    return {
+        "command": sys.argv,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "host": socket.gethostname(),
+        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "ranks": ranks,
+        "versions": {name: _version(name) for name in packages},
+        "commit": _commit(),
+    }
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Whole or not at all: written aside, then renamed."""
+    aside = path.with_name(f".{path.name}")
+    aside.write_text(json.dumps(value, indent=2, default=float) + "\n")
+    aside.replace(path)
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _commit() -> str | None:
+    """The commit of the checkout that this program runs from, with "+" for local changes."""
+    here = Path(__file__).parent
+    try:
+        commit = _git(here, "rev-parse", "HEAD")
+        return commit + ("+" if _git(here, "status", "--porcelain", "-uno") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _git(folder: Path, *words: str) -> str:
+    done = subprocess.run(
+        ["git", "-C", str(folder), *words], capture_output=True, text=True, check=True
+    )
+    return done.stdout.strip()

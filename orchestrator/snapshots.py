@@ -1,0 +1,71 @@
+"""Surfaces and particles as files that ParaView opens as an animation.
+
+``surface.pvd`` and ``particles.pvd`` list one VTU file per output time.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import meshio
+import numpy as np
+
+from orchestrator.ports import Indices, Motion, ParticleSnapshot
+
+
+class Series:
+    """One ParaView series: ``<name>.pvd`` beside the folder ``<name>/`` with a file a time."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self._folder, self._name = folder, name
+        self._files: list[tuple[float, str]] = []
+        (folder / name).mkdir()
+
+    def add(self, time_s: float, mesh: meshio.Mesh) -> None:
+        file = f"{self._name}/{self._name}_{len(self._files):05d}.vtu"
+        mesh.write(self._folder / file)
+        self._files.append((time_s, file))
+        self._write_list()
+
+    def _write_list(self) -> None:
+        """Whole again at every time, so that an interrupted run opens, too."""
+        rows = "\n".join(
+            f'<DataSet timestep="{time_s!r}" file={quoteattr(file)}/>'
+            for time_s, file in self._files
+        )
+        text = (
+            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
+            f"<Collection>\n{rows}\n</Collection>\n</VTKFile>\n"
+        )
+        fresh = self._folder / f".{self._name}.pvd"
+        fresh.write_text(text)
+        fresh.replace(self._folder / f"{self._name}.pvd")
+
+
+def surface_mesh(surface: Motion, triangles: Indices, panel: Indices) -> meshio.Mesh:
+    """Triangles with velocity at the points and the number of the panel in each cell."""
+    return meshio.Mesh(
+        surface.position_m,
+        [("triangle", triangles)],
+        point_data={"velocity_m_s": surface.velocity_m_s},
+        cell_data={"panel": [panel]},
+    )
+
+
+def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
+    """One vertex a particle, with diameter, speed, velocity, spin, material and id."""
+    count = len(particles.id)
+    return meshio.Mesh(
+        particles.position_m.reshape(count, 3),
+        [("vertex", np.arange(count).reshape(count, 1))],
+        point_data={
+            "id": particles.id,
+            "diameter_m": particles.diameter_m,
+            "speed_m_s": np.linalg.norm(particles.velocity_m_s, axis=1),
+            "velocity_m_s": particles.velocity_m_s,
+            "spin_rad_s": particles.spin_rad_s,
+            "density_kg_m3": particles.density_kg_m3,
+            "material": particles.material,
+        },
+    )
