@@ -1,0 +1,125 @@
+"""Three members on a line (the x axis), each exact between sync points: for tests of schemes.
+
+A sphere meets, through a linear spring, a plate; the plate hangs on a frame by a linear spring.
+Forces are piecewise constant as the ports hand them over, so everything is integrated in closed
+form except the sphere, which takes many small steps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from orchestrator.clock import Interval
+from orchestrator.coupling import Solvers
+from orchestrator.hermite import Path
+from orchestrator.ports import Account, Load, Motion, Mount, PanelState
+
+
+def point(x: float, v: float) -> Motion:
+    return Motion(np.array([[x, 0.0, 0.0]]), np.array([[v, 0.0, 0.0]]))
+
+
+def push(force: float) -> Load:
+    return Load(np.array([[force, 0.0, 0.0]]))
+
+
+@dataclass
+class FreeFrame:
+    """A free mass."""
+
+    mass_kg: float
+    x: float = 0.0
+    v: float = 0.0
+
+    def initial(self) -> Motion:
+        return point(self.x, self.v)
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        h, a = interval.length_s, reaction.force_N[0, 0] / self.mass_kg
+        self.x += h * self.v + h * h * a / 2
+        self.v += h * a
+        return self.initial()
+
+    def account(self) -> Account:
+        raise NotImplementedError
+
+    def close(self) -> None: ...
+
+
+@dataclass
+class HungPlate:
+    """A mass on a spring to its clamp, ``steps`` velocity-Verlet steps an interval."""
+
+    mass_kg: float
+    stiffness_N_m: float
+    steps: int = 40
+    x: float = 0.0
+    v: float = 0.0
+    clamp: Motion = field(default_factory=lambda: point(0.0, 0.0))
+    mount: Mount = field(default_factory=lambda: Mount(np.zeros((1, 3)), ("frame",)))
+
+    def initial(self) -> PanelState:
+        return PanelState(point(self.x, self.v), push(0.0))
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        path, dt = Path(self.clamp, clamps, interval.length_s), interval.length_s / self.steps
+        pull = self.stiffness_N_m * (self.x - path.position_m(0.0)[0, 0])
+        impulse = 0.0
+        for step in range(self.steps):
+            self.v += dt / 2 * (load.force_N[0, 0] - pull) / self.mass_kg
+            self.x += dt * self.v
+            after = self.stiffness_N_m * (self.x - path.position_m((step + 1) / self.steps)[0, 0])
+            self.v += dt / 2 * (load.force_N[0, 0] - after) / self.mass_kg
+            impulse += dt / 2 * (pull + after)
+            pull = after
+        self.clamp = clamps
+        return PanelState(point(self.x, self.v), push(impulse / interval.length_s))
+
+    def account(self) -> Account:
+        raise NotImplementedError
+
+    def close(self) -> None: ...
+
+
+@dataclass
+class Sphere:
+    """Touches the plate from below its position x < plate; a linear contact spring."""
+
+    mass_kg: float
+    stiffness_N_m: float
+    x: float
+    v: float
+    steps: int = 40
+
+    def initial(self) -> Load:
+        return push(0.0)
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        dt = interval.length_s / self.steps
+        force = self._force(path, 0.0)
+        impulse = 0.0
+        for step in range(self.steps):
+            self.v += dt / 2 * force / self.mass_kg
+            self.x += dt * self.v
+            after = self._force(path, (step + 1) / self.steps)
+            self.v += dt / 2 * after / self.mass_kg
+            impulse += dt / 2 * (force + after)
+            force = after
+        return push(-impulse / interval.length_s)
+
+    def _force(self, path: Path, fraction: float) -> float:
+        return self.stiffness_N_m * max(0.0, path.position_m(fraction)[0, 0] - self.x)
+
+    def snapshot(self) -> None:
+        raise NotImplementedError
+
+    def account(self) -> Account:
+        raise NotImplementedError
+
+    def close(self) -> None: ...
+
+
+def members(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> Solvers:
+    return Solvers(frame, plate, sphere)
