@@ -17,6 +17,7 @@ import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.colors import Normalize
 
 AXES = "xyz"
 VIEW = (0.35, -1.0, 0.55)  # from the side and above
@@ -54,7 +55,7 @@ def panel_shapes(history: Any, cycle_s: float, path: Path) -> None:
             axis.plot(line[:, 0], line[:, 2], color=colours(phase), lw=1.2)
     axis.set(xlabel="x / m", ylabel="z / m", title="panels in the last cycle, coloured by phase")
     axis.axis("equal")
-    scale = plt.cm.ScalarMappable(plt.Normalize(0, 1), colours)
+    scale = plt.cm.ScalarMappable(Normalize(0, 1), colours)
     figure.colorbar(scale, ax=axis, label="phase of the cycle")
     _save(figure, path)
 

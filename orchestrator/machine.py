@@ -1,0 +1,61 @@
+"""The assembled machine: open solvers, and where everybody's points lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from orchestrator.coupling import Scheme, Solvers
+from orchestrator.geometry import TriangleSurface
+from orchestrator.ledger import Members
+from orchestrator.ports import Indices
+from orchestrator.stopwatch import Stopwatch
+
+
+@dataclass(frozen=True)
+class PanelPoints:
+    """Where one panel lies in the concatenated surface and clamps; ``centre_line`` indexes the
+    surface."""
+
+    name: str
+    surface: slice
+    clamps: slice
+    centre_line: Indices
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A point whose time series is wanted.
+
+    ``on`` is "clamps" (a point carried by a frame), "surface" (a point of a panel) or
+    "particle"; ``index`` the point's number there, or the particle's id.
+    """
+
+    name: str
+    on: str
+    index: int
+
+
+@dataclass(frozen=True)
+class Machine:
+    """All that the run, its records and its reports need to know.
+
+    ``centres``: frame name -> number of its centre of mass among the carried points.
+    ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
+    """
+
+    solvers: Solvers
+    members: Members
+    scheme: Scheme
+    stopwatch: Stopwatch
+    surface: TriangleSurface
+    panel_of_triangle: Indices
+    panels: tuple[PanelPoints, ...]
+    centres: dict[str, int]
+    probes: tuple[Probe, ...]
+
+    def close(self) -> None:
+        """Closes every solver; harmless when called twice."""
+        if self.solvers.particles is not None:
+            self.solvers.particles.close()
+        self.solvers.panel.close()
+        self.solvers.frames.close()

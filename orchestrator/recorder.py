@@ -1,0 +1,107 @@
+"""What a run writes while it goes on: time series, and snapshots for ParaView.
+
+Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion) and ``forces/<panel>``
+at every sync point; ``panels/<name>`` (centre line), ``energy`` and ``bed`` at every output time.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.coupling import State
+from orchestrator.history import History
+from orchestrator.ledger import Ledger
+from orchestrator.machine import Machine, Probe
+from orchestrator.ports import Motion, ParticleSnapshot
+from orchestrator.ranks import is_first
+from orchestrator.snapshots import Series, particle_mesh, surface_mesh
+
+
+class Recorder:
+    """On every rank (snapshots and accounts are collective); rank 0 writes."""
+
+    def __init__(self, folder: Path, machine: Machine, ledger: Ledger, start: State, world: Any):
+        self._machine, self._ledger, self._start = machine, ledger, start
+        self._writes = is_first(world)
+        self._follows = any(probe.on == "particle" for probe in machine.probes)
+        if self._writes:
+            self._history = History(folder / "history.h5")
+            self._surface = Series(folder, "surface")
+            if machine.solvers.particles is not None:
+                self._particles = Series(folder, "particles")
+
+    def sync_point(self, time_s: float, state: State) -> None:
+        """Every sync point: motions and forces."""
+        followed = self._snapshot() if self._follows else None
+        if not self._writes:
+            return
+        for name, point in self._machine.centres.items():
+            moved = state.clamps.position_m[point] - self._start.clamps.position_m[point]
+            values = {"displacement_m": moved, "velocity_m_s": state.clamps.velocity_m_s[point]}
+            self._history.add(f"frames/{name}", time_s, values)
+        for probe in self._machine.probes:
+            position, velocity = _at(probe, state, followed)
+            values = {"position_m": position, "velocity_m_s": velocity}
+            self._history.add(f"probes/{probe.name}", time_s, values)
+        for panel in self._machine.panels:
+            values = {
+                "load_N": state.load.force_N[panel.surface].sum(axis=0),
+                "reaction_N": state.panel.reaction.force_N[panel.clamps].sum(axis=0),
+            }
+            self._history.add(f"forces/{panel.name}", time_s, values)
+
+    def output(self, time_s: float, state: State) -> None:
+        """Every output time: shapes, books, and files for ParaView."""
+        terms = self._ledger.energy_J()
+        particles = self._snapshot()
+        if not self._writes:
+            return
+        self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
+        surface = state.panel.surface
+        for panel in self._machine.panels:
+            line = surface.position_m[panel.centre_line]
+            self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
+        mesh = surface_mesh(
+            surface, self._machine.surface.triangles, self._machine.panel_of_triangle
+        )
+        self._surface.add(time_s, mesh)
+        if particles is not None:
+            self._history.add("bed", time_s, _bed(particles))
+            self._particles.add(time_s, particle_mesh(particles))
+        self._history.flush()
+
+    def close(self) -> None:
+        if self._writes:
+            self._history.close()
+
+    def _snapshot(self) -> ParticleSnapshot | None:
+        particles = self._machine.solvers.particles
+        return particles.snapshot() if particles is not None else None
+
+
+def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
+    """Position and velocity (3,) of a probe; NaN for a particle that has left."""
+    if probe.on == "particle":
+        assert followed is not None
+        row = np.flatnonzero(followed.id == probe.index)
+        if len(row) == 0:
+            return np.full(3, np.nan), np.full(3, np.nan)
+        return followed.position_m[row[0]], followed.velocity_m_s[row[0]]
+    motion: Motion = state.clamps if probe.on == "clamps" else state.panel.surface
+    return motion.position_m[probe.index], motion.velocity_m_s[probe.index]
+
+
+def _bed(particles: ParticleSnapshot) -> dict[str, Any]:
+    mass = np.pi / 6 * particles.diameter_m**3 * particles.density_kg_m3
+    speed = np.linalg.norm(particles.velocity_m_s, axis=1)
+    count = len(mass)
+    return {
+        "particles": float(count),
+        "mass_kg": float(mass.sum()),
+        "mean_speed_m_s": float(mass @ speed / mass.sum()) if count else 0.0,
+        "mean_velocity_m_s": mass @ particles.velocity_m_s / mass.sum() if count else np.zeros(3),
+        "highest_m": float(particles.position_m[:, 2].max()) if count else np.nan,
+    }
