@@ -1,0 +1,87 @@
+"""``summary.json`` and the closing table: what a run says at its end.
+
+The keys are documented in docs/run-folder.md; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from rich.table import Table
+
+from orchestrator.ports import Array
+
+PARTS = ("particles", "panel", "frames", "mapping", "output")
+
+
+def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
+    """Every part, and ``rest`` so that they add up to the wall time."""
+    table = {part: parts_s.get(part, 0.0) for part in PARTS}
+    return table | {"rest": wall_s - sum(table.values())}
+
+
+def probes(history_file: Path, cycle_s: float) -> dict[str, dict[str, Any]]:
+    """Amplitude, mean and peak of every probe and every frame's centre of mass, each (3,).
+
+    ``amplitude_m``: half the range over the last two cycles (or all of a shorter run);
+    ``mean_m``: mean displacement over them; ``peak_m``: largest size of the displacement from
+    the place at t = 0 over the whole run; ``peak_speed_m_s`` likewise.
+    """
+    with h5py.File(history_file) as history:
+        found = {}
+        for kind in ("frames", "probes"):
+            for name, group in history.get(kind, {}).items():
+                moved = group["displacement_m"][:] if kind == "frames" else _moved(group)
+                found[name] = _figures(group["time_s"][:], moved, group["velocity_m_s"][:], cycle_s)
+        return found
+
+
+def _moved(group: Any) -> Array:
+    position = group["position_m"][:]
+    moved: Array = position - position[0]
+    return moved
+
+
+def _figures(time: Array, moved: Array, velocity: Array, cycle_s: float) -> dict[str, Any]:
+    last = moved[time >= time[-1] - 2 * cycle_s]
+    return {
+        "amplitude_m": ((last.max(axis=0) - last.min(axis=0)) / 2).tolist(),
+        "mean_m": last.mean(axis=0).tolist(),
+        "peak_m": float(np.linalg.norm(moved, axis=1).max()),
+        "peak_speed_m_s": float(np.linalg.norm(velocity, axis=1).max()),
+    }
+
+
+def closing_table(summary: dict[str, Any]) -> Table:
+    """Where the time went."""
+    table = Table(title="where the time went", title_justify="left")
+    table.add_column("part")
+    table.add_column("wall / s", justify="right")
+    table.add_column("share", justify="right")
+    for part, wall_s in summary["wall_by_part_s"].items():
+        table.add_row(part, f"{wall_s:.2f}", f"{100 * wall_s / summary['wall_s']:.0f} %")
+    table.add_row("all", f"{summary['wall_s']:.2f}", "100 %")
+    return table
+
+
+def closing_lines(summary: dict[str, Any]) -> list[str]:
+    """The run's own figures of quality, in words."""
+    ledger = summary["energy_ledger_J"]
+    created = sum(value for name, value in ledger.items() if name.startswith("created."))
+    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith("supplied."))
+    share = f" ({100 * created / turned_over:+.2f} % of the energy supplied)" if turned_over else ""
+    lines = [
+        f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
+        f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
+        f"energy created by the coupling {created:+.3g} J{share}",
+    ]
+    if summary["particles"]:
+        lines.insert(
+            1,
+            f"{summary['particles']} particles, "
+            f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
+        )
+    return lines
