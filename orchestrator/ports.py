@@ -86,6 +86,12 @@ class Load:
         return Load(np.zeros((points, 3)))
 
 
+def counted(what: str, record: Motion | Load, points: int) -> None:
+    """Refuse a record that has not exactly ``points`` points (BrokenRecord names both numbers)."""
+    if len(record) != points:
+        raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
+
+
 @dataclass(frozen=True)
 class PanelState:
     """What a panel hands over: its surface points' motion, and its force on the frames.

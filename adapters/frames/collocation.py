@@ -1,0 +1,63 @@
+"""Gauss-Legendre collocation for  M x'' + C x' + K x = f(t)  with constant matrices.
+
+Everything that does not change from step to step is one matrix product per step.
+Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. 2006, section II.1.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BarycentricInterpolator
+from scipy.special import roots_sh_legendre
+
+from orchestrator.ports import Array
+
+STAGES = 6
+
+
+@dataclass(frozen=True)
+class Gauss:
+    """One step.  ``node_s``, ``weight_s`` (stages,): times from the step's start, and weights
+    that sum to the step.  ``inner`` maps (state, loads) to all stage states, ``outer`` to the
+    state at the end; a state is (x, x') in one vector."""
+
+    node_s: Array
+    weight_s: Array
+    inner: Array
+    outer: Array
+
+    def stages(self, x: Array, v: Array, load: Array) -> tuple[Array, Array]:
+        """x and x' at the nodes, (stages, coordinates) each, for loads (stages, coordinates)."""
+        states = (self.inner @ np.concatenate([x, v, load.ravel()])).reshape(len(self.node_s), -1)
+        return states[:, : len(x)], states[:, len(x) :]
+
+    def end(self, x: Array, v: Array, load: Array) -> tuple[Array, Array]:
+        state = self.outer @ np.concatenate([x, v, load.ravel()])
+        return state[: len(x)], state[len(x) :]
+
+
+def gauss(mass: Array, damping: Array, stiffness: Array, step_s: float) -> Gauss:
+    """All matrices (coordinates, coordinates); ``mass`` regular."""
+    n = len(mass)
+    rate = np.zeros((2 * n, 2 * n))  # y' = rate y + push f
+    rate[:n, n:] = np.eye(n)
+    rate[n:] = -np.linalg.solve(mass, np.hstack([stiffness, damping]))
+    push = np.vstack([np.zeros((n, n)), np.linalg.inv(mass)])
+    node, weight, integral = _tableau()
+    system = np.eye(STAGES * 2 * n) - step_s * np.kron(integral, rate)
+    start = np.kron(np.ones((STAGES, 1)), np.eye(2 * n))
+    inner = np.linalg.solve(system, np.hstack([start, step_s * np.kron(integral, push)]))
+    outer = step_s * np.kron(weight, rate) @ inner
+    outer[:, : 2 * n] += np.eye(2 * n)
+    outer[:, 2 * n :] += step_s * np.kron(weight, push)
+    return Gauss(step_s * node, step_s * weight, inner, outer)
+
+
+def _tableau() -> tuple[Array, Array, Array]:
+    """Nodes and weights on (0, 1), and a_ij = the integral of basis polynomial j up to node i."""
+    node, weight = roots_sh_legendre(STAGES)
+    basis = BarycentricInterpolator(node, np.eye(STAGES))
+    integral = np.array([end * (weight @ basis(end * node)) for end in node])
+    return node, weight, integral

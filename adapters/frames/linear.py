@@ -1,0 +1,108 @@
+"""Bodies on bushings, linearised about the position they are drawn in.
+
+Each body has ``freedoms`` coordinates: three translations of its centre of mass, then (with six)
+three small rotations about world axes.  A bushing between bodies a and b (place p, rows of
+``axes`` = spring axes) is stretched by  axes (u_b - u_a)  with  u = x + rotation x (p - centre).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+
+from orchestrator.plans import Body, FramesPlan
+from orchestrator.ports import Array, Indices
+
+
+@dataclass(frozen=True)
+class LinearMachine:
+    """``stretch`` (3 bushings, coordinates): elongations along the spring axes per coordinate;
+    ``stiffness_N_m``, ``damping_N_s_m`` (3 bushings,); ``mass`` (coordinates, coordinates)."""
+
+    stretch: Array
+    stiffness_N_m: Array
+    damping_N_s_m: Array
+    mass: Array
+
+    @property
+    def stiffness(self) -> Array:
+        return np.asarray(self.stretch.T @ (self.stiffness_N_m[:, None] * self.stretch))
+
+    @property
+    def damping(self) -> Array:
+        return np.asarray(self.stretch.T @ (self.damping_N_s_m[:, None] * self.stretch))
+
+    def fastest_rad_s(self) -> float:
+        """Highest undamped natural frequency, 0 without bushings."""
+        highest = scipy.linalg.eigh(self.stiffness, self.mass, eigvals_only=True)[-1]
+        return float(np.sqrt(max(highest, 0.0)))
+
+    def sag(self, load: Array) -> Array:
+        """Static coordinates (coordinates,) under a constant load.
+
+        Raises ValueError if the bushings cannot hold the load.
+        """
+        found: Array = np.linalg.lstsq(self.stiffness, load, rcond=1e-12)[0]
+        if np.abs(self.stiffness @ found - load).max() > 1e-8 * np.abs(load).max():
+            raise ValueError("the bushings cannot hold the bodies' weight: one moves freely")
+        return found
+
+
+def linearised(plan: FramesPlan, freedoms: int) -> LinearMachine:
+    """``freedoms`` 3 (translations only) or 6."""
+    coordinates = freedoms * len(plan.bodies)
+    stretch = np.zeros((len(plan.bushings), 3, coordinates))
+    for row, bushing in zip(stretch, plan.bushings, strict=True):
+        for sign, number in zip((-1.0, 1.0), numbers(plan, bushing.bodies), strict=True):
+            if number >= 0:
+                moved = displacement(plan.bodies[number], bushing.position_m)[:, :freedoms]
+                row[:, freedoms * number : freedoms * (number + 1)] += sign * bushing.axes @ moved
+    blocks = [_mass(body)[:freedoms, :freedoms] for body in plan.bodies]
+    return LinearMachine(
+        stretch.reshape(-1, coordinates),
+        np.array([bushing.stiffness_N_m for bushing in plan.bushings]).reshape(-1),
+        np.array([bushing.damping_N_s_m for bushing in plan.bushings]).reshape(-1),
+        scipy.linalg.block_diag(*blocks),
+    )
+
+
+def resting_load(plan: FramesPlan) -> Array:
+    """Weight and initial reaction as forces and moments about the centres of mass, (bodies, 6)."""
+    load = np.zeros((len(plan.bodies), 6))
+    carrier = numbers(plan, plan.carrier)
+    for number, body in enumerate(plan.bodies):
+        points = carrier == number
+        arms_m = plan.points_m[points] - body.center_of_mass_m
+        force_N = plan.reaction_N[points]
+        load[number, :3] = body.mass_kg * plan.gravity_m_s2 + force_N.sum(axis=0)
+        load[number, 3:] = np.cross(arms_m, force_N).sum(axis=0)
+    return load
+
+
+def displacement(body: Body, place_m: Array) -> Array:
+    """(3, 6): how a point of the body moves per translation and small rotation."""
+    x, y, z = place_m - body.center_of_mass_m
+    turned = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+    return np.hstack([np.eye(3), turned])
+
+
+def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
+    """The bodies' places in the plan, -1 for "ground".  ValueError for a name unknown."""
+    known = {body.name: number for number, body in enumerate(plan.bodies)} | {"ground": -1}
+    if unknown := set(names) - set(known):
+        raise ValueError(f"no such body: {sorted(unknown)}; there are {sorted(known)}")
+    return np.array([known[name] for name in names], dtype=np.int64)
+
+
+def refuse_drives(plan: FramesPlan, solver: str) -> None:
+    if plan.drives:
+        raise ValueError(
+            f"{solver} moves bodies by forces; a drive on {plan.drives[0].body!r} needs the "
+            "prescribed frames"
+        )
+
+
+def _mass(body: Body) -> Array:
+    return np.asarray(scipy.linalg.block_diag(body.mass_kg * np.eye(3), body.inertia_kg_m2))

@@ -1,0 +1,45 @@
+"""Rows of two points, one at each edge of a panel, and what lies between them.
+
+The points are numbered row by row along the panel: y = 0 first, then y = width.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from orchestrator.ports import Array
+
+
+def points_m(rows_m: Array, width_m: float) -> Array:
+    """Material coordinates (2 rows, 2) of the rows at s = ``rows_m`` (increasing)."""
+    return np.array([(s, y) for s in rows_m for y in (0.0, width_m)])
+
+
+def interpolation(rows_m: Array, width_m: float, coordinates_m: Array) -> csr_array:
+    """Bilinear shape functions (n, points) at ``coordinates_m`` (n, 2).
+
+    Raises ValueError for coordinates off the panel.
+    """
+    s, y = coordinates_m.T
+    slack = 1e-9 * (rows_m[-1] - rows_m[0])
+    off = (s < rows_m[0] - slack) | (s > rows_m[-1] + slack) | (y < -slack) | (y > width_m + slack)
+    if off.any() or not np.isfinite(coordinates_m).all():
+        worst = coordinates_m[off | ~np.isfinite(coordinates_m).all(axis=1)][0]
+        raise ValueError(f"material coordinates {worst.tolist()} m are off the panel")
+    cell = np.clip(np.searchsorted(rows_m, s, side="right") - 1, 0, len(rows_m) - 2)
+    t = (s - rows_m[cell]) / (rows_m[cell + 1] - rows_m[cell])
+    u = y / width_m
+    shapes = np.stack([(1 - t) * (1 - u), (1 - t) * u, t * (1 - u), t * u], axis=1)
+    points = 2 * cell[:, None] + np.arange(4)
+    starts = 4 * np.arange(len(s) + 1)
+    return csr_array((shapes.ravel(), points.ravel(), starts), shape=(len(s), 2 * len(rows_m)))
+
+
+def half_row_mass_kg(rows_m: Array, mass_per_length_kg_m: float) -> Array:
+    """Lumped mass (points,): each cell gives equal parts to its four corners."""
+    cell = mass_per_length_kg_m * np.diff(rows_m)
+    row = np.zeros(len(rows_m))
+    row[:-1] += cell / 2
+    row[1:] += cell / 2
+    return np.repeat(row / 2, 2)

@@ -1,0 +1,70 @@
+"""Small machines that the tests of the frames share: numbers near those of a real screen."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from orchestrator.plans import Body, Bushing, Exciter, FramesPlan
+from orchestrator.ports import Array
+
+GRAVITY = np.array([0.0, 0.0, -9.81])
+ALONG, ACROSS, UP = np.eye(3)
+POINTS_M = np.array([[-1.2, 0.4, 0.1], [1.2, -0.4, 0.1], [-1.0, 0.4, 0.4], [1.0, -0.3, 0.4]])
+
+
+def body(name: str, mass_kg: float = 764.0, center_m: Array | None = None) -> Body:
+    center_m = np.zeros(3) if center_m is None else center_m
+    inertia = np.diag([0.3, 0.67, 0.8]) * mass_kg
+    return Body(name, mass_kg, inertia, center_m)
+
+
+def bushing(
+    bodies: tuple[str, str],
+    position_m: Array,
+    stiffness_N_m: tuple[float, float, float],
+    loss_factor: float = 0.1,
+    axes: Array | None = None,
+) -> Bushing:
+    """Damped so that a loss factor at 78.5 rad/s results."""
+    k = np.array(stiffness_N_m)
+    name = f"{bodies[0]}-{bodies[1]}-{position_m.tolist()}"
+    axes = np.eye(3) if axes is None else axes
+    return Bushing(name, bodies, position_m, axes, k, loss_factor * k / 78.5)
+
+
+def exciter(speed_rad_s: float = 78.5, run_up_s: float = 0.0, **changed: object) -> Exciter:
+    given = {"body": "driving", "position_m": np.zeros(3), "axis": ACROSS, "start": UP}
+    given |= {"mass_moment_kg_m": 3.5, "phase_rad": 0.0} | changed
+    return Exciter(speed_rad_s=speed_rad_s, run_up_s=run_up_s, **given)  # type: ignore[arg-type]
+
+
+def two_bodies(
+    exciters: tuple[Exciter, ...] = (),
+    drawn_at_rest: bool = True,
+    interval_s: float = 1e-3,
+    step_s: float = 0.0,
+    loss_factor: float = 0.1,
+) -> FramesPlan:
+    """Both centres of mass coincide and the bushings lie symmetrically about them, so that a
+    centred exciter makes no pitch: the two-mass closed form holds for six freedoms too."""
+    ground = (225e3, 225e3, 225e3)
+    shear = (1.185e6, 3e6, 2.9e6)
+    places = [np.array([x, y, 0.0]) for x in (-0.9, 0.9) for y in (-0.4, 0.4)]
+    bushings = [bushing(("ground", "driving"), p, ground, loss_factor) for p in places]
+    ends = [np.array([x, 0.0, 0.0]) for x in (-0.85, 0.85)]
+    bushings += [bushing(("driving", "driven"), p, shear, loss_factor) for p in ends]
+    side = [np.array([0.0, y, z]) for y in (-0.4, 0.4) for z in (-0.2, 0.2)]
+    bushings += [bushing(("driving", "driven"), p, (1e0, 1e3, 1e3), loss_factor) for p in side]
+    return FramesPlan(
+        bodies=(body("driving"), body("driven", 287.0)),
+        bushings=tuple(bushings),
+        exciters=exciters,
+        drives=(),
+        gravity_m_s2=GRAVITY,
+        points_m=POINTS_M,
+        carrier=("driving", "driving", "driven", "driven"),
+        reaction_N=np.zeros((4, 3)),
+        drawn_at_rest=drawn_at_rest,
+        step_s=step_s,
+        sync_interval_s=interval_s,
+    )
