@@ -1,0 +1,112 @@
+"""Bending of a thin sheet with a flat reference: a constant matrix, alike for x, y and z.
+
+The energy is quadratic in the second derivatives of the position, so it is zero for every rigid
+motion and every uniform stretch, and equals the plate's energy for motions without strain.  On C0
+elements the normal slope may jump across cell borders: the jump is penalised and made consistent
+by the C0 interior penalty method (Engel et al., Comput. Methods Appl. Mech. Engrg. 191 (2002)
+3669-3750, doi:10.1016/S0045-7825(02)00286-4).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import dolfinx.fem.petsc as fem_petsc
+import numpy as np
+import ufl
+from scipy.sparse import csr_matrix
+
+from adapters.panel.compiled import form
+from adapters.panel.maxwell import Branches
+from orchestrator.ports import Array
+
+# 3 is the least with which the matrix has no negative eigenvalue (docs/theory/panel_sheet.md).
+PENALTY = 4.0
+
+
+def _bilinear_form(trial: Any, test: Any, stiffness_N_m: float, poisson_ratio: float) -> Any:
+    """C0 interior penalty form of a plate's bending for one component of the position."""
+    mesh = trial.ufl_domain()
+    normal = ufl.FacetNormal(mesh)
+
+    def curvature(w: Any) -> Any:
+        return ufl.grad(ufl.grad(w))
+
+    def moment(w: Any, side: str) -> Any:
+        k, n = curvature(w)(side), normal(side)
+        return (1 - poisson_ratio) * ufl.dot(n, ufl.dot(k, n)) + poisson_ratio * ufl.tr(k)
+
+    def mean_moment(w: Any) -> Any:
+        return 0.5 * (moment(w, "+") + moment(w, "-"))
+
+    def slope_jump(w: Any) -> Any:
+        return ufl.jump(ufl.grad(w), normal)
+
+    across = ufl.dot(ufl.transpose(ufl.Jacobian(mesh)), normal)
+    cell_m = ufl.sqrt(ufl.dot(across, across))
+    ku, kv = curvature(trial), curvature(test)
+    cells = (1 - poisson_ratio) * ufl.inner(ku, kv) + poisson_ratio * ufl.tr(ku) * ufl.tr(kv)
+    facets = (
+        PENALTY * ufl.avg(1 / cell_m) * slope_jump(trial) * slope_jump(test)
+        - mean_moment(trial) * slope_jump(test)
+        - mean_moment(test) * slope_jump(trial)
+    )
+    return stiffness_N_m * (cells * ufl.dx + facets * ufl.dS)
+
+
+def stiffness_matrix(scalar_space: Any, stiffness_N_m: float, poisson_ratio: float) -> csr_matrix:
+    """(nodes, nodes) in N/m for a plate stiffness D = ``stiffness_N_m`` (in N m)."""
+    trial, test = ufl.TrialFunction(scalar_space), ufl.TestFunction(scalar_space)
+    matrix = fem_petsc.assemble_matrix(
+        form(_bilinear_form(trial, test, stiffness_N_m, poisson_ratio))
+    )
+    matrix.assemble()
+    starts, columns, values = matrix.getValuesCSR()
+    matrix.destroy()
+    return csr_matrix((values, columns, starts))
+
+
+class Bending:
+    """Force and energy of a constant stiffness matrix with Maxwell branches of its own.
+
+    ``flat_m`` (nodes, 3) are positions without bending: the matrix acts on what differs from them,
+    which keeps its rounding errors, and with them those of momentum, small.
+    The branches act on the nodal displacement, so their overstress does not turn with the sheet:
+    good while rotations within a relaxation time are small.
+    """
+
+    def __init__(
+        self, matrix: csr_matrix, flat_m: Array, branches: tuple[tuple[float, float], ...]
+    ) -> None:
+        self.matrix = matrix
+        self._flat_m = flat_m
+        nodes = matrix.shape[0]
+        self.branches = Branches(branches, 3 * nodes)
+        self._position_m = np.zeros((nodes, 3))
+        self._elastic_N = np.zeros((nodes, 3))
+        self._trial_N = np.zeros((nodes, 3))
+
+    def rest(self, position_m: Array) -> None:
+        """Take ``position_m`` (nodes, 3) as relaxed."""
+        self._position_m[:] = position_m
+        self._elastic_N[:] = self.matrix @ (position_m - self._flat_m)
+
+    def begin_step(self, step_s: float) -> None:
+        self.branches.begin(step_s, self._elastic_N.reshape(-1))
+
+    def add_force(self, position_m: Array, force_N: Array) -> None:
+        self._trial_N = self.matrix @ (position_m - self._flat_m)
+        force_N += (1.0 + self.branches.share) * self._trial_N
+        force_N += self.branches.history.reshape(-1, 3)
+
+    def end_step(self, position_m: Array) -> None:
+        """Accept ``position_m``, for which ``add_force`` was called last."""
+        self.branches.end(
+            (position_m - self._position_m).reshape(-1),
+            (self._trial_N - self._elastic_N).reshape(-1),
+        )
+        self._position_m[:] = position_m
+        self._elastic_N[:] = self._trial_N
+
+    def stored_J(self) -> float:
+        return 0.5 * float(np.vdot(self._position_m - self._flat_m, self._elastic_N))

@@ -1,0 +1,132 @@
+"""The panel port around a structure and a time integrator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from adapters.panel.grid import Grid
+from adapters.panel.state import HeldForce, State
+from adapters.panel.structure import Structure
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.plans import PanelPlan, SolverFailed
+from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, PanelState
+
+
+class Integrator(Protocol):
+    def advance(self, state: State, path: Path, outside_N: Array, interval: Interval) -> HeldForce:
+        """Move ``state`` to the interval's end, its held nodes on ``path``, under the constant
+        force ``outside_N`` (nodes, 3)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What particles touch: a grid, and which node of the structure stands at each of its nodes."""
+
+    grid: Grid
+    nodes: Indices
+
+
+class ElasticPanel:
+    """A structure at rest at ``resting_m`` (nodes, 3) when t = 0, moved by an integrator.
+
+    The surface points are the nodes of ``surface`` in its order, the clamp points the structure's
+    held nodes.
+    """
+
+    def __init__(
+        self,
+        plan: PanelPlan,
+        structure: Structure,
+        integrator: Integrator,
+        surface: Surface,
+        resting_m: Array,
+    ) -> None:
+        self.mount = _mount(plan, resting_m[structure.held])
+        self._plan = plan
+        self._structure = structure
+        self._integrator = integrator
+        self._grid = surface.grid
+        self._surface = surface.nodes
+        self._weight_N = structure.mass_kg[:, None] * plan.gravity_m_s2
+        structure.rest(resting_m)
+        internal = structure.force_N(resting_m)
+        self._state = State(resting_m.copy(), np.zeros_like(resting_m), internal)
+        self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
+        self._impulse_N_s = np.zeros(3)
+        self._load_J = self._clamps_J = 0.0
+
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        return self._grid.interpolation(coordinates_m)
+
+    def initial(self) -> PanelState:
+        held = self._structure.held
+        static = self._weight_N[held] - self._state.internal_N[held]
+        return PanelState(self._surface_motion(), Load(static))
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        state, held = self._state, self._structure.held
+        outside = self._weight_N.copy()
+        outside[self._surface] += load.force_N
+        started_m, started_m_s = state.position_m.copy(), state.velocity_m_s[held]
+        path = Path(self._clamps, clamps, interval.length_s)
+        with np.errstate(over="ignore", invalid="ignore"):  # _check reports a blow-up
+            on_held = self._integrator.advance(state, path, outside, interval)
+        self._check(interval)
+        self._clamps = clamps
+        moved = state.position_m - started_m
+        self._impulse_N_s += interval.length_s * self._weight_N.sum(axis=0)
+        self._load_J += float(np.vdot(load.force_N, moved[self._surface]))
+        mass, ended_m_s = self._structure.mass_kg[held, None], state.velocity_m_s[held]
+        self._clamps_J += (
+            0.5 * float((mass * (ended_m_s**2 - started_m_s**2)).sum())
+            + on_held.work_J
+            - float(np.vdot(outside[held], moved[held]))
+        )
+        inertia_N_s = mass * (ended_m_s - started_m_s) + on_held.impulse_N_s
+        reaction = outside[held] - inertia_N_s / interval.length_s
+        return PanelState(self._surface_motion(), Load(reaction))
+
+    def account(self) -> Account:
+        state, mass = self._state, self._structure.mass_kg[:, None]
+        stored = self._structure.stored_J() | {
+            "kinetic": 0.5 * float((mass * state.velocity_m_s**2).sum()),
+            "gravitational": -float(np.vdot(self._weight_N, state.position_m)),
+        }
+        return Account(
+            momentum_kg_m_s=(mass * state.velocity_m_s).sum(axis=0),
+            outside_impulse_N_s=self._impulse_N_s.copy(),
+            stored_J=stored,
+            lost_J={"panel_damping": self._structure.lost_J()},
+            received_J={"load": self._load_J, "clamps": self._clamps_J},
+        )
+
+    def close(self) -> None:
+        """Nothing stays open: PETSc's objects go with this one."""
+
+    def _surface_motion(self) -> Motion:
+        state = self._state
+        return Motion(state.position_m[self._surface], state.velocity_m_s[self._surface])
+
+    def _check(self, interval: Interval) -> None:
+        """Free nodes do not outrun elastic waves in the material unless the solution blew up."""
+        material = self._plan.material
+        limit_m_s = (material.youngs_modulus_Pa / material.density_kg_m3) ** 0.5
+        fastest_m_s = np.abs(self._state.velocity_m_s).max()
+        if not fastest_m_s < limit_m_s:
+            raise SolverFailed(
+                f"panel {self._plan.name}, t = {interval.end_s} s: unstable, a node moves at "
+                f"{fastest_m_s:.3g} m/s (elastic waves: {limit_m_s:.3g} m/s); take a smaller step"
+            )
+
+
+def _mount(plan: PanelPlan, held_m: Array) -> Mount:
+    """The clamp points and the frame that holds each: that of the nearer clamp."""
+    along_m = (held_m - plan.rectangle.corner_m) @ plan.rectangle.along
+    second = along_m > 0.5 * plan.rectangle.span_m
+    return Mount(held_m, tuple(plan.frames[int(end)] for end in second))

@@ -1,0 +1,80 @@
+"""A rectangular grid of quadratic cells in material coordinates (s, y).
+
+Nodes stand at the corners, edge middles and centres of the cells and are numbered with y running
+fastest; values between them follow the biquadratic Lagrange shape functions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from orchestrator.geometry import Rectangle
+from orchestrator.ports import Array, Indices
+
+
+def _with_middles(breaks_m: Array) -> Array:
+    nodes = np.empty(2 * len(breaks_m) - 1)
+    nodes[::2] = breaks_m
+    nodes[1::2] = 0.5 * (breaks_m[:-1] + breaks_m[1:])
+    return nodes
+
+
+def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices, Array]:
+    """First node (n,) and the three shape functions (n, 3) of the cell that holds each value."""
+    outside = (value_m < breaks_m[0] - slack_m) | (value_m > breaks_m[-1] + slack_m)
+    if outside.any() or not np.isfinite(value_m).all():
+        worst = value_m[outside | ~np.isfinite(value_m)][0]
+        raise ValueError(
+            f"material coordinate {worst} m lies outside the panel's "
+            f"{breaks_m[0]} ... {breaks_m[-1]} m"
+        )
+    cell = np.clip(np.searchsorted(breaks_m, value_m, side="right") - 1, 0, len(breaks_m) - 2)
+    t = (value_m - breaks_m[cell]) / (breaks_m[cell + 1] - breaks_m[cell])
+    shapes = np.stack(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)), axis=1)
+    return 2 * cell, shapes
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cell borders along and across in m, both increasing."""
+
+    s_m: Array
+    y_m: Array
+
+    @staticmethod
+    def of(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
+        """``cells`` equal cells along the free length and across, and one more column under each
+        clamp (none where ``clamp_m`` is 0: such an edge is held at its points only, a hinge)."""
+        if min(cells) < 1:
+            raise ValueError(f"a panel needs at least one cell along and across, got {cells}")
+        free = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
+        under = [rectangle.clamp_m] if rectangle.clamp_m > 0.0 else []
+        s = np.concatenate([[-c for c in under], free, [rectangle.length_m + c for c in under]])
+        return Grid(s, np.linspace(0.0, rectangle.width_m, cells[1] + 1))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of cells along and across."""
+        return len(self.s_m) - 1, len(self.y_m) - 1
+
+    def nodes_m(self) -> Array:
+        """Material coordinates (nodes, 2)."""
+        s, y = np.meshgrid(_with_middles(self.s_m), _with_middles(self.y_m), indexing="ij")
+        return np.column_stack((s.ravel(), y.ravel()))
+
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        """Shape functions (n, nodes) at ``coordinates_m`` (n, 2); ValueError outside the grid."""
+        slack = 1e-9 * (self.s_m[-1] - self.s_m[0])
+        row, along = _quadratic(self.s_m, coordinates_m[:, 0], slack)
+        column, across = _quadratic(self.y_m, coordinates_m[:, 1], slack)
+        per_row = 2 * len(self.y_m) - 1
+        nodes = (row[:, None, None] + np.arange(3)[:, None]) * per_row + (
+            column[:, None, None] + np.arange(3)
+        )
+        values = along[:, :, None] * across[:, None, :]
+        starts = np.arange(len(coordinates_m) + 1) * 9
+        size = (len(coordinates_m), (2 * len(self.s_m) - 1) * per_row)
+        return csr_array((values.ravel(), nodes.ravel(), starts), shape=size)

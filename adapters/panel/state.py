@@ -1,0 +1,42 @@
+"""What the time integrators change, and what they tell about the held nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from orchestrator.ports import Array
+
+
+@dataclass
+class State:
+    """Nodal positions, velocities and internal forces (nodes, 3) at one instant.
+
+    ``filtered_N`` is the internal force as the implicit scheme averages it over past steps.
+    """
+
+    position_m: Array
+    velocity_m_s: Array
+    internal_N: Array
+    filtered_N: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.filtered_N = self.internal_N.copy()
+
+
+@dataclass
+class HeldForce:
+    """Internal force at the held nodes over an interval: its impulse (held, 3) and its work on
+    their motion, both with the mean force that the scheme itself uses in each step."""
+
+    impulse_N_s: Array
+    work_J: float
+
+    @staticmethod
+    def none(held: int) -> HeldForce:
+        return HeldForce(np.zeros((held, 3)), 0.0)
+
+    def add(self, step_s: float, force_N: Array, moved_m: Array) -> None:
+        self.impulse_N_s += step_s * force_N
+        self.work_J += float(np.vdot(force_N, moved_m))

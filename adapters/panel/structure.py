@@ -1,0 +1,83 @@
+"""A deformable body on a finite-element mesh, as the time integrators see it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from adapters.panel.bending import Bending
+from adapters.panel.compiled import form
+from adapters.panel.material import Law, Material
+from orchestrator.ports import Array, Indices
+
+
+def lumped_mass_kg(space: Any, mass_per_measure: float) -> Array:
+    """(nodes,): the integral of each shape function.  For quadratic cells on a rectangular grid
+    this is the mass collocated at the Gauss-Lobatto points: positive and of full order."""
+    ones = ufl.as_vector([1.0, 1.0, 1.0])
+    integral = mass_per_measure * ufl.inner(ones, ufl.TestFunction(space)) * ufl.dx
+    mass: Array = fem.assemble_vector(form(integral)).array[::3].copy()
+    return mass
+
+
+class Structure:
+    """Lumped mass, internal force and energy of a body; ``held`` are the prescribed nodes.
+
+    Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any
+    number of ``force_N`` at trial positions of its end, then ``end_step``, which accepts the
+    positions given to ``force_N`` last.
+    """
+
+    def __init__(
+        self, law: Law, mass_per_measure: float, held: Indices, bending: Bending | None = None
+    ) -> None:
+        self.space = law.position.function_space
+        self.mass_kg = lumped_mass_kg(self.space, mass_per_measure)
+        self.held = held
+        self.free = np.setdiff1d(np.arange(len(self.mass_kg)), held)
+        self.material = Material(law)
+        self.bending = bending
+        self._position_m = law.position.x.array.reshape(-1, 3)  # a view into the field
+
+    def rest(self, position_m: Array) -> None:
+        """Take ``position_m`` as the shape in which every Maxwell branch is relaxed."""
+        self._position_m[:] = position_m
+        self.material.rest()
+        if self.bending:
+            self.bending.rest(position_m)
+
+    def begin_step(self, step_s: float) -> None:
+        self.material.begin_step(step_s)
+        if self.bending:
+            self.bending.begin_step(step_s)
+
+    def force_N(self, position_m: Array) -> Array:
+        """Internal force at trial positions: the force that the body needs to stay there."""
+        self._position_m[:] = position_m
+        force = np.zeros_like(position_m)
+        self.material.add_force(force)
+        if self.bending:
+            self.bending.add_force(position_m, force)
+        return force
+
+    def end_step(self) -> None:
+        self.material.end_step()
+        if self.bending:
+            self.bending.end_step(self._position_m)
+
+    def stored_J(self) -> dict[str, float]:
+        """Elastic energy by name and that of the Maxwell branches."""
+        stored = self.material.stored_J()
+        maxwell = self.material.maxwell_J
+        if self.bending:
+            stored["bending"] = self.bending.stored_J()
+            maxwell += float(self.bending.branches.energy_J.sum())
+        return stored | {"maxwell": maxwell}
+
+    def lost_J(self) -> float:
+        """What the Maxwell branches dissipated since the start."""
+        lost = self.material.lost_J
+        return lost + (self.bending.branches.lost_J if self.bending else 0.0)
