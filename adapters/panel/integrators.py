@@ -4,34 +4,51 @@ from __future__ import annotations
 
 from adapters.panel.elastic_panel import Integrator
 from adapters.panel.explicit import Explicit
+from adapters.panel.generalized_alpha import GeneralizedAlpha
 from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
 from orchestrator.plans import PanelPlan
 
-# Shares of the step at which small vibrations about the resting shape become unstable: the first
-# leaves room for stiffening in motion, the second is what step_s = 0 takes.
-STABLE_SHARE = 0.9
-USUAL_SHARE = 0.8
+# Explicit: shares of the step at which small vibrations about the resting shape become unstable.
+# The first leaves room for stiffening in motion, the second is what step_s = 0 takes.
+STABLE_SHARE = 0.95
+USUAL_SHARE = 0.85
+# Implicit: no stability limit, but accuracy (docs/theory/panel_sheet.md).
+COARSEST_STEP_S = 1e-3
+USUAL_STEP_S = 2e-4
 
 
 def choose(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Integrator:
-    """The integrator of ``plan`` for a structure that stands in its resting shape."""
-    largest = largest_step_s(plan, tangent)
+    """The integrator of ``plan`` for a structure that stands in its resting shape.
+
+    ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
+    """
+    largest, usual = _limits_s(plan, tangent)
     if plan.step_s > largest:
         raise ValueError(
             f"panel {plan.name}: step_s = {plan.step_s} is above the limit of {largest:.3g} s; "
-            f"use {USUAL_SHARE / STABLE_SHARE * largest:.2g} or 0 (the solver's own choice)"
+            f"use {usual:.2g} or 0 (the solver's own choice)"
         )
-    return Explicit(structure, plan.step_s or largest * USUAL_SHARE / STABLE_SHARE)
+    step_s = plan.step_s or usual
+    if plan.integrator == "explicit":
+        return Explicit(structure, step_s)
+    return GeneralizedAlpha(structure, tangent, step_s, plan.name)
 
 
 def largest_step_s(plan: PanelPlan, tangent: Tangent) -> float:
-    """Largest step for the structure in its present shape.
+    """The largest step for the structure in its present shape."""
+    return _limits_s(plan, tangent)[0]
 
-    Maxwell branches answer fast changes like springs and raise the stiffness by their ratios.
-    """
+
+def _limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
+    """Largest and usual step.  Maxwell branches answer fast changes like springs and so raise
+    the stiffness that limits an explicit step by their ratios."""
+    if plan.integrator == "implicit":
+        return COARSEST_STEP_S, USUAL_STEP_S
     if plan.integrator != "explicit":
-        raise ValueError(f"panel {plan.name}: no integrator {plan.integrator!r}")
+        raise ValueError(
+            f"panel {plan.name}: integrator {plan.integrator!r} is neither 'explicit' nor 'implicit'"
+        )
     stiffening = 1.0 + sum(ratio for ratio, _ in plan.material.branches)
-    limit_s: float = STABLE_SHARE * 2.0 / (tangent.highest_frequency_rad_s() * stiffening**0.5)
-    return limit_s
+    critical_s = 2.0 / (tangent.highest_frequency_rad_s() * stiffening**0.5)
+    return STABLE_SHARE * critical_s, USUAL_SHARE * critical_s
