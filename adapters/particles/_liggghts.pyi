@@ -1,0 +1,77 @@
+"""The C++ bridge to LIGGGHTS (``bridge/module.cpp``): one LIGGGHTS instance in this process.
+
+Errors of LIGGGHTS are RuntimeError.  All calls are collective, all results this rank's own.
+"""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports import Array
+
+Ints = npt.NDArray[np.int32]
+
+class Engine:
+    def __init__(self, communicator: int, screen_file: str, log_file: str) -> None:
+        """``communicator`` is a Fortran handle (mpi4py: ``py2f()``)."""
+
+    def command(self, line: str) -> None: ...
+    def set_surface(
+        self,
+        position_m: Array,
+        triangles: Ints,
+        type: Ints,
+        largest_radius_m: float,
+        tangential_spring: bool,
+    ) -> None: ...
+    def create(
+        self,
+        position_m: Array,
+        velocity_m_s: Array,
+        spin_rad_s: Array,
+        diameter_m: Array,
+        density_kg_m3: Array,
+        type: Ints,
+        first_id: int,
+    ) -> None:
+        """Each rank creates the particles whose place it owns."""
+
+    def remove(self, local: list[int]) -> None: ...
+    def overlaps(self, position_m: Array, diameter_m: Array) -> list[bool]:
+        """Which places overlap a particle of this rank."""
+
+    def store_history(self) -> None:
+        """To be called before ``create`` and ``remove`` once the first step was made."""
+
+    def prepare(self) -> None:
+        """To be called after them: neighbour lists and forces."""
+
+    def begin_path(
+        self,
+        start_m: Array,
+        start_m_s: Array,
+        end_m: Array,
+        end_m_s: Array,
+        length_s: float,
+        steps: int,
+    ) -> None: ...
+    def run(self, steps: int, step_s: float) -> None: ...
+    def particles(self) -> dict[str, npt.NDArray[Any]]:
+        """Views of LIGGGHTS's memory: x, v, omega, f, torque (n, 3), radius, rmass, density, type,
+        tag (n,); valid until the next call that moves particles."""
+
+    def impulse_N_s(self) -> Array:
+        """On each surface point (points, 3) during the last ``run``."""
+
+    def force_N(self) -> Array:
+        """On each surface point (points, 3) in the last force evaluation."""
+
+    def surface_work_J(self) -> float:
+        """Done by the surface on the particles since t = 0."""
+
+    def surface_elastic_J(self) -> float: ...
+    def surface_contacts(self) -> int: ...
+    def pair_elastic_J(
+        self, e_star_Pa: list[float], g_star_Pa: list[float], tangential_spring: bool
+    ) -> float: ...

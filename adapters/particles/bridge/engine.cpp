@@ -1,0 +1,168 @@
+#include "engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iostream>
+#include <stdexcept>
+
+#include "atom.h"
+#include "atom_vec.h"
+#include "domain.h"
+#include "fix.h"
+#include "input.h"
+#include "integrate.h"
+#include "lammps.h"
+#include "modify.h"
+#include "update.h"
+
+namespace flipflow {
+
+using namespace LAMMPS_NS;
+
+namespace {
+
+Fix *create_surface(LAMMPS *lmp, int narg, char **arg) { return new FixSurface(lmp, narg, arg); }
+
+// LIGGGHTS's table of fix styles is private and its input can add none from outside.  Naming a
+// private member as a template argument of an explicit instantiation is allowed by the language.
+using FixStyles = std::map<std::string, Fix *(*)(LAMMPS *, int, char **)>;
+FixStyles *Modify::*style_table();
+template <FixStyles *Modify::*member>
+struct StyleTable {
+  friend FixStyles *Modify::*style_table() { return member; }
+};
+template struct StyleTable<&Modify::fix_map>;
+
+// LIGGGHTS registers its contact models again for every instance and warns on std::cerr about it.
+class QuietErrors {
+ public:
+  QuietErrors() : buffer_(std::cerr.rdbuf(nullptr)) {}
+  ~QuietErrors() { std::cerr.rdbuf(buffer_); }
+
+ private:
+  std::streambuf *buffer_;
+};
+
+void place(Atom &atom, Modify &modify, const Engine::Particles &p, int k, int id) {
+  double x[3];
+  std::copy_n(p.position_m + 3 * k, 3, x);
+  atom.avec->create_atom(p.type[k], x);
+  const int i = atom.nlocal - 1;
+  const double radius = 0.5 * p.diameter_m[k];
+  atom.tag[i] = id;
+  atom.radius[i] = radius;
+  atom.density[i] = p.density_kg_m3[k];
+  atom.rmass[i] = 4.0 / 3.0 * M_PI * radius * radius * radius * p.density_kg_m3[k];
+  std::copy_n(p.velocity_m_s + 3 * k, 3, atom.v[i]);
+  std::copy_n(p.spin_rad_s + 3 * k, 3, atom.omega[i]);
+  for (int f = 0; f < modify.nfix; ++f)
+    if (modify.fix[f]->create_attribute) modify.fix[f]->set_arrays(i);
+}
+
+}  // namespace
+
+Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
+               const std::string &log_file) {
+  std::vector<std::string> words = {"liggghts", "-screen", screen_file, "-log", log_file,
+                                    "-nocite"};
+  std::vector<char *> arguments;
+  for (std::string &word : words) arguments.push_back(word.data());
+  const QuietErrors quiet;
+  lammps_ = new LAMMPS(static_cast<int>(arguments.size()), arguments.data(), communicator);
+  (*(lammps_->modify->*style_table()))["wall/gran/flipflow"] = &create_surface;
+}
+
+// After an error LIGGGHTS's parts may contradict each other: a small leak is better than a crash.
+Engine::~Engine() {
+  if (!healthy_) return;
+  FILE *screen = lammps_->screen;
+  delete lammps_;
+  if (screen) std::fclose(screen);
+}
+
+template <class Call>
+void Engine::guarded(Call call) {
+  try {
+    call();
+  } catch (...) {
+    healthy_ = false;
+    throw;
+  }
+}
+
+void Engine::command(const std::string &line) {
+  guarded([&] { lammps_->input->one(line.c_str()); });
+}
+
+FixSurface &Engine::surface() {
+  const int number = lammps_->modify->find_fix("surface");
+  if (number < 0) throw std::runtime_error("the input defines no fix named surface");
+  return static_cast<FixSurface &>(*lammps_->modify->fix[number]);
+}
+
+void Engine::create(const Particles &particles, int first_id) {
+  Atom &atom = *lammps_->atom;
+  const Domain &domain = *lammps_->domain;
+  for (int k = 0; k < particles.count; ++k) {
+    const double *x = particles.position_m + 3 * k;
+    bool mine = true;
+    for (int d = 0; d < 3; ++d) mine = mine && x[d] >= domain.sublo[d] && x[d] < domain.subhi[d];
+    if (mine) place(atom, *lammps_->modify, particles, k, first_id + k);
+  }
+  atom.natoms += particles.count;
+}
+
+void Engine::remove(std::vector<int> local) {
+  Atom &atom = *lammps_->atom;
+  std::sort(local.begin(), local.end(), std::greater<int>());
+  for (const int i : local) {
+    --atom.nlocal;
+    if (i != atom.nlocal) atom.avec->copy(atom.nlocal, i, 1);
+  }
+  long removed = static_cast<long>(local.size());
+  MPI_Allreduce(MPI_IN_PLACE, &removed, 1, MPI_LONG, MPI_SUM, lammps_->world);
+  atom.natoms -= removed;
+}
+
+std::vector<bool> Engine::overlaps(const double *position_m, const double *diameter_m,
+                                   int count) const {
+  const Atom &atom = *lammps_->atom;
+  std::vector<bool> found(count, false);
+  for (int k = 0; k < count; ++k) {
+    const Vec3 x = from(position_m + 3 * k);
+    for (int i = 0; i < atom.nlocal && !found[k]; ++i) {
+      const double reach = 0.5 * diameter_m[k] + atom.radius[i];
+      const Vec3 apart = from(atom.x[i]) - x;
+      found[k] = std::abs(apart.x) < reach && dot(apart, apart) < reach * reach;
+    }
+  }
+  return found;
+}
+
+void Engine::store_history() {
+  guarded([&] { lammps_->modify->setup_pre_exchange(); });
+}
+
+void Engine::prepare() {
+  guarded([&] { lammps_->update->integrate->setup_minimal(1); });
+}
+
+void Engine::run(int steps, double step_s) {
+  Update &update = *lammps_->update;
+  if (update.dt != step_s) {
+    update.dt = step_s;
+    for (int f = 0; f < lammps_->modify->nfix; ++f) lammps_->modify->fix[f]->reset_dt();
+  }
+  update.whichflag = 1;
+  update.nsteps = steps;
+  update.firststep = update.beginstep = update.ntimestep;
+  update.laststep = update.endstep = update.ntimestep + steps;
+  guarded([&] {
+    update.integrate->run(steps);
+    update.integrate->cleanup();
+  });
+  update.whichflag = 0;
+}
+
+}  // namespace flipflow

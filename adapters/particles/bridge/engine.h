@@ -1,0 +1,56 @@
+#pragma once
+
+#include <mpi.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fix_surface.h"
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace flipflow {
+
+// One LIGGGHTS instance in this process.  Every call but the plain readers is collective over
+// the communicator.  Errors of LIGGGHTS are std::runtime_error.
+class Engine {
+ public:
+  Engine(MPI_Comm communicator, const std::string &screen_file, const std::string &log_file);
+  ~Engine();
+  Engine(const Engine &) = delete;
+
+  void command(const std::string &line);
+
+  // New particles: each rank takes those whose place it owns; ids count on from `first_id`.
+  struct Particles {
+    const double *position_m, *velocity_m_s, *spin_rad_s, *diameter_m, *density_kg_m3;
+    const int *type;
+    int count;
+  };
+  void create(const Particles &particles, int first_id);
+  void remove(std::vector<int> local);  // by local number
+
+  // Which of the places would overlap one of this rank's particles.
+  std::vector<bool> overlaps(const double *position_m, const double *diameter_m, int count) const;
+
+  // Contact history goes from the neighbour list to the particles: before create and remove.
+  void store_history();
+  // Sorts particles, rebuilds neighbour lists and evaluates all forces: after create and remove.
+  void prepare();
+  void run(int steps, double step_s);
+
+  LAMMPS_NS::LAMMPS &lammps() { return *lammps_; }
+  FixSurface &surface();
+
+ private:
+  template <class Call>
+  void guarded(Call call);
+
+  LAMMPS_NS::LAMMPS *lammps_ = nullptr;
+  bool healthy_ = true;
+};
+
+}  // namespace flipflow

@@ -1,0 +1,119 @@
+// adapters.particles._liggghts: LIGGGHTS in this process, with our own surface.
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "atom.h"
+#include "contact_energy.h"
+#include "engine.h"
+#include "lammps.h"
+#include "neighbor.h"
+
+namespace py = pybind11;
+using flipflow::Engine;
+
+namespace {
+
+using Doubles = py::array_t<double, py::array::c_style>;
+using Ints = py::array_t<int, py::array::c_style>;
+
+// LIGGGHTS's own memory as an array; valid until the next call that moves particles.
+template <class T>
+py::array_t<T> view(py::object engine, T *first, int rows) {
+  static T none;
+  return py::array_t<T>({rows}, first ? first : &none, engine);
+}
+
+py::array_t<double> view3(py::object engine, double **first, int rows) {
+  static double none;
+  return py::array_t<double>({rows, 3}, rows ? first[0] : &none, engine);
+}
+
+py::dict particles(py::object self) {
+  LAMMPS_NS::Atom &atom = *self.cast<Engine &>().lammps().atom;
+  const int n = atom.nlocal;
+  py::dict arrays;
+  arrays["x"] = view3(self, atom.x, n);
+  arrays["v"] = view3(self, atom.v, n);
+  arrays["omega"] = view3(self, atom.omega, n);
+  arrays["f"] = view3(self, atom.f, n);
+  arrays["torque"] = view3(self, atom.torque, n);
+  arrays["radius"] = view(self, atom.radius, n);
+  arrays["rmass"] = view(self, atom.rmass, n);
+  arrays["density"] = view(self, atom.density, n);
+  arrays["type"] = view(self, atom.type, n);
+  arrays["tag"] = view(self, atom.tag, n);
+  return arrays;
+}
+
+void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
+                 double largest_radius_m, bool tangential_spring) {
+  std::vector<double> points(position_m.data(), position_m.data() + position_m.size());
+  std::vector<flipflow::Triangle> corners(triangles.shape(0));
+  for (size_t t = 0; t < corners.size(); ++t)
+    for (int k = 0; k < 3; ++k) corners[t][k] = triangles.at(t, k);
+  engine.surface().set_surface(flipflow::SurfacePath(std::move(points)), std::move(corners),
+                               {type.data(), type.data() + type.size()}, largest_radius_m,
+                               tangential_spring);
+}
+
+void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_s, Doubles spin_rad_s,
+            Doubles diameter_m, Doubles density_kg_m3, Ints type, int first_id) {
+  engine.create({position_m.data(), velocity_m_s.data(), spin_rad_s.data(), diameter_m.data(),
+                 density_kg_m3.data(), type.data(), static_cast<int>(diameter_m.size())},
+                first_id);
+}
+
+void begin_path(Engine &engine, Doubles start_m, Doubles start_m_s, Doubles end_m,
+                Doubles end_m_s, double length_s, int steps) {
+  engine.surface().begin_path(start_m.data(), start_m_s.data(), end_m.data(), end_m_s.data(),
+                              length_s, steps);
+}
+
+void run(Engine &engine, int steps, double step_s) {
+  engine.surface().begin_sums(step_s);
+  engine.run(steps, step_s);
+  engine.surface().end_sums(step_s);
+}
+
+Doubles by_point(const std::vector<double> &values) {
+  Doubles array({static_cast<py::ssize_t>(values.size() / 3), py::ssize_t{3}});
+  std::copy(values.begin(), values.end(), array.mutable_data());
+  return array;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_liggghts, module) {
+  py::class_<Engine>(module, "Engine")
+      .def(py::init([](int communicator, const std::string &screen, const std::string &log) {
+             return std::make_unique<Engine>(MPI_Comm_f2c(communicator), screen, log);
+           }),
+           py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"))
+      .def("command", &Engine::command)
+      .def("set_surface", &set_surface)
+      .def("create", &create_particles)
+      .def("remove", &Engine::remove)
+      .def("overlaps",
+           [](const Engine &engine, Doubles position_m, Doubles diameter_m) {
+             return engine.overlaps(position_m.data(), diameter_m.data(),
+                                    static_cast<int>(diameter_m.size()));
+           })
+      .def("store_history", &Engine::store_history)
+      .def("prepare", &Engine::prepare)
+      .def("begin_path", &begin_path)
+      .def("run", &run)
+      .def("particles", &particles)
+      .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().impulse_N_s()); })
+      .def("force_N", [](Engine &e) { return by_point(e.surface().force_N()); })
+      .def("surface_work_J", [](Engine &e) { return e.surface().work_J(); })
+      .def("surface_elastic_J", [](Engine &e) { return e.surface().elastic_energy_J(); })
+      .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
+      .def("pair_elastic_J",
+           [](Engine &e, const std::vector<double> &e_star_Pa,
+              const std::vector<double> &g_star_Pa, bool tangential_spring) {
+             return flipflow::pair_elastic_energy_J(e.lammps(), e_star_Pa, g_star_Pa,
+                                                    tangential_spring);
+           });
+}

@@ -1,0 +1,51 @@
+#include "surface_path.h"
+
+#include <algorithm>
+
+namespace flipflow {
+
+SurfacePath::SurfacePath(std::vector<double> position_m)
+    : position_(std::move(position_m)),
+      start_x_(position_),
+      start_v_(position_.size(), 0.0),
+      end_x_(position_),
+      end_v_(position_.size(), 0.0) {}
+
+void SurfacePath::begin(const double *start_m, const double *start_m_s, const double *end_m,
+                        const double *end_m_s, double length_s) {
+  const size_t n = position_.size();
+  start_x_.assign(start_m, start_m + n);
+  start_v_.assign(start_m_s, start_m_s + n);
+  end_x_.assign(end_m, end_m + n);
+  end_v_.assign(end_m_s, end_m_s + n);
+  length_ = length_s;
+  // The velocity is a quadratic Bezier curve; it stays in the hull of its three control values:
+  // both end velocities and (3 (x1 - x0) / h - v0 - v1) in the middle.
+  double fastest2 = 0.0;
+  for (size_t i = 0; i < n; i += 3) {
+    const Vec3 v0 = from(&start_v_[i]), v1 = from(&end_v_[i]);
+    const Vec3 middle = (3.0 / length_) * (from(&end_x_[i]) - from(&start_x_[i])) - v0 - v1;
+    fastest2 = std::max({fastest2, dot(v0, v0), dot(v1, v1), dot(middle, middle)});
+  }
+  fastest_ = std::sqrt(fastest2);
+}
+
+void SurfacePath::move(double fraction) {
+  fraction_ = fraction;
+  const double t = fraction, h = length_, r = 1 - t;
+  const double x0 = (1 + 2 * t) * r * r, v0 = t * r * r * h;
+  const double x1 = t * t * (3 - 2 * t), v1 = -t * t * r * h;
+  const size_t n = position_.size();
+  for (size_t i = 0; i < n; ++i)
+    position_[i] = x0 * start_x_[i] + v0 * start_v_[i] + x1 * end_x_[i] + v1 * end_v_[i];
+}
+
+Vec3 SurfacePath::velocity(int point) const {
+  const double t = fraction_;
+  const double x = 6 * t * (t - 1) / length_, v0 = (1 - t) * (1 - 3 * t), v1 = t * (3 * t - 2);
+  const int i = 3 * point;
+  return x * (from(&start_x_[i]) - from(&end_x_[i])) + v0 * from(&start_v_[i]) +
+         v1 * from(&end_v_[i]);
+}
+
+}  // namespace flipflow

@@ -1,0 +1,221 @@
+"""Particles by LIGGGHTS 3.8.0 (DEM: C. Kloss et al., Prog. Comput. Fluid Dyn. 12 (2012) 140-152,
+doi 10.1504/PCFD.2012.047457), in this process and without files.
+
+Contacts between particles are LIGGGHTS's own; those with the surface are found by our bridge
+(``bridge/``) and handed to the same contact model: docs/theory/particle_surface_contact.md.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from adapters.particles.liggghts_input import FIRST_EVALUATION, has_sliding, input_text
+from adapters.particles.liggghts_ledger import Ledger
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
+from orchestrator.ports import Account, Array, Load, ParticleSnapshot
+
+try:
+    from mpi4py import MPI
+
+    from adapters.particles._liggghts import Engine
+except ImportError as missing:
+    raise SolverMissing(
+        "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
+        f"g++, then `pip install .` ({missing})"
+    ) from missing
+
+
+def build(plan: ParticlesPlan) -> Liggghts:
+    """Start LIGGGHTS with the plan's particles on the surface at t = 0.
+
+    Raises :class:`SolverFailed` if LIGGGHTS refuses the input.  In a parallel run an error can
+    stop a single rank; the caller must then abort the communicator.
+    """
+    return Liggghts(plan)
+
+
+class Liggghts:
+    """The open solver; collective over the plan's communicator."""
+
+    def __init__(self, plan: ParticlesPlan) -> None:
+        self._plan = plan
+        self._comm: Any = plan.communicator or MPI.COMM_SELF
+        self._scratch: tempfile.TemporaryDirectory[str] | None = None
+        self._ledger = Ledger(plan, self._comm)
+        self._created = 0
+        self._unprepared = False
+        try:
+            self._engine = self._start(self._folder())
+        except RuntimeError as error:
+            raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
+        self._check(0.0)
+        self._ledger.open(self._engine)
+
+    def _folder(self) -> FilePath:
+        """Where LIGGGHTS writes its log: the plan's folder, or one that goes with the solver."""
+        if self._plan.folder is not None:
+            self._plan.folder.mkdir(parents=True, exist_ok=True)
+            return self._plan.folder
+        self._scratch = tempfile.TemporaryDirectory(prefix="flipflow_liggghts_")
+        return FilePath(self._scratch.name)
+
+    def _start(self, folder: FilePath) -> Engine:
+        plan, surface = self._plan, self._plan.surface
+        text = input_text(plan)
+        if self._comm.rank == 0:
+            (folder / "in.liggghts").write_text(text + FIRST_EVALUATION + "\n", encoding="utf-8")
+        engine = Engine(
+            self._comm.py2f(), str(folder / "screen.liggghts"), str(folder / "log.liggghts")
+        )
+        for line in text.splitlines():
+            engine.command(line)
+        engine.set_surface(
+            surface.position_m,
+            surface.triangles.astype(np.int32),
+            surface.material.astype(np.int32) + 1,
+            0.5 * plan.largest_diameter_m,
+            has_sliding(plan),
+        )
+        self._create(engine, plan.particles)
+        engine.command(FIRST_EVALUATION)
+        return engine
+
+    def _create(self, engine: Engine, new: ParticleList) -> None:
+        engine.create(
+            new.position_m,
+            new.velocity_m_s,
+            new.spin_rad_s,
+            new.diameter_m,
+            new.density_kg_m3,
+            new.material.astype(np.int32) + 1,
+            self._created + 1,
+        )
+        self._created += len(new)
+
+    def initial(self) -> Load:
+        return Load(self._summed(self._engine.force_N()))
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        """Raises :class:`SolverFailed` if LIGGGHTS fails, loses a particle or makes a NaN."""
+        steps = interval.steps(self._plan.step_s)
+        try:
+            self._engine.begin_path(
+                path.start.position_m,
+                path.start.velocity_m_s,
+                path.end.position_m,
+                path.end.velocity_m_s,
+                interval.length_s,
+                steps,
+            )
+            self._feed(interval)
+            self._prepare()
+            self._engine.run(steps, interval.length_s / steps)
+        except RuntimeError as error:
+            raise SolverFailed(
+                f"LIGGGHTS failed after t = {interval.start_s} s: {error}"
+            ) from error
+        self._ledger.fell(interval.length_s)
+        self._check(interval.end_s)
+        self._remove_outside()
+        return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
+
+    def snapshot(self) -> ParticleSnapshot:
+        mine = self._engine.particles()
+        names = ("tag", "x", "v", "omega", "radius", "density", "type")
+        ranks = self._comm.gather([np.array(mine[name]) for name in names])
+        if self._comm.rank != 0:
+            ranks = [[np.array(mine[name][:0]) for name in names]]
+        tag, x, v, omega, radius, density, kind = map(np.concatenate, zip(*ranks, strict=True))
+        order = np.argsort(tag)
+        return ParticleSnapshot(
+            id=tag[order].astype(np.int64),
+            position_m=x[order],
+            velocity_m_s=v[order],
+            spin_rad_s=omega[order],
+            diameter_m=2.0 * radius[order],
+            density_kg_m3=density[order],
+            material=kind[order].astype(np.int64) - 1,
+        )
+
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """This rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
+        rmass, density, type (from 1), tag (n,), all SI.  Valid until the next advance."""
+        return self._engine.particles()
+
+    def account(self) -> Account:
+        """Exact but for ``contact_dissipation``, which is what is left of the energy balance."""
+        self._prepare()
+        return self._ledger.account(self._engine)
+
+    def close(self) -> None:
+        del self._engine
+        if self._scratch is not None:
+            self._scratch.cleanup()
+
+    def _summed(self, by_point: Array) -> Array:
+        self._comm.Allreduce(MPI.IN_PLACE, by_point)
+        return by_point
+
+    def _feed(self, interval: Interval) -> None:
+        if self._plan.feed is None:
+            return
+        offer = self._plan.feed.due(interval)
+        if len(offer) == 0:
+            return
+        blocked = np.array(self._engine.overlaps(offer.position_m, offer.diameter_m))
+        self._comm.Allreduce(MPI.IN_PLACE, blocked, MPI.LOR)
+        accepted = ~blocked
+        if accepted.any():
+            new = _some(offer, accepted)
+            self._engine.store_history()
+            self._create(self._engine, new)
+            self._ledger.fed(new)
+            self._unprepared = True
+        self._plan.feed.settle(accepted)
+
+    def _remove_outside(self) -> None:
+        low, high = self._plan.domain_m
+        mine = self._engine.particles()
+        outside = np.flatnonzero(((mine["x"] < low) | (mine["x"] > high)).any(axis=1))
+        if self._comm.allreduce(len(outside)) == 0:
+            return
+        self._ledger.removed(mine, outside)
+        self._engine.store_history()
+        self._engine.remove(outside.tolist())
+        self._unprepared = True
+
+    def _prepare(self) -> None:
+        """After particles came or went: sort them and evaluate their forces."""
+        if self._unprepared:
+            self._engine.prepare()
+            self._unprepared = False
+
+    def _check(self, time_s: float) -> None:
+        mine = self._engine.particles()
+        bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
+        present, bad = self._comm.allreduce(np.array([len(mine["x"]), bad]))
+        if bad:
+            raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
+        expected = self._created - self._ledger.removed_count
+        if present != expected:
+            raise SolverFailed(
+                f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
+            )
+
+
+def _some(offer: ParticleList, accepted: npt.NDArray[np.bool_]) -> ParticleList:
+    return ParticleList(
+        offer.position_m[accepted],
+        offer.velocity_m_s[accepted],
+        offer.spin_rad_s[accepted],
+        offer.diameter_m[accepted],
+        offer.density_kg_m3[accepted],
+        offer.material[accepted],
+    )

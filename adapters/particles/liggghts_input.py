@@ -1,0 +1,119 @@
+"""The LIGGGHTS input of a plan: plain text that a LIGGGHTS user can read and change."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from orchestrator.clock import steps_in
+from orchestrator.plans import ParticlesPlan
+from orchestrator.ports import Array
+
+# LIGGGHTS wants a word of confirmation outside of these moduli
+SOFTEST_PA, HARDEST_PA = 5e6, 1e9
+# neighbour-list margin, as a share of the largest diameter
+SKIN = 0.15
+
+INPUT = """\
+# Particles on a moving, deforming surface: input for LIGGGHTS-PUBLIC 3.8.0, written by flipflow.
+# flipflow reads it line by line.  Atom type = number of the material, from 1.
+
+units           si
+atom_style      granular
+newton          off
+communicate     single vel yes
+boundary        m m m           # grows with the particles: none can be lost unseen
+{confirmations}region          box block {box} units box
+create_box      {types} box
+neighbor        {skin} bin
+neigh_modify    delay 0
+
+fix youngs      all property/global youngsModulus peratomtype {youngs}
+fix poisson     all property/global poissonsRatio peratomtype {poisson}
+fix restitution all property/global coefficientRestitution peratomtypepair {types} {restitution}
+{friction}
+pair_style      gran {model}
+pair_coeff      * *
+
+{gravity}# The surface: flipflow's own wall, which gives the contacts found on its triangles to the
+# contact model named here.  The plane only satisfies the stock syntax and is not used (for a
+# run with LIGGGHTS alone, write wall/gran and place the plane).
+fix surface     all wall/gran/flipflow {model} primitive type 1 zplane 0.0
+fix motion      all nve/sphere
+timestep        {step}
+# The surface's points and the particles follow from memory, then the first force evaluation:
+"""
+
+FIRST_EVALUATION = "run             0"
+
+
+def words(values: Array) -> str:
+    """Numbers as LIGGGHTS reads them, exact to the last bit."""
+    return " ".join(repr(float(value)) for value in np.ravel(values))
+
+
+def has_sliding(plan: ParticlesPlan) -> bool:
+    """Is a tangential spring needed?  (Rolling friction borrows its stiffness.)"""
+    return bool(np.any(plan.sliding_friction > 0)) or has_rolling(plan)
+
+
+def has_rolling(plan: ParticlesPlan) -> bool:
+    return bool(np.any(plan.rolling_friction > 0))
+
+
+def contact_model(plan: ParticlesPlan) -> str:
+    """Hertz, and what the plan's coefficients call for beyond it."""
+    model = "model hertz"
+    if has_sliding(plan):
+        model += " tangential history"
+    if has_rolling(plan):
+        model += " rolling_friction epsd2"
+    return model
+
+
+def input_text(plan: ParticlesPlan) -> str:
+    """The whole input but the last line, :data:`FIRST_EVALUATION`."""
+    youngs = [material.youngs_modulus_Pa for material in plan.materials]
+    margin_m = plan.largest_diameter_m
+    corners_m = plan.domain_m + margin_m * np.array([[-1.0], [1.0]])
+    return INPUT.format(
+        confirmations=_confirmations(youngs),
+        box=words(corners_m.T),
+        types=len(youngs),
+        skin=words(SKIN * np.array(plan.largest_diameter_m)),
+        youngs=words(np.array(youngs)),
+        poisson=words(np.array([material.poisson_ratio for material in plan.materials])),
+        restitution=words(plan.restitution),
+        friction=_friction(plan),
+        model=contact_model(plan),
+        gravity=_gravity(plan.gravity_m_s2),
+        step=words(np.array(plan.sync_interval_s / steps_in(plan.sync_interval_s, plan.step_s))),
+    )
+
+
+def _confirmations(youngs_Pa: list[float]) -> str:
+    lines = ""
+    if min(youngs_Pa) < SOFTEST_PA:
+        lines += "soft_particles  yes\n"
+    if max(youngs_Pa) > HARDEST_PA:
+        lines += "hard_particles  yes\n"
+    return lines
+
+
+def _friction(plan: ParticlesPlan) -> str:
+    lines = ""
+    head = f"peratomtypepair {len(plan.materials)}"
+    if has_sliding(plan):
+        values = words(plan.sliding_friction)
+        lines += f"fix sliding     all property/global coefficientFriction {head} {values}\n"
+    if has_rolling(plan):
+        values = words(plan.rolling_friction)
+        lines += f"fix rolling     all property/global coefficientRollingFriction {head} {values}\n"
+    return lines
+
+
+def _gravity(gravity_m_s2: Array) -> str:
+    size_m_s2 = float(np.linalg.norm(gravity_m_s2))
+    if size_m_s2 == 0:
+        return ""
+    direction = gravity_m_s2 / size_m_s2
+    return f"fix gravity     all gravity {words(np.array(size_m_s2))} vector {words(direction)}\n"

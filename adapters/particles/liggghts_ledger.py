@@ -1,0 +1,112 @@
+"""Momentum and energy of the particles: what they own, and what came and went."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from adapters.particles.liggghts_input import has_sliding
+from orchestrator.plans import GrainMaterial, ParticleList, ParticlesPlan
+from orchestrator.ports import Account, Array, Indices
+
+if TYPE_CHECKING:
+    from adapters.particles._liggghts import Engine
+
+
+class Ledger:
+    """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
+
+    def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
+        self._comm = communicator
+        self._gravity_m_s2 = plan.gravity_m_s2
+        self._e_star_Pa, self._g_star_Pa = effective_moduli(plan.materials)
+        self._tangential_spring = has_sliding(plan)
+        self._mass_kg = 0.0
+        self._impulse_N_s = np.zeros(3)
+        self._fed_J = self._removed_J = self._first_J = 0.0
+        self.removed_count = 0
+        self._mass_kg = float(_mass(plan.particles).sum())
+
+    def open(self, engine: Engine) -> None:
+        """At t = 0."""
+        self._first_J = sum(self._stored(engine).values())
+
+    def fell(self, length_s: float) -> None:
+        """Gravity acted on all particles for ``length_s``."""
+        self._impulse_N_s += self._mass_kg * length_s * self._gravity_m_s2
+
+    def fed(self, new: ParticleList) -> None:
+        mass_kg = _mass(new)
+        self._mass_kg += float(mass_kg.sum())
+        self._impulse_N_s += mass_kg @ new.velocity_m_s
+        self._fed_J += sum(
+            self._motion_J(
+                mass_kg, new.position_m, new.velocity_m_s, new.spin_rad_s, 0.5 * new.diameter_m
+            )
+        )
+
+    def removed(self, mine: dict[str, Array], local: Indices) -> None:
+        mass_kg, velocity_m_s = mine["rmass"][local], mine["v"][local]
+        motion_J = self._motion_J(
+            mass_kg, mine["x"][local], velocity_m_s, mine["omega"][local], mine["radius"][local]
+        )
+        sums = np.array([len(local), mass_kg.sum(), sum(motion_J), *(mass_kg @ velocity_m_s)])
+        sums = self._comm.allreduce(sums)
+        self.removed_count += round(sums[0])
+        self._mass_kg -= sums[1]
+        self._removed_J += sums[2]
+        self._impulse_N_s -= sums[3:]
+
+    def account(self, engine: Engine) -> Account:
+        mine = engine.particles()
+        stored_J = self._stored(engine)
+        work_J = float(self._comm.allreduce(engine.surface_work_J()))
+        gained_J = sum(stored_J.values()) - self._first_J
+        return Account(
+            momentum_kg_m_s=self._comm.allreduce(mine["rmass"] @ mine["v"]),
+            outside_impulse_N_s=self._impulse_N_s.copy(),
+            stored_J=stored_J,
+            lost_J={
+                "contact_dissipation": work_J + self._fed_J - self._removed_J - gained_J,
+                "removed": self._removed_J,
+            },
+            supplied_J={"feed": self._fed_J},
+            received_J={"surface": work_J},
+        )
+
+    def _stored(self, engine: Engine) -> dict[str, float]:
+        mine = engine.particles()
+        kinetic_J, potential_J = self._motion_J(
+            mine["rmass"], mine["x"], mine["v"], mine["omega"], mine["radius"]
+        )
+        elastic_J = engine.surface_elastic_J() + engine.pair_elastic_J(
+            self._e_star_Pa, self._g_star_Pa, self._tangential_spring
+        )
+        sums = self._comm.allreduce(np.array([kinetic_J, potential_J, elastic_J]))
+        return dict(zip(("kinetic", "gravitational", "elastic"), map(float, sums), strict=True))
+
+    def _motion_J(
+        self, mass_kg: Array, x_m: Array, v_m_s: Array, spin_rad_s: Array, radius_m: Array
+    ) -> tuple[float, float]:
+        """Kinetic (with rotation, solid spheres) and gravitational energy."""
+        inertia_kg_m2 = 0.4 * mass_kg * radius_m**2
+        turning = inertia_kg_m2 @ (spin_rad_s**2).sum(axis=1)
+        kinetic_J = 0.5 * float(mass_kg @ (v_m_s**2).sum(axis=1) + turning)
+        return kinetic_J, -float(mass_kg @ (x_m @ self._gravity_m_s2))
+
+
+def _mass(particles: ParticleList) -> Array:
+    mass_kg: Array = np.pi / 6.0 * particles.diameter_m**3 * particles.density_kg_m3
+    return mass_kg
+
+
+def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[list[float], list[float]]:
+    """Hertz's E* and Mindlin's G* for every pair of materials, row by row."""
+    youngs = np.array([material.youngs_modulus_Pa for material in materials])
+    poisson = np.array([material.poisson_ratio for material in materials])
+    normal = (1.0 - poisson**2) / youngs
+    shear = 2.0 * (2.0 - poisson) * (1.0 + poisson) / youngs
+    e_star_Pa = 1.0 / np.add.outer(normal, normal)
+    g_star_Pa = 1.0 / np.add.outer(shear, shear)
+    return e_star_Pa.ravel().tolist(), g_star_Pa.ravel().tolist()
