@@ -1,0 +1,178 @@
+"""A few to some hundred spheres in NumPy: for tests and for the draft level.
+
+Velocity Verlet with the contact forces at the half-step velocity, as LIGGGHTS does it.  Equations,
+limits and what was measured: docs/theory/spheres.md.  Every MPI rank computes the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial.distance import cdist
+
+from adapters.particles.sphere_contacts import laws
+from adapters.particles.sphere_forces import Forces, forces_at
+from adapters.particles.sphere_neighbours import boxes_near, neighbours
+from adapters.particles.sphere_state import Spheres, spheres
+from adapters.particles.sphere_touch import on_surface
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.plans import ParticlesPlan, SolverFailed
+from orchestrator.ports import Account, Array, Indices, Load, Motion, ParticleSnapshot, counted
+
+DEEPEST_OVERLAP = 0.5  # of a radius: deeper means that the step is too long for the contact
+
+
+def build(plan: ParticlesPlan) -> SpheresSolver:
+    """Raises ValueError for rolling friction, which this solver lacks, or a bad restitution."""
+    if np.any(plan.rolling_friction != 0.0):
+        raise ValueError(
+            "particles solver 'spheres' has no rolling friction: leave it out at this level "
+            "or use 'liggghts'"
+        )
+    return SpheresSolver(plan)
+
+
+class SpheresSolver:
+    """``Particles`` in NumPy.  ``fed`` and ``removed`` count particles since t = 0."""
+
+    def __init__(self, plan: ParticlesPlan) -> None:
+        self._plan = plan
+        self._laws = laws(plan)
+        self._spheres = spheres(plan.particles, 1)
+        self._surface_m = plan.surface.position_m.copy()
+        self._near = neighbours(self._spheres, plan.surface, self._surface_m)
+        at_rest = Motion(self._surface_m, np.zeros_like(self._surface_m))
+        self._now = self._forces(at_rest, None, 0.0)
+        self._impulse_N_s = np.zeros(3)
+        self._supplied_J = {"feed": 0.0, "removal": 0.0}
+        self._lost_J = self._received_J = 0.0
+        self.fed = self.removed = 0
+
+    def initial(self) -> Load:
+        return Load(self._now.on_points_N)
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        counted("particles' surface", path.end, len(self._surface_m))
+        self._feed(interval)
+        self._surface_to(path.start.position_m, self._now)
+        steps = interval.steps(self._plan.step_s)
+        step_s = interval.length_s / steps
+        impulse_N_s = step_s / 2.0 * self._now.on_points_N
+        for step in range(1, steps + 1):
+            self._step(step_s, path.at(step / steps))
+            impulse_N_s += step_s * self._now.on_points_N
+            self._check(interval.start_s + step * step_s)
+        impulse_N_s -= step_s / 2.0 * self._now.on_points_N
+        self._remove()
+        return Load(impulse_N_s / interval.length_s)
+
+    def snapshot(self) -> ParticleSnapshot:
+        return self._spheres.snapshot()
+
+    def account(self) -> Account:
+        stored_J = {
+            "kinetic": self._spheres.kinetic_J(),
+            "gravitational": self._spheres.gravitational_J(self._plan.gravity_m_s2),
+            "contact_elastic": float(self._now.elastic_J.sum()),
+        }
+        return Account(
+            self._spheres.momentum_kg_m_s(),
+            self._impulse_N_s.copy(),
+            stored_J,
+            lost_J={"contact_dissipation": self._lost_J},
+            supplied_J=dict(self._supplied_J),
+            received_J={"surface": self._received_J},
+        )
+
+    def close(self) -> None:
+        pass
+
+    def _step(self, step_s: float, surface: Motion) -> None:
+        now, before = self._spheres, self._now
+        self._kick(step_s / 2.0)
+        now.position_m += step_s * now.velocity_m_s
+        if self._near.outdated(now.position_m, surface.position_m):
+            self._near = neighbours(now, self._plan.surface, surface.position_m)
+        self._now = self._forces(surface, before, step_s)
+        self._kick(step_s / 2.0)
+        self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_s2
+        self._surface_to(surface.position_m, before)
+        self._now = self._now.damped(now.velocity_m_s, now.spin_rad_s)
+        self._lost_J += self._now.friction_J
+        self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
+
+    def _kick(self, step_s: float) -> None:
+        now = self._spheres
+        now.velocity_m_s += step_s * (
+            self._now.force_N / now.mass_kg[:, None] + self._plan.gravity_m_s2
+        )
+        now.spin_rad_s += step_s * self._now.torque_N_m / now.inertia_kg_m2[:, None]
+
+    def _forces(self, surface: Motion, before: Forces | None, step_s: float) -> Forces:
+        return forces_at(
+            self._spheres, self._plan.surface, surface, self._near, self._laws, before, step_s
+        )
+
+    def _surface_to(self, position_m: Array, before: Forces) -> None:
+        """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
+        mean_N = (before.on_points_N + self._now.on_points_N) / 2.0
+        self._received_J -= float(np.vdot(mean_N, position_m - self._surface_m))
+        self._surface_m = position_m
+
+    def _check(self, time_s: float) -> None:
+        now, contacts = self._spheres, self._now.touching
+        wrong = contacts.first[contacts.overlap_m > DEEPEST_OVERLAP * now.radius_m[contacts.first]]
+        if len(wrong):
+            raise SolverFailed(
+                f"spheres: particle {now.id[wrong[0]]} sank into its neighbour by more than "
+                f"{DEEPEST_OVERLAP:g} radii at {time_s:g} s: step_s {self._plan.step_s:g} is too "
+                "long for its contacts, or something moved too fast"
+            )
+
+    def _feed(self, interval: Interval) -> None:
+        if self._plan.feed is None:
+            return
+        next_id = 1 + len(self._plan.particles) + self.fed
+        offered = spheres(self._plan.feed.due(interval), next_id)
+        accepted = self._room_for(offered)
+        self._plan.feed.settle(accepted)
+        if not accepted.any():
+            return
+        new = offered.part(accepted)
+        new.id = next_id + np.arange(len(new))
+        self.fed += len(new)
+        self._supplied_J["feed"] += self._mechanical_J(new)
+        self._impulse_N_s += new.momentum_kg_m_s()
+        self._replace(self._spheres.joined(new), np.arange(len(self._spheres)))
+
+    def _room_for(self, offered: Spheres) -> npt.NDArray[np.bool_]:
+        """Which of the offered spheres overlap neither present ones nor the surface."""
+        now, triangles = self._spheres, self._plan.surface.triangles
+        reach_m = np.add.outer(offered.radius_m, now.radius_m)
+        free = np.all(cdist(offered.position_m, now.position_m) >= reach_m, axis=1)
+        near = boxes_near(offered, 0.0, self._surface_m[triangles])
+        free[on_surface(offered, triangles, self._surface_m, near)[0]] = False
+        return np.asarray(free)
+
+    def _remove(self) -> None:
+        """Take out what has left the domain; its contacts end with their elastic energy."""
+        now, (lowest_m, highest_m) = self._spheres, self._plan.domain_m
+        inside = np.all((now.position_m >= lowest_m) & (now.position_m <= highest_m), axis=1)
+        if inside.all():
+            return
+        left, elastic_J = now.part(~inside), self._now.elastic_J.sum()
+        self._replace(now.part(inside), np.where(inside, np.cumsum(inside) - 1, -1))
+        self.removed += len(left)
+        ended_J = float(elastic_J - self._now.elastic_J.sum())
+        self._supplied_J["removal"] -= self._mechanical_J(left) + ended_J
+        self._impulse_N_s -= left.momentum_kg_m_s()
+
+    def _replace(self, new: Spheres, row: Indices) -> None:
+        """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""
+        self._spheres = new
+        self._now = self._now.renumbered(row, len(new))
+        self._near = neighbours(new, self._plan.surface, self._surface_m)
+
+    def _mechanical_J(self, some: Spheres) -> float:
+        return some.kinetic_J() + some.gravitational_J(self._plan.gravity_m_s2)
