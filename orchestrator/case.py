@@ -1,0 +1,134 @@
+"""The case: everything that a run depends on, as frozen tables in SI units.
+
+``case.toml`` says what (physics), ``levels/<level>.toml`` how finely (numerics); levels.py reads
+and merges them.  docs/case-format.md lists every key.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from annotated_types import Ge, Le, Lt
+from pydantic import Field, Strict
+
+from orchestrator.tables.bed import Bed
+from orchestrator.tables.numerics import (
+    Coupling,
+    FramesSolver,
+    HandOver,
+    Output,
+    PanelSolver,
+    ParticlesSolver,
+)
+from orchestrator.tables.quantities import (
+    Box,
+    Name,
+    NotNegative,
+    Positive,
+    Share,
+    Table,
+    Vector,
+)
+from orchestrator.tables.screen import Screen
+
+
+class MaxwellBranch(Table):
+    """A Maxwell branch: damping that relaxes."""
+
+    ratio: NotNegative
+    """Modulus of the branch over the elastic modulus."""
+    relaxation_s: Positive
+    """Relaxation time."""
+
+
+class Hyperelastic(Table):
+    """Two-parameter Mooney-Rivlin material of a panel."""
+
+    c10_Pa: NotNegative
+    """Coefficient of the first invariant."""
+    c01_Pa: NotNegative
+    """Coefficient of the second invariant."""
+    bulk_modulus_Pa: Positive
+    """Bulk modulus K of the volumetric energy K/2 (J - 1)^2."""
+    maxwell: tuple[MaxwellBranch, ...] = ()
+    """Branches that damp the panel."""
+
+
+class Material(Table):
+    """A material of particles, walls or panels."""
+
+    density_kg_m3: Positive
+    """Density."""
+    youngs_modulus_Pa: Positive | None = None
+    """Young's modulus in contacts; a hyperelastic material has its own, 6 (C10 + C01)."""
+    poisson_ratio: Annotated[float, Strict(), Ge(0), Lt(0.5)] | None = None
+    """Poisson's ratio in contacts; a hyperelastic material has its own."""
+    hyperelastic: Hyperelastic | None = None
+    """What a panel's material needs besides."""
+
+
+class Contact(Table):
+    """How two materials meet.  Every pair that can meet must be given."""
+
+    between: tuple[str, str]
+    """The two materials; twice the same for particles among themselves."""
+    restitution: Annotated[float, Strict(), Ge(0.01), Le(1)]
+    """Coefficient of restitution."""
+    sliding_friction: NotNegative
+    """Coefficient of sliding friction."""
+    rolling_friction: NotNegative
+    """Coefficient of rolling friction."""
+
+
+class Probe(Table):
+    """A point whose motion is recorded: on a frame, on a panel, or a particle."""
+
+    frame: str | None = None
+    """The frame that carries it; with ``point_m``."""
+    point_m: Vector | None = None
+    """Where it is on the frame at t = 0, in deck axes."""
+    panel: str | None = None
+    """The panel it is on; with ``at``."""
+    at: tuple[Share, Share] | None = None
+    """Where it is on the panel: fractions of the free length and of the width."""
+    particle: Annotated[int, Strict(), Ge(1)] | None = None
+    """The particle's id."""
+
+
+class Case(Table):
+    """One case with its level."""
+
+    title: str
+    """One line that says what the case shows."""
+    description: str = ""
+    """More about it: sources, assumptions."""
+    default_level: str = ""
+    """The level taken when none is asked for."""
+    duration_s: Positive
+    """Time to simulate."""
+    gravity_m_s2: Vector = (0.0, 0.0, -9.81)
+    """Gravity, in world axes."""
+    domain_m: Box
+    """Lowest and highest corner, in world axes: particles that leave are removed and counted."""
+    materials: dict[Name, Material]
+    """Materials by name."""
+    contacts: tuple[Contact, ...] = ()
+    """Contact properties of pairs of materials."""
+    screen: Screen
+    """The machine."""
+    bed: Bed = Field(default_factory=Bed)
+    """The particles."""
+    probes: dict[Name, Probe] = Field(default_factory=dict)
+    """Probes by name."""
+    coupling: Coupling = Field(default_factory=Coupling)
+    """Exchange between the solvers."""
+    hand_over: HandOver = Field(default_factory=HandOver)
+    """What is exchanged."""
+    frames: FramesSolver = Field(default_factory=FramesSolver)
+    """Solver of the frames."""
+    panel: PanelSolver = Field(default_factory=PanelSolver)
+    """Solver of the panels."""
+    particles: ParticlesSolver = Field(default_factory=ParticlesSolver)
+    """Solver of the particles."""
+    output: Output = Field(default_factory=Output)
+    """What is written."""

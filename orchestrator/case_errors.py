@@ -1,0 +1,131 @@
+"""Mistakes in a case: all of them in one message, each with file, key, value and a suggestion."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+Key = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """What is wrong at ``key`` (empty: the whole file); ``hint`` says what to do about it.
+
+    ``file`` is filled in by ``levels.load``, which knows where a key was given.
+    """
+
+    key: Key
+    what: str
+    hint: str = ""
+    file: str = ""
+
+    def __str__(self) -> str:
+        place = " ".join(part for part in (self.file, dotted(self.key)) if part)
+        return f"{place}: {self.what}" + (f"; {self.hint}" if self.hint else "")
+
+
+class CaseError(Exception):
+    """A case that cannot be run as it is (exit code 2); ``mistakes`` has all that is wrong."""
+
+    def __init__(self, mistakes: Iterable[Mistake]) -> None:
+        self.mistakes = tuple(mistakes)
+        count = len(self.mistakes)
+        head = "1 mistake" if count == 1 else f"{count} mistakes"
+        super().__init__("\n".join([f"{head} in the case:", *(f"  {m}" for m in self.mistakes)]))
+
+
+def dotted(key: Key) -> str:
+    """('bed', 'sizes', 0, 'diameter_m') -> bed.sizes.0.diameter_m, as --set takes it."""
+    return ".".join(str(part) for part in key)
+
+
+def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
+    """The nearest known word, or all of them when none is near."""
+    names = sorted(known)
+    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
+    if near:
+        return f'did you mean "{near[0]}"?'
+    return f"{say}: {', '.join(names)}" if names else f"{say}: none"
+
+
+def shown(value: Any) -> str:
+    """A value as a user knows it, cut to a readable length."""
+    text = repr(value) if not isinstance(value, bool) else str(value).lower()
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Mistake]:
+    """One mistake for each that pydantic found.  A missing key is left out where a misspelt one
+    was meant to be it."""
+    details = error.errors(include_url=False)
+    mistakes: list[Mistake] = []
+    meant: set[Key] = set()
+    for detail in details:
+        if detail["type"] == "extra_forbidden":
+            *table, key = detail["loc"]
+            known = _keys_at(model, table)
+            near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
+            meant.update((*table, name) for name in near)
+            mistakes.append(Mistake(detail["loc"], "unknown key", did_you_mean(str(key), known)))
+    for detail in details:
+        if detail["type"] == "missing" and detail["loc"] in meant:
+            continue
+        if detail["type"] != "extra_forbidden":
+            mistakes.append(_mistake(detail))
+    return mistakes
+
+
+def _mistake(detail: ErrorDetails) -> Mistake:
+    kind, key, value = detail["type"], detail["loc"], shown(detail["input"])
+    if kind == "missing":
+        if key and isinstance(key[-1], int):
+            return Mistake(key[:-1], f"{value} has too few values")
+        return Mistake(key, "missing")
+    if key and key[-1] == "[key]":
+        return Mistake(key[:-1], "a name is made of letters, digits, _ and -")
+    said = detail["msg"].removeprefix("Input should be ").removeprefix("Input should ")
+    if kind == "literal_error":
+        allowed = [word.strip("' ") for word in said.replace(" or ", ",").split(",")]
+        return Mistake(
+            key, f"{value} is not one of {said}", did_you_mean(str(detail["input"]), allowed)
+        )
+    if kind == "model_type":
+        said = "a table"
+    return Mistake(key, f"{value} is wrong, {said} is wanted")
+
+
+def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
+    """The keys that the table at this place may have."""
+    place: Any = model
+    for part in table:
+        place = _inside(place, part)
+    found = _table_in(place)
+    return list(found.model_fields) if found else []
+
+
+def _inside(place: Any, part: str | int) -> Any:
+    """The type one step further in: a field of a table, an element of a dict or tuple."""
+    found = _table_in(place)
+    if found is not None:
+        field = found.model_fields.get(str(part))
+        return field.annotation if field else None
+    arguments = get_args(place)
+    if get_origin(place) is dict:
+        return arguments[1]
+    return arguments[0] if arguments else None
+
+
+def _table_in(place: Any) -> type[BaseModel] | None:
+    """The table that a type is or may be (``Table | None``); None for anything else."""
+    if isinstance(place, type) and issubclass(place, BaseModel):
+        return place
+    if get_origin(place) in (dict, tuple):
+        return None
+    tables = (_table_in(argument) for argument in get_args(place))
+    return next((table for table in tables if table is not None), None)

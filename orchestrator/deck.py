@@ -1,0 +1,98 @@
+"""From the case's deck axes to the world, and from rows of panels to single ones."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator import stl
+from orchestrator.case import Case
+from orchestrator.geometry import Rectangle
+from orchestrator.ports import Array, Indices
+from orchestrator.tables.screen import Panel
+
+
+def axes(case: Case) -> Array:
+    """(3, 3): its columns are the deck axes in the world; x slopes down by the inclination."""
+    angle = math.radians(case.screen.inclination_deg)
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def to_world(case: Case, vectors: Sequence[float] | Sequence[Sequence[float]] | Array) -> Array:
+    """Vectors in deck axes, (3,) or (n, 3), in world axes.  Both have the same origin."""
+    return np.asarray(np.asarray(vectors, dtype=float) @ axes(case).T)
+
+
+@dataclass(frozen=True)
+class SinglePanel:
+    """One panel of a row: its own name, frames and place."""
+
+    name: str
+    table: Panel
+    frames: tuple[str, str]
+    rectangle: Rectangle
+
+
+def single_panels(case: Case) -> tuple[SinglePanel, ...]:
+    """All panels, in the order of the case.  A row's frames alternate from panel to panel."""
+    return tuple(
+        SinglePanel(
+            name=name if row.count == 1 else f"{name}-{number + 1}",
+            table=row,
+            frames=row.frames if number % 2 == 0 else row.frames[::-1],
+            rectangle=_rectangle(case, row, number),
+        )
+        for name, row in case.screen.panels.items()
+        for number in range(row.count)
+    )
+
+
+def span_m(panel: Panel) -> float:
+    """Distance between the clamps' inner edges."""
+    return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)
+
+
+def unit(vector: Sequence[float] | Array) -> Array:
+    """The direction of a vector that is not zero."""
+    array = np.asarray(vector, dtype=float)
+    return np.asarray(array / np.linalg.norm(array))
+
+
+def _rectangle(case: Case, row: Panel, number: int) -> Rectangle:
+    along, across = unit(row.along), unit(row.across)
+    corner = np.asarray(row.corner_m) + number * (row.pitch_m or 0.0) * along
+    return Rectangle(
+        corner_m=to_world(case, corner),
+        along=to_world(case, along),
+        across=to_world(case, across),
+        length_m=row.length_m,
+        span_m=span_m(row),
+        width_m=row.width_m,
+        clamp_m=row.clamp_m,
+    )
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A rigid surface: points (n, 3) in the world at t = 0, triangles (m, 3) of point numbers."""
+
+    name: str
+    frame: str
+    material: str
+    position_m: Array
+    triangles: Indices
+
+
+def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
+    """The rigid surfaces of the case, read from its folder.  Raises stl.Unreadable."""
+    found = []
+    for name, surface in case.screen.surfaces.items():
+        facets = stl.read(folder / surface.stl)
+        position_m = to_world(case, facets.position_m)
+        found.append(Wall(name, surface.frame, surface.material, position_m, facets.triangles))
+    return tuple(found)

@@ -1,0 +1,227 @@
+"""From the case to plans: what each solver needs, in plain records and world axes.
+
+Materials are numbered by ``material_numbers`` wherever a plan or a surface has an index.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from orchestrator.bed_sources import combined_feed, initial_particles, largest_diameter_m
+from orchestrator.case import Case, Material
+from orchestrator.contact_times import contact_moduli, particle_step_s
+from orchestrator.deck import axes, single_panels, to_world, unit
+from orchestrator.geometry import TriangleSurface
+from orchestrator.left_out import has_particles
+from orchestrator.plans import (
+    Body,
+    Bushing,
+    Drive,
+    Exciter,
+    FramesPlan,
+    GrainMaterial,
+    Hyperelastic,
+    PanelPlan,
+    ParticlesPlan,
+)
+from orchestrator.ports import Array
+from orchestrator.tables import screen as tables
+
+
+def panel_plans(case: Case, folder: Path | None = None) -> tuple[PanelPlan, ...]:
+    """One plan per panel, in the order of the case; logs go to ``folder``."""
+    return tuple(
+        PanelPlan(
+            name=panel.name,
+            rectangle=panel.rectangle,
+            frames=panel.frames,
+            thickness_m=panel.table.thickness_m,
+            material=hyperelastic(case.materials[panel.table.material]),
+            gravity_m_s2=np.array(case.gravity_m_s2),
+            cells=case.panel.cells,
+            step_s=case.panel.step_s,
+            integrator=case.panel.integrator,
+            sync_interval_s=case.coupling.sync_interval_s,
+            log=folder / f"panel-{panel.name}.log" if folder else None,
+        )
+        for panel in single_panels(case)
+    )
+
+
+def hyperelastic(material: Material) -> Hyperelastic:
+    """A panel's material."""
+    law = material.hyperelastic
+    assert law is not None, "checks.references refuses panels of other materials"
+    return Hyperelastic(
+        density_kg_m3=material.density_kg_m3,
+        c10_Pa=law.c10_Pa,
+        c01_Pa=law.c01_Pa,
+        bulk_modulus_Pa=law.bulk_modulus_Pa,
+        branches=tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell),
+    )
+
+
+def frames_plan(
+    case: Case,
+    points_m: Array,
+    carrier: tuple[str, ...],
+    reaction_N: Array,
+    folder: Path | None = None,
+) -> FramesPlan:
+    """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
+    (n, 3) the panels' force on them at t = 0.
+
+    Prescribed frames get drives only, the others everything but drives.
+    """
+    prescribed = case.frames.solver == "prescribed"
+    frames = case.screen.frames
+    return FramesPlan(
+        bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
+        bushings=() if prescribed else tuple(_bushings(case)),
+        exciters=() if prescribed else tuple(_exciters(case)),
+        drives=tuple(_drives(case)) if prescribed else (),
+        gravity_m_s2=np.array(case.gravity_m_s2),
+        points_m=points_m,
+        carrier=carrier,
+        reaction_N=reaction_N,
+        drawn_at_rest=case.screen.drawn_at_rest,
+        step_s=case.frames.step_s,
+        sync_interval_s=case.coupling.sync_interval_s,
+        log=folder / "frames.log" if folder else None,
+    )
+
+
+def _body(case: Case, name: str, frame: tables.Frame) -> Body:
+    """Prescribed frames need no mass: it is 0 where the case gives none."""
+    tensor = np.diag(frame.inertia_kg_m2 or (0.0, 0.0, 0.0))
+    upper = np.zeros((3, 3))
+    upper[[0, 0, 1], [1, 2, 2]] = frame.products_of_inertia_kg_m2
+    turn = axes(case)
+    return Body(
+        name=name,
+        mass_kg=frame.mass_kg or 0.0,
+        inertia_kg_m2=turn @ (tensor + upper + upper.T) @ turn.T,
+        center_of_mass_m=to_world(case, frame.center_of_mass_m),
+    )
+
+
+def _bushings(case: Case) -> list[Bushing]:
+    return [
+        Bushing(
+            name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",
+            bodies=row.between,
+            position_m=to_world(case, position),
+            axes=to_world(case, Rotation.from_euler("xyz", row.rotation_deg, True).as_matrix().T),
+            stiffness_N_m=np.array(row.stiffness_N_m),
+            damping_N_s_m=np.array(row.damping_N_s_m),
+        )
+        for name, row in case.screen.bushings.items()
+        for number, position in enumerate(row.positions_m)
+    ]
+
+
+def _exciters(case: Case) -> list[Exciter]:
+    return [
+        Exciter(
+            body=exciter.frame,
+            position_m=to_world(case, exciter.position_m),
+            axis=to_world(case, unit(exciter.axis)),
+            start=to_world(case, unit(exciter.start)),
+            mass_moment_kg_m=exciter.mass_moment_kg_m,
+            speed_rad_s=exciter.speed_rad_s,
+            run_up_s=exciter.run_up_s,
+            phase_rad=exciter.phase_rad,
+        )
+        for exciter in case.screen.exciters.values()
+    ]
+
+
+def _drives(case: Case) -> list[Drive]:
+    return [_drive(case, name, f.drive) for name, f in case.screen.frames.items() if f.drive]
+
+
+def _drive(case: Case, name: str, drive: tables.Drive) -> Drive:
+    amplitude_m, phase_rad = _turned(case, drive.amplitude_m, drive.phase_rad)
+    rotation_rad, rotation_phase_rad = _turned(case, drive.rotation_rad, drive.rotation_phase_rad)
+    return Drive(
+        body=name,
+        center_m=to_world(case, drive.center_m),
+        speed_rad_s=drive.speed_rad_s,
+        amplitude_m=amplitude_m,
+        phase_rad=phase_rad,
+        rotation_rad=rotation_rad,
+        rotation_phase_rad=rotation_phase_rad,
+        run_up_s=drive.run_up_s,
+    )
+
+
+def _turned(case: Case, size: Sequence[float], phase_rad: Sequence[float]) -> tuple[Array, Array]:
+    """Sizes and phases along the world axes of an oscillation given along the deck axes."""
+    phasor = axes(case) @ (np.array(size) * np.exp(1j * np.array(phase_rad)))
+    return np.abs(phasor), np.angle(phasor)
+
+
+def touching_materials(case: Case) -> tuple[str, ...]:
+    """Materials of particles, panels and surfaces, in the case's order."""
+    bed, screen = case.bed, case.screen
+    rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
+    used = {row.material for table in rows for row in table.values()}
+    return tuple(name for name in case.materials if name in used)
+
+
+def material_numbers(case: Case) -> dict[str, int]:
+    """The number of each material that touches another."""
+    return {name: number for number, name in enumerate(touching_materials(case))}
+
+
+def particles_plan(
+    case: Case,
+    surface: TriangleSurface,
+    communicator: Any = None,
+    folder: Path | None = None,
+) -> ParticlesPlan | None:
+    """``surface`` as the particles will touch it, its materials numbered by
+    ``material_numbers``; None for a case without particles."""
+    if not has_particles(case):
+        return None
+    numbers = material_numbers(case)
+    restitution, sliding, rolling = _pair_tables(case, numbers)
+    cap = case.particles.largest_youngs_modulus_Pa
+    return ParticlesPlan(
+        surface=surface,
+        materials=tuple(
+            GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers
+        ),
+        restitution=restitution,
+        sliding_friction=sliding,
+        rolling_friction=rolling,
+        particles=initial_particles(case, numbers),
+        largest_diameter_m=largest_diameter_m(case),
+        domain_m=np.array(case.domain_m),
+        gravity_m_s2=np.array(case.gravity_m_s2),
+        step_s=particle_step_s(case),
+        sync_interval_s=case.coupling.sync_interval_s,
+        feed=combined_feed(case, numbers),
+        communicator=communicator,
+        folder=folder,
+    )
+
+
+def _pair_tables(case: Case, numbers: dict[str, int]) -> tuple[Array, Array, Array]:
+    """Restitution, sliding and rolling friction, (k, k).  Pairs that never meet (two panels)
+    need no values: they get 1, 0 and 0."""
+    k = len(numbers)
+    restitution, sliding, rolling = np.ones((k, k)), np.zeros((k, k)), np.zeros((k, k))
+    for contact in case.contacts:
+        if set(contact.between) <= set(numbers):
+            one, two = (numbers[name] for name in contact.between)
+            for row, column in ((one, two), (two, one)):
+                restitution[row, column] = contact.restitution
+                sliding[row, column] = contact.sliding_friction
+                rolling[row, column] = contact.rolling_friction
+    return restitution, sliding, rolling

@@ -1,0 +1,80 @@
+"""How finely: the solver of each port and its settings, the coupling, the output.
+
+These tables usually stand in a level (``levels/<level>.toml``).
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from orchestrator.tables.quantities import Cells, NotNegative, Positive, Share, Switch, Table
+
+
+class PanelSolver(Table):
+    """``[panel]``: how the panels are solved."""
+
+    solver: Literal["rigid", "strip", "sheet", "solid"] = "sheet"
+    """rigid (flat, undeformed), strip (no change across), sheet (DOLFINx), solid (DOLFINx, 3D)."""
+    integrator: Literal["explicit", "implicit"] = "explicit"
+    """Time integration of sheet and solid."""
+    cells: Cells = (22, 8)
+    """Finite-element cells along the free length and across."""
+    surface_cells: Cells = (22, 8)
+    """Cells of the surface that particles touch; each is cut into two triangles."""
+    step_s: NotNegative = 0.0
+    """Largest time step; 0 takes the solver's own limit with a margin."""
+
+
+class FramesSolver(Table):
+    """``[frames]``: how the frames are solved."""
+
+    solver: Literal["prescribed", "two-mass", "exudyn"] = "exudyn"
+    """prescribed (drives only), two-mass (linear, no rotation), exudyn (rigid bodies)."""
+    step_s: NotNegative = 0.0
+    """Largest time step; 0 takes the solver's own."""
+
+
+class ParticlesSolver(Table):
+    """``[particles]``: how the particles are solved."""
+
+    solver: Literal["spheres", "liggghts"] = "liggghts"
+    """spheres (a few, in NumPy), liggghts."""
+    step_s: NotNegative = 0.0
+    """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
+    rayleigh_fraction: Share = 0.15
+    """Share of the smallest particle's Rayleigh time; above 0.2 is refused."""
+    largest_youngs_modulus_Pa: Positive | None = None
+    """Stiffer materials are softened to this in contacts, which allows longer steps."""
+
+
+class Coupling(Table):
+    """``[coupling]``: when solvers exchange motion and load."""
+
+    scheme: Literal["particles-first", "serial-staggered"] = "particles-first"
+    """Order of the solvers within a sync interval (docs/theory/coupling.md)."""
+    sync_interval_s: Positive = 5e-5
+    """Time between two exchanges."""
+
+
+class HandOver(Table):
+    """``[hand_over]``: what is handed over.  Turning one off leaves out physics, to see what it
+    does; momentum and energy then do not close, and the log says so."""
+
+    frame_motion: Switch = True
+    """Frames move the panels' clamps."""
+    panel_motion: Switch = True
+    """Panels and walls move the surface that particles touch."""
+    particle_load: Switch = True
+    """Particles load the panels."""
+    panel_reaction: Switch = True
+    """Panels and walls push the frames."""
+
+
+class Output(Table):
+    """``[output]``: what is written how often.  Probes and forces are written at every sync
+    point in any case."""
+
+    interval_s: Positive = 0.005
+    """Time between snapshots for ParaView, shapes and the energy ledger."""
+    pictures: Switch = True
+    """Make pictures at the end of the run."""

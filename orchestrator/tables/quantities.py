@@ -1,0 +1,40 @@
+"""The kinds of value that a case is made of, and the table that every table of a case is.
+
+Numbers are strict: "4" or true is no number, a whole number is one.  Every float carries its
+unit at the end of its name; tests/case/test_tables.py walks all tables to make sure.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from annotated_types import Ge, Gt, Le, Len
+from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
+
+
+class Table(BaseModel):
+    """A frozen table: unknown keys, NaN and infinity are refused.
+
+    The text under each field is its documentation (docs/case-format.md is made of it).
+    """
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
+
+
+Number = Annotated[float, Strict()]
+Positive = Annotated[float, Strict(), Gt(0)]
+NotNegative = Annotated[float, Strict(), Ge(0)]
+Share = Annotated[float, Strict(), Ge(0), Le(1)]
+Count = Annotated[int, Strict(), Gt(0)]
+Whole = Annotated[int, Strict(), Ge(0)]
+Switch = Annotated[bool, Strict()]
+Vector = tuple[Number, Number, Number]
+NotNegativeVector = tuple[NotNegative, NotNegative, NotNegative]
+Vectors = Annotated[tuple[Vector, ...], Len(1)]
+Box = tuple[Vector, Vector]
+Cells = tuple[Count, Count]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]+$")]
+
+GROUND = "ground"
