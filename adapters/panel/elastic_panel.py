@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.grid import Grid
+from adapters.panel.grid import Surface
 from adapters.panel.state import HeldForce, State
 from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, PanelState
+from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState
 
 
 class Integrator(Protocol):
@@ -22,14 +21,6 @@ class Integrator(Protocol):
         """Move ``state`` to the interval's end, its held nodes on ``path``, under the constant
         force ``outside_N`` (nodes, 3)."""
         ...
-
-
-@dataclass(frozen=True)
-class Surface:
-    """What particles touch: a grid, and which node of the structure stands at each of its nodes."""
-
-    grid: Grid
-    nodes: Indices
 
 
 class ElasticPanel:

@@ -78,3 +78,20 @@ class Grid:
         starts = np.arange(len(coordinates_m) + 1) * 9
         size = (len(coordinates_m), (2 * len(self.s_m) - 1) * per_row)
         return csr_array((values.ravel(), nodes.ravel(), starts), shape=size)
+
+    def numbers_of(self, coordinates_m: Array) -> Indices:
+        """(nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more)
+        stands there."""
+        at = self.interpolation(coordinates_m[:, :2]).tocoo()
+        there = at.data > 0.5
+        numbers = np.empty(len(coordinates_m), dtype=np.int64)
+        numbers[at.col[there]] = at.row[there]
+        return numbers
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What particles touch: a grid, and which node of a structure stands at each of its nodes."""
+
+    grid: Grid
+    nodes: Indices

@@ -9,8 +9,6 @@ indefinite at first are no harder than taut ones.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.optimize import brentq
@@ -21,45 +19,37 @@ from orchestrator.geometry import Rectangle
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array, Indices
 
-TOLERANCE = 1e-9  # out-of-balance force over the forces at the clamps
+TOLERANCE = 1e-7  # out-of-balance force over the clamps' force; rounding in a solid leaves 1e-9
 FIRST_STEP_S = 1e-3
 LARGEST_STEP_S = 1e6
 ITERATIONS = 400
 STEEPEST_RAD = 2.0
 
 
-@dataclass(frozen=True)
-class Guess:
-    """Mid-surface positions and unit normals, each (n, 3)."""
+def first_guess_m(rectangle: Rectangle, gravity_m_s2: Array, material_m: Array) -> Array:
+    """World positions (n, 3) of material points (n, 3): s, y, and height over the mid-surface.
 
-    position_m: Array
-    normal: Array
-
-
-def first_guess(rectangle: Rectangle, gravity_m_s2: Array, coordinates_m: Array) -> Guess:
-    """A taut panel straight between its clamps; a slack one unstretched, with the slope angle of
-    a lightly buckled clamped beam (a sine), bulging with gravity or, without it, downwards."""
+    A taut panel is straight between its clamps.  A slack one is unstretched with the slope angle
+    of a lightly buckled clamped beam (a sine), bulging with gravity or, without it, downwards.
+    """
+    s, height = material_m[:, 0], material_m[:, 2]
+    straight = rectangle.mounted(material_m[:, :2]) + np.outer(height, rectangle.normal)
     if rectangle.span_m >= rectangle.length_m:
-        normal = np.broadcast_to(rectangle.normal, (len(coordinates_m), 3))
-        return Guess(rectangle.mounted(coordinates_m), normal)
-    s, length_m = coordinates_m[:, 0], rectangle.length_m
+        return np.asarray(straight)
     side = 1.0 if gravity_m_s2 @ rectangle.normal > 0.0 else -1.0
-    fine = np.linspace(0.0, length_m, 4001)
-    angle = side * _angle_rad(length_m, rectangle.span_m, fine)
-    along = cumulative_trapezoid(np.cos(angle), fine, initial=0.0)
-    bulge = cumulative_trapezoid(np.sin(angle), fine, initial=0.0)
-    x = np.interp(s, fine, along) + s - np.clip(s, 0.0, length_m)
-    position = (
-        rectangle.corner_m
-        + np.outer(x, rectangle.along)
-        + np.outer(coordinates_m[:, 1], rectangle.across)
-        + np.outer(np.interp(s, fine, bulge), rectangle.normal)
-    )
-    clamped = ~np.isnan(rectangle.end(coordinates_m))
-    position[clamped] = rectangle.mounted(coordinates_m[clamped])
+    fine = np.linspace(0.0, rectangle.length_m, 4001)
+    angle = side * _angle_rad(rectangle.length_m, rectangle.span_m, fine)
     turn = np.interp(s, fine, angle)
-    normal = np.outer(np.cos(turn), rectangle.normal) - np.outer(np.sin(turn), rectangle.along)
-    return Guess(position, normal)
+    x = np.interp(s, fine, cumulative_trapezoid(np.cos(angle), fine, initial=0.0))
+    z = np.interp(s, fine, cumulative_trapezoid(np.sin(angle), fine, initial=0.0))
+    bulging = (
+        rectangle.corner_m
+        + np.outer(x - height * np.sin(turn), rectangle.along)
+        + np.outer(material_m[:, 1], rectangle.across)
+        + np.outer(z + height * np.cos(turn), rectangle.normal)
+    )
+    clamped = ~np.isnan(rectangle.end(material_m[:, :2]))
+    return np.where(clamped[:, None], straight, bulging)
 
 
 def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:

@@ -14,17 +14,17 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from adapters.panel.bending import Bending, stiffness_matrix
-from adapters.panel.grid import Grid
+from adapters.panel.grid import Grid, Surface
 from adapters.panel.material import Law
 from adapters.panel.structure import Structure
 from orchestrator.plans import Hyperelastic, PanelPlan
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array
 
 QUADRATURE_DEGREE = 4  # 3 x 3 Gauss points
 POISSON_RATIO = 0.5
 
 
-def _flat_mesh(grid: Grid) -> Any:
+def flat_mesh(grid: Grid) -> Any:
     """One quadrilateral per cell of ``grid``, in its material coordinates."""
     along, across = grid.shape
     flat = mesh.create_rectangle(
@@ -36,7 +36,7 @@ def _flat_mesh(grid: Grid) -> Any:
     return flat
 
 
-def membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
+def _membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
     """Energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
     trace, det = ufl.tr(C), ufl.det(C)
     return thickness_m * (
@@ -57,39 +57,42 @@ def _scaled_strain(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
     )
 
 
-def sheet(plan: PanelPlan, grid: Grid) -> tuple[Structure, Indices]:
-    """The structure of ``plan`` on ``grid`` and, for each grid node, its number in it."""
-    flat = _flat_mesh(grid)
+def sheet(plan: PanelPlan) -> tuple[Structure, Surface]:
+    """The structure of ``plan``; its surface is all its nodes."""
+    grid = Grid.of(plan.rectangle, plan.cells)
+    flat = flat_mesh(grid)
     space = fem.FunctionSpace(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
-    scalars = fem.FunctionSpace(flat, ("Lagrange", 2))
-    position = fem.Function(space)
-    gradient = ufl.grad(position)
-    C = gradient.T * gradient
-    material, t = plan.material, plan.thickness_m
-    measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
-    law = Law(
-        position,
-        {"membrane": membrane_energy(material, t, C) * measure},
-        _scaled_strain(material, t, C),
-        QUADRATURE_DEGREE,
-        material.branches,
-    )
-    plate_N_m = material.youngs_modulus_Pa * t**3 / (12 * (1 - POISSON_RATIO**2))
     material_m = space.tabulate_dof_coordinates()
-    flat_m = plan.rectangle.corner_m + material_m[:, :2] @ np.stack(
-        (plan.rectangle.along, plan.rectangle.across)
+    nodes = grid.numbers_of(material_m)
+    held = nodes[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
+    structure = Structure(
+        law(plan, fem.Function(space)),
+        plan.material.density_kg_m3 * plan.thickness_m,
+        held,
+        bending(plan, fem.FunctionSpace(flat, ("Lagrange", 2)), material_m),
     )
+    return structure, Surface(grid, nodes)
+
+
+def law(plan: PanelPlan, position: Any) -> Law:
+    """The membrane on the field ``position``."""
+    gradient = ufl.grad(position)
+    C = ufl.transpose(gradient) * gradient
+    measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
+    return Law(
+        position,
+        {"membrane": _membrane_energy(plan.material, plan.thickness_m, C) * measure},
+        _scaled_strain(plan.material, plan.thickness_m, C),
+        QUADRATURE_DEGREE,
+        plan.material.branches,
+    )
+
+
+def bending(plan: PanelPlan, scalars: Any, material_m: Array) -> Bending:
+    """Plate bending stiffness  E t^3 / (12 (1 - nu^2))  at every point."""
+    rectangle, material = plan.rectangle, plan.material
+    plate_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / (12 * (1 - POISSON_RATIO**2))
+    sides = np.stack((rectangle.along, rectangle.across))
+    flat_m = rectangle.corner_m + material_m[:, :2] @ sides
     matrix = stiffness_matrix(scalars, plate_N_m, POISSON_RATIO)
-    bending = Bending(matrix, flat_m, material.branches)
-    number = node_numbers(grid, material_m)
-    held = number[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
-    return Structure(law, material.density_kg_m3 * t, held, bending), number
-
-
-def node_numbers(grid: Grid, coordinates_m: Array) -> Indices:
-    """(grid nodes,) which of the points ``coordinates_m`` (n, 2 or more) stands at each."""
-    order = grid.interpolation(coordinates_m[:, :2]).tocoo()
-    there = order.data > 0.5
-    number = np.empty(len(coordinates_m), dtype=np.int64)
-    number[order.col[there]] = order.row[there]
-    return number
+    return Bending(matrix, flat_m, material.branches)

@@ -35,6 +35,7 @@ class Structure:
         self, law: Law, mass_per_measure: float, held: Indices, bending: Bending | None = None
     ) -> None:
         self.space = law.position.function_space
+        self.material_m: Array = self.space.tabulate_dof_coordinates()  # s, y, height
         self.mass_kg = lumped_mass_kg(self.space, mass_per_measure)
         self.held = held
         self.free = np.setdiff1d(np.arange(len(self.mass_kg)), held)

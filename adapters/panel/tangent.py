@@ -47,6 +47,8 @@ class Tangent:
         self._solver = PETSc.KSP().create(PETSc.COMM_SELF)
         self._solver.setType("preonly")
         self._solver.getPC().setType("lu")
+        if space.mesh.topology.dim == 3:
+            self._solver.getPC().setFactorSolverType("mumps")
         self._right, self._left = self._matrix.createVecs()
 
     def _bending_matrix(self, bending: Bending, held: npt.NDArray[np.int32]) -> PETSc.Mat:

@@ -1,0 +1,32 @@
+"""The panel as a three-dimensional solid on DOLFINx: the reference (docs/theory/panel_solid.md).
+
+The nodes of the mid-surface are the surface points, in the order of the grid: y runs fastest.
+All nodes under the clamps and on their inner edges, through the thickness, are clamp points.
+"""
+
+from __future__ import annotations
+
+from orchestrator.plans import PanelPlan, SolverMissing
+
+try:
+    from adapters.panel import opening
+    from adapters.panel.elastic_panel import ElasticPanel
+    from adapters.panel.solid_forms import solid
+except ImportError as missing:
+    raise SolverMissing(
+        f"panel solver 'solid' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"
+    ) from missing
+
+
+def build(plan: PanelPlan) -> ElasticPanel:
+    """The solid at rest between its clamps.
+
+    ValueError for a step that is too large, SolverFailed if no resting shape is found.
+    """
+    return opening.open_panel(plan, *solid(plan))
+
+
+def largest_step_s(plan: PanelPlan) -> float:
+    """The largest ``step_s`` that ``build`` accepts for this plan."""
+    structure, _ = solid(plan)
+    return opening.largest_step_s(plan, structure)
