@@ -1,0 +1,194 @@
+"""Rigid bodies with six degrees of freedom on bushings, by Exudyn.
+
+Newmark's trapezoidal rule (beta = 1/4, gamma = 1/2: second order, no numerical damping; Newmark,
+Journal of the Engineering Mechanics Division 85, 1959, 67-94), stepped by hand with whole steps
+per sync interval.  The reaction is constant over the interval: at its start the accelerations
+take the jump from the last load, so that the discrete impulse is the load's own to rounding; and
+the points' lever arms are those extrapolated to the middle of the interval.
+
+A machine drawn at rest has its bushings stretched so that they carry weight and initial
+reaction in the drawn position.  Equations and limits: docs/theory/frames.md.
+Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 553-596, doi 10.1007/s11044-023-09937-1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from adapters.frames import linear, trapezoidal
+from adapters.frames.poses import Attached, Poses, cross, turned
+from orchestrator.clock import Interval
+from orchestrator.plans import FramesPlan, SolverFailed, SolverMissing
+from orchestrator.ports import Account, Array, Load, Motion, counted
+
+try:
+    import exudyn
+
+    from adapters.frames import multibody
+except ImportError as missing:
+    raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
+
+LARGEST_TILT_RAD = 1.4
+"""The rotation angles are singular at a tilt of pi/2 about y; frames on bushings tilt by 0.01."""
+
+
+def build(plan: FramesPlan) -> ExudynFrames:
+    """Raises ValueError for drives, unknown bodies, or bushings that cannot hold the weight.
+
+    ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency or exciter speed), whose
+    error in a frequency is (w h)^2 / 24 = 1e-4."""
+    linear.refuse_drives(plan, "exudyn")
+    return ExudynFrames(plan)
+
+
+class ExudynFrames:
+    """``Frames`` by Exudyn."""
+
+    def __init__(self, plan: FramesPlan) -> None:
+        self._plan = plan
+        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
+        self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in plan.bodies])
+        self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
+        machine = linear.linearised(plan, 6)
+        self._largest_step_s = _largest_step_s(plan, machine)
+        sag = np.zeros(6 * len(plan.bodies))
+        if plan.drawn_at_rest:
+            sag = machine.sag(linear.resting_load(plan).ravel())
+        sag_m = (machine.stretch @ sag).reshape(-1, 3)
+        self._carried = Attached.at(
+            plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m
+        )
+        self._forces = trapezoidal.Forces(plan, self._drawn_m, sag_m)
+        self._bodies = multibody.assembled(plan, sag_m)
+        self._wrench = np.zeros((len(plan.bodies), 6))
+        self._solver: Any = None
+        self._open()
+        self._poses = self._read()
+        self._instant = self._forces.at(self._poses, self._forces.exciter_N(0.0))
+        self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
+        self._outside_N_s = np.zeros(3)
+        self._lost_J = self._supplied_J = self._received_J = 0.0
+
+    def initial(self) -> Motion:
+        return Motion(*self._carried.motion(self._poses))
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        counted("frames' reaction", reaction, len(self._plan.points_m))
+        before_m, _ = self._carried.motion(self._poses)
+        self._apply(self._wrench_of(reaction, interval.length_s))
+        steps = interval.steps(self._largest_step_s)
+        step_s = interval.length_s / steps
+        self._solver.it.currentStepSize = step_s
+        for step in range(1, steps + 1):
+            self._step(interval.start_s + step * step_s, step_s)
+        motion = Motion(*self._carried.motion(self._poses))
+        self._received_J += float(np.sum(reaction.force_N * (motion.position_m - before_m)))
+        grounded_N = reaction.force_N[self._carried.body < 0].sum(axis=0)
+        self._outside_N_s -= interval.length_s * grounded_N
+        return motion
+
+    def account(self) -> Account:
+        poses, g = self._poses, self._plan.gravity_m_s2
+        velocity_m_s, spin_rad_s = poses.velocity_m_s[:-1], poses.spin_rad_s[:-1]
+        body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_s)
+        kinetic_J = self._mass_kg @ (velocity_m_s**2).sum(axis=1) / 2
+        kinetic_J += np.sum(body_spin * turned(self._inertia_kg_m2, body_spin)) / 2
+        fallen_J = self._mass_kg @ (poses.center_m[:-1] - self._drawn_m) @ g
+        return Account(
+            self._mass_kg @ velocity_m_s,
+            self._outside_N_s.copy(),
+            stored_J={
+                "kinetic": float(kinetic_J),
+                "bushing_elastic": self._forces.elastic_J(self._instant),
+                "gravitational": -float(fallen_J),
+            },
+            lost_J={"bushing_damping": self._lost_J},
+            supplied_J={"exciter": self._supplied_J},
+            received_J={"reaction": self._received_J},
+        )
+
+    def close(self) -> None:
+        if self._solver is not None:
+            self._solver.FinalizeSolver(self._bodies.system, self._settings)
+            self._solver = None
+
+    def _open(self) -> None:
+        self._settings = settings = exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        time = settings.timeIntegration
+        time.endTime, time.numberOfSteps = 1e9, 10**12  # steps are made by hand, without end
+        time.adaptiveStep = False
+        time.generalizedAlpha.useNewmark = True
+        time.newton.relativeTolerance = 1e-10
+        self._solver = exudyn.MainSolverImplicitSecondOrder()
+        if not self._solver.InitializeSolver(self._bodies.system, settings):
+            raise SolverFailed("exudyn could not start: see its message above")
+
+    def _read(self) -> Poses:
+        data = self._bodies.system.systemData
+        coordinates, rates = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
+        return Poses.of(self._drawn_m, coordinates.reshape(-1, 6), rates.reshape(-1, 6))
+
+    def _wrench_of(self, reaction: Load, length_s: float) -> Array:
+        """Force and moment about the centre of mass, (bodies, 6), with the lever arms expected
+        in the middle of the interval."""
+        held = self._carried.body >= 0
+        body, force_N = self._carried.body[held], reaction.force_N[held]
+        position_m, velocity_m_s = self._carried.motion(self._poses)
+        arm_m = position_m[held] - self._poses.center_m[body]
+        arm_m += length_s / 2 * (velocity_m_s[held] - self._poses.velocity_m_s[body])
+        wrench = np.zeros_like(self._wrench)
+        np.add.at(wrench, body, np.hstack([force_N, cross(arm_m, force_N)]))
+        return wrench
+
+    def _apply(self, wrench: Array) -> None:
+        """Set the loads, and let the accelerations jump by mass^-1 times their change."""
+        system, poses = self._bodies.system, self._poses
+        for load, force_N in zip(self._bodies.forces, wrench[:, :3], strict=True):
+            system.SetLoadParameter(load, "loadVector", force_N)
+        rotation = poses.rotation[:-1]
+        inertia = rotation @ self._inertia_kg_m2 @ rotation.transpose(0, 2, 1)
+        jump, change = np.empty_like(wrench), wrench - self._wrench
+        jump[:, :3] = change[:, :3] / self._mass_kg[:, None]
+        jump[:, 3:] = np.linalg.solve(inertia @ poses.spin_per_rate, change[:, 3:, None])[:, :, 0]
+        data = system.systemData
+        data.SetODE2Coordinates_tt(data.GetODE2Coordinates_tt() + jump.ravel())
+        self._wrench = wrench
+
+    def _torque_N_m(self) -> Array:
+        """At the end of the coming step: Exudyn applies a bushing's force at its two ends, which
+        lie a stretch apart, without the couple that balances it; extrapolated, it goes here."""
+        couple_N_m = 2 * self._instant.couple_N_m - self._couple_N_m
+        return np.asarray(self._wrench[:, 3:] + couple_N_m)
+
+    def _step(self, end_s: float, step_s: float) -> None:
+        exciter_N = self._forces.exciter_N(end_s)
+        system, solver = self._bodies.system, self._solver
+        for load, force_N in zip(self._bodies.exciters, exciter_N, strict=True):
+            system.SetLoadParameter(load, "loadVector", force_N)
+        for load, torque_N_m in zip(self._bodies.torques, self._torque_N_m(), strict=True):
+            system.SetLoadParameter(load, "loadVector", torque_N_m)
+        solver.InitializeStep(system, self._settings)
+        converged = solver.DiscontinuousIteration(system, self._settings)
+        solver.FinishStep(system, self._settings)
+        before, self._poses = self._instant, self._read()
+        self._couple_N_m = before.couple_N_m
+        tilt = np.abs(system.systemData.GetODE2Coordinates().reshape(-1, 6)[:, 4]).max()
+        if not converged or not tilt < LARGEST_TILT_RAD:  # NaN is not smaller either
+            reason = "its step did not converge" if not converged else f"a body tilts {tilt} rad"
+            raise SolverFailed(f"exudyn frames at {end_s} s: {reason}")
+        self._instant = self._forces.at(self._poses, exciter_N)
+        self._outside_N_s += trapezoidal.impulse_N_s(before, self._instant, step_s)
+        self._outside_N_s += step_s * self._mass_kg.sum() * self._plan.gravity_m_s2
+        self._lost_J += self._forces.lost_J(before, self._instant)
+        self._supplied_J += trapezoidal.supplied_J(before, self._instant)
+
+
+def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
+    speeds = [exciter.speed_rad_s for exciter in plan.exciters]
+    fastest = max([machine.fastest_rad_s(), *speeds])
+    own_s = 0.05 / fastest if fastest > 0 else math.inf
+    return plan.step_s if plan.step_s > 0 else min(own_s, plan.sync_interval_s)

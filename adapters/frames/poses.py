@@ -1,0 +1,84 @@
+"""Where rigid bodies are and how they move, and the same for points that they carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.ports import Array, Indices
+
+
+@dataclass(frozen=True)
+class Poses:
+    """Bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the
+    body number -1 means it.  ``center_m``, ``velocity_m_s``, ``spin_rad_s`` (bodies + 1, 3),
+    ``rotation`` (bodies + 1, 3, 3), all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps
+    the rates of the rotation angles to angular velocities."""
+
+    center_m: Array
+    rotation: Array
+    velocity_m_s: Array
+    spin_rad_s: Array
+    spin_per_rate: Array
+
+    @staticmethod
+    def of(drawn_m: Array, coordinates: Array, rates: Array) -> Poses:
+        """From (bodies, 6) each of displacements and Tait-Bryan angles (rotation Rx Ry Rz), and
+        their rates; ``drawn_m`` (bodies, 3) are the centres at t = 0."""
+        bodies = len(drawn_m)
+        center_m, velocity_m_s, spin_rad_s = np.zeros((3, bodies + 1, 3))
+        center_m[:-1] = drawn_m + coordinates[:, :3]
+        velocity_m_s[:-1] = rates[:, :3]
+        rotation, spin_per_rate = _turning(coordinates[:, 3:])
+        spin_rad_s[:-1] = turned(spin_per_rate, rates[:, 3:])
+        rotation = np.concatenate([rotation, np.eye(3)[None]])
+        return Poses(center_m, rotation, velocity_m_s, spin_rad_s, spin_per_rate)
+
+
+def _turning(angles_rad: Array) -> tuple[Array, Array]:
+    """Rotation Rx Ry Rz (bodies, 3, 3), and the axes of the three rates as columns."""
+    (sx, sy, sz), (cx, cy, cz) = np.sin(angles_rad.T), np.cos(angles_rad.T)
+    one, zero = np.ones_like(sx), np.zeros_like(sx)
+    rotation = [
+        [cy * cz, -cy * sz, sy],
+        [cx * sz + sx * sy * cz, cx * cz - sx * sy * sz, -sx * cy],
+        [sx * sz - cx * sy * cz, sx * cz + cx * sy * sz, cx * cy],
+    ]
+    axes = [[one, zero, sy], [zero, cx, -sx * cy], [zero, sx, cx * cy]]
+    return np.moveaxis(np.array(rotation), 2, 0), np.moveaxis(np.array(axes), 2, 0)
+
+
+@dataclass(frozen=True)
+class Attached:
+    """Points fixed to bodies: ``body`` (n,), -1 for the ground, and ``arm_m`` (n, 3) from the
+    centre of mass in body axes (for the ground: the place itself)."""
+
+    body: Indices
+    arm_m: Array
+
+    @staticmethod
+    def at(position_m: Array, body: Indices, drawn_m: Array) -> Attached:
+        """Points at ``position_m`` (n, 3) in the drawn position."""
+        return Attached(body, position_m - np.vstack([drawn_m, np.zeros(3)])[body])
+
+    def motion(self, poses: Poses) -> tuple[Array, Array]:
+        """Positions and velocities (n, 3)."""
+        arm_m = turned(poses.rotation[self.body], self.arm_m)
+        position_m = poses.center_m[self.body] + arm_m
+        velocity_m_s = poses.velocity_m_s[self.body] + cross(poses.spin_rad_s[self.body], arm_m)
+        return position_m, velocity_m_s
+
+
+def turned(rotation: Array, vector: Array) -> Array:
+    """Each vector (n, 3) by its matrix (n, 3, 3)."""
+    return np.asarray((rotation @ vector[:, :, None])[:, :, 0])
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Cross products (n, 3); ten times faster than np.cross for few rows."""
+    product = np.empty_like(b)
+    product[:, 0] = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
+    product[:, 1] = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]
+    product[:, 2] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return product

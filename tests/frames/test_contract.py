@@ -1,0 +1,113 @@
+"""The contract of the frames port, on every adapter with its real solver."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from orchestrator.clock import Interval
+from orchestrator.ports import BrokenRecord, Load
+from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
+from tests.frames.machines import POINTS_M
+
+marked = [
+    pytest.param(case, id=name, marks=[pytest.mark.solver] if name == "exudyn" else [])
+    for name, case in CASES.items()
+]
+every_adapter = pytest.mark.parametrize("case", marked)
+
+
+@every_adapter
+def test_points_start_where_they_are_mounted_and_at_rest(case: Case) -> None:
+    motion = case.open(case.moving(0.0)).initial()
+    assert motion.position_m == pytest.approx(POINTS_M, abs=1e-15)
+    assert not motion.velocity_m_s.any()
+
+
+@every_adapter
+def test_at_rest_nothing_moves(case: Case) -> None:
+    frames = case.open(case.still())
+    for index in range(100):
+        motion = frames.advance(Interval(index, INTERVAL_S), Load.zero(4))
+    assert motion.position_m == pytest.approx(POINTS_M, abs=1e-13)
+    assert motion.velocity_m_s == pytest.approx(np.zeros((4, 3)), abs=1e-11)
+
+
+@every_adapter
+def test_initial_reaction_is_held_by_the_preload(case: Case) -> None:
+    reaction = loads(1)[0]
+    frames = case.open(replace(case.still(), reaction_N=reaction))
+    for index in range(100):
+        motion = frames.advance(Interval(index, INTERVAL_S), Load(reaction))
+    assert motion.position_m == pytest.approx(POINTS_M, abs=1e-13)
+
+
+@every_adapter
+def test_momentum_balances_in_every_interval(case: Case) -> None:
+    """To rounding: 1e-12 of the largest impulse that goes through."""
+    reactions = loads(400)
+    books = accounts(case.open(case.moving(0.0)), reactions)
+    size = max(np.abs(book.outside_impulse_N_s).max() for book in books)
+    for (before, after), force_N in zip(pairwise(books), reactions, strict=True):
+        change = after.momentum_kg_m_s - before.momentum_kg_m_s
+        outside = after.outside_impulse_N_s - before.outside_impulse_N_s
+        received = INTERVAL_S * force_N.sum(axis=0)
+        assert change == pytest.approx(outside + received, abs=1e-12 * size)
+
+
+@every_adapter
+def test_energy_defect_is_small_and_falls_with_interval_and_step(case: Case) -> None:
+    """exudyn: 1e-7 of the work in intervals of 2.5e-4 s, and second order; others: rounding."""
+    work, defects = [], []
+    for split in (2, 8):
+        step_s = INTERVAL_S / split
+        reactions = loads(400).repeat(split, axis=0)
+        books = accounts(case.open(case.moving(step_s)), reactions, step_s)
+        end = books[-1]
+        work.append(sum(abs(v) for book in (end.supplied_J, end.received_J) for v in book.values()))
+        defects.append(abs(defect_J(books[0], end)))
+    assert defects[0] < 1e-7 * work[0]
+    assert defects[1] < max(defects[0] / 8, 1e-12 * work[1])
+
+
+@every_adapter
+def test_a_load_on_the_ground_moves_nothing(case: Case) -> None:
+    frames = case.open(replace(case.still(), carrier=("ground",) * 4))
+    motion = frames.advance(Interval(0, INTERVAL_S), Load(np.full((4, 3), 100.0)))
+    assert motion.position_m == pytest.approx(POINTS_M, abs=1e-15)
+    outside = frames.account().outside_impulse_N_s
+    start = case.open(replace(case.still(), carrier=("ground",) * 4))
+    start.advance(Interval(0, INTERVAL_S), Load.zero(4))
+    given = outside - start.account().outside_impulse_N_s
+    assert given == pytest.approx(-INTERVAL_S * np.full(3, 400.0), abs=1e-9)
+
+
+@every_adapter
+def test_velocity_is_the_rate_of_position(case: Case) -> None:
+    """x1 - x0 = H (v0 + v1) / 2 but for H^3 / 12 times the rate of the acceleration, here up to
+    8 mm (78.5 + pi / run_up)^3 = 2.3e4 m/s^3: 2.4e-7 m of some 3e-4 m."""
+    frames = case.open(case.moving(0.0))
+    before = frames.initial()
+    for index, force_N in enumerate(loads(200)):
+        after = frames.advance(Interval(index, INTERVAL_S), Load(force_N))
+        mean = (before.velocity_m_s + after.velocity_m_s) / 2
+        moved = after.position_m - before.position_m
+        assert moved == pytest.approx(INTERVAL_S * mean, abs=2.4e-7)
+        before = after
+
+
+@every_adapter
+def test_a_wrong_number_of_points_is_refused(case: Case) -> None:
+    frames = case.open(case.still())
+    with pytest.raises(BrokenRecord, match=r"4 points wanted, got 3"):
+        frames.advance(Interval(0, INTERVAL_S), Load.zero(3))
+
+
+@every_adapter
+def test_closing_twice_is_harmless(case: Case) -> None:
+    frames = case.open(case.still())
+    frames.close()
+    frames.close()
