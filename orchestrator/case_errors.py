@@ -72,7 +72,8 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Mist
             known = _keys_at(model, table)
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
-            mistakes.append(Mistake(detail["loc"], "unknown key", did_you_mean(str(key), known)))
+            what = f"unknown key (its value: {shown(detail['input'])})"
+            mistakes.append(Mistake(detail["loc"], what, did_you_mean(str(key), known)))
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
             continue

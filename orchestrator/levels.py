@@ -55,7 +55,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     if chosen:
         _lay_level(layers, folder, chosen)
     for override in overrides:
-        layers.lay(parsed(override), f"--set {override}")
+        layers.lay(parsed(override), "--set")
     case = validated(layers)
     physics = (key for key in changed(given, layers.merged) if key[0] not in NUMERICS)
     return LoadedCase(

@@ -1,0 +1,113 @@
+"""The machine: tables that contradict each other or lack what their solver needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from orchestrator.case import Case
+from orchestrator.case_errors import Key, Mistake
+from orchestrator.tables.quantities import GROUND
+from orchestrator.tables.screen import Panel
+
+
+def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
+    """Masses for solvers that solve for motion, drives for the one that prescribes it."""
+    solver = case.frames.solver
+    for name, frame in case.screen.frames.items():
+        key: Key = ("screen", "frames", name)
+        if solver != "prescribed":
+            if frame.drive is not None:
+                hint = 'take the drive out, or frames.solver = "prescribed"'
+                yield Mistake((*key, "drive"), f"frames.solver {solver} knows no drives", hint)
+            if frame.mass_kg is None:
+                hint = 'or move it by a drive with frames.solver = "prescribed"'
+                yield Mistake((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
+            if frame.inertia_kg_m2 is None and solver == "exudyn":
+                yield Mistake((*key, "inertia_kg_m2"), "missing: frames.solver exudyn needs it")
+        yield from _possible_inertia(key, case, name)
+
+
+def _possible_inertia(key: Key, case: Case, name: str) -> Iterator[Mistake]:
+    """Principal moments are positive and none exceeds the sum of the others (it would take
+    negative mass)."""
+    frame = case.screen.frames[name]
+    if frame.inertia_kg_m2 is None:
+        return
+    xy, xz, yz = frame.products_of_inertia_kg_m2
+    tensor = np.diag(frame.inertia_kg_m2) + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
+    moments = np.linalg.eigvalsh(tensor)
+    if moments[0] <= 0 or moments[2] > (1 + 1e-9) * (moments[0] + moments[1]):
+        what = f"no body has the principal moments {', '.join(f'{m:.4g}' for m in moments)} kg m2"
+        yield Mistake((*key, "inertia_kg_m2"), what, "none may exceed the sum of the others")
+
+
+def bushings_and_exciters(case: Case) -> Iterator[Mistake]:
+    """Bushings between two different bodies, exciters on a frame with a proper shaft."""
+    for name, bushing in case.screen.bushings.items():
+        key: Key = ("screen", "bushings", name)
+        if bushing.between[0] == bushing.between[1]:
+            yield Mistake((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
+        if not any(bushing.stiffness_N_m):
+            yield Mistake((*key, "stiffness_N_m"), "is zero in every direction")
+    for name, exciter in case.screen.exciters.items():
+        key = ("screen", "exciters", name)
+        if exciter.frame == GROUND:
+            yield Mistake((*key, "frame"), "the ground cannot be excited", "name a frame")
+        yield from _right_angle(key, "axis", exciter.axis, "start", exciter.start)
+
+
+def panels(case: Case) -> Iterator[Mistake]:
+    """One of tension and span, a pitch for a row, and directions that span a rectangle."""
+    for name, panel in case.screen.panels.items():
+        key: Key = ("screen", "panels", name)
+        yield from _one_span(key, panel)
+        if panel.count > 1 and panel.pitch_m is None:
+            yield Mistake((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
+        yield from _right_angle(key, "along", panel.along, "across", panel.across)
+
+
+def _one_span(key: Key, panel: Panel) -> Iterator[Mistake]:
+    if panel.tension_m is not None and panel.span_m is not None:
+        hint = "give one of the two"
+        yield Mistake((*key, "span_m"), "contradicts tension_m, which gives the span, too", hint)
+    if panel.tension_m is None and panel.span_m is None:
+        yield Mistake((*key, "tension_m"), "missing", "give tension_m or span_m")
+    span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
+    if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
+        given = "span_m" if panel.span_m is not None else "tension_m"
+        what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
+        yield Mistake((*key, given), what, "0.5 to 1.5 of the free length is wanted")
+    if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < span + 2 * panel.clamp_m:
+        what = f"{panel.pitch_m:g} m lets neighbours overlap"
+        hint = f"span and two clamps need {span + 2 * panel.clamp_m:g} m"
+        yield Mistake((*key, "pitch_m"), what, hint)
+
+
+def _right_angle(
+    key: Key, one: str, one_vector: tuple[float, ...], two: str, two_vector: tuple[float, ...]
+) -> Iterator[Mistake]:
+    sizes = np.linalg.norm([one_vector, two_vector], axis=1)
+    for name, size in zip((one, two), sizes, strict=True):
+        if size == 0:
+            yield Mistake((*key, name), "is zero", "give a direction")
+    if sizes.all() and abs(np.dot(one_vector, two_vector)) > 1e-9 * sizes.prod():
+        yield Mistake((*key, two), f"is not at right angles to {one}")
+
+
+def probes(case: Case) -> Iterator[Mistake]:
+    """Each probe is on exactly one thing and says where on it."""
+    for name, probe in case.probes.items():
+        key: Key = ("probes", name)
+        on = [kind for kind in ("frame", "panel", "particle") if getattr(probe, kind) is not None]
+        if len(on) != 1:
+            what = f"is on {' and '.join(on)}" if on else "is on nothing"
+            yield Mistake(key, what, "give one of frame, panel, particle")
+        for kind, place in (("frame", "point_m"), ("panel", "at")):
+            given = getattr(probe, place) is not None
+            if (kind in on) != given:
+                what = f"is for a probe on a {kind}" if given else f"missing: where on the {kind}?"
+                yield Mistake((*key, place), what)
+        if probe.frame == GROUND:
+            yield Mistake((*key, "frame"), "the ground does not move", "name a frame")

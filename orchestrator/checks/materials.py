@@ -1,0 +1,69 @@
+"""Materials and their contacts: everything that can meet must have its values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations_with_replacement
+
+from orchestrator.case import Case
+from orchestrator.case_errors import Key, Mistake
+
+
+def complete_materials(case: Case) -> Iterator[Mistake]:
+    """A law for panels; elastic constants for what particles touch."""
+    for name, panel in case.screen.panels.items():
+        material = case.materials.get(panel.material)
+        if material is not None and material.hyperelastic is None:
+            key: Key = ("materials", panel.material, "hyperelastic")
+            yield Mistake(key, f"missing: panel {name} is made of it")
+    for name, material in case.materials.items():
+        if material.hyperelastic is None:
+            for field in ("youngs_modulus_Pa", "poisson_ratio"):
+                if getattr(material, field) is None:
+                    yield Mistake(("materials", name, field), "missing")
+        elif material.hyperelastic.c10_Pa + material.hyperelastic.c01_Pa == 0:
+            key = ("materials", name, "hyperelastic", "c10_Pa")
+            yield Mistake(key, "C10 and C01 are both zero: no stiffness")
+
+
+def complete_contacts(case: Case) -> Iterator[Mistake]:
+    """Every pair that can meet, once."""
+    given: set[frozenset[str]] = set()
+    for number, contact in enumerate(case.contacts):
+        pair = frozenset(contact.between)
+        if pair in given:
+            named = " and ".join(contact.between)
+            yield Mistake(("contacts", number, "between"), f"{named} are given twice")
+        given.add(pair)
+    bed = case.bed
+    grains = {row.material for row in (*bed.particles.values(), *bed.sources)}
+    others = {panel.material for panel in case.screen.panels.values()}
+    others |= {surface.material for surface in case.screen.surfaces.values()}
+    pairs = list(combinations_with_replacement(sorted(grains), 2))
+    pairs += [(grain, other) for grain in sorted(grains) for other in sorted(others - grains)]
+    for one, two in pairs:
+        if frozenset((one, two)) not in given:
+            hint = f'give [[contacts]] with between = ["{one}", "{two}"]'
+            yield Mistake(("contacts",), f"{one} and {two} can meet but have no contact", hint)
+
+
+def boxes_and_sizes(case: Case) -> Iterator[Mistake]:
+    """Corners in order, sizes in order, shares that add up to 1."""
+    boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [
+        (("domain_m",), case.domain_m)
+    ]
+    for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
+        for name, row in rows.items():
+            key: Key = ("bed", kind, name)
+            boxes.append(((*key, "box_m"), row.box_m))
+            for number, size in enumerate(row.sizes):
+                if size.smallest_m > size.largest_m:
+                    what = f"is larger than largest_m = {size.largest_m:g}"
+                    yield Mistake((*key, "sizes", number, "smallest_m"), what)
+            total = sum(size.mass_fraction for size in row.sizes)
+            if abs(total - 1) > 1e-6:
+                yield Mistake((*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1")
+    for key, (low, high) in boxes:
+        if not all(a < b for a, b in zip(low, high, strict=True)):
+            hint = "give the lowest corner, then the highest"
+            yield Mistake(key, f"{list(low)} is not below {list(high)} in every direction", hint)

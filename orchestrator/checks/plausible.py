@@ -1,0 +1,97 @@
+"""Values of the wrong size: in SI no machine has them, in another unit one would.
+
+Not a physical limit but a guard against millimetres, tonnes and degrees: the ranges are wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from orchestrator.case import Case
+from orchestrator.case_errors import Key, Mistake
+
+# key: (smallest, largest) size of a value that is not zero
+RANGES: dict[str, tuple[float, float]] = {
+    "duration_s": (1e-6, 1e4),
+    "gravity_m_s2": (0.0, 100.0),
+    "domain_m": (0.0, 100.0),
+    "density_kg_m3": (50.0, 25e3),
+    "youngs_modulus_Pa": (1e4, 2e12),
+    "c10_Pa": (1e3, 1e9),
+    "c01_Pa": (1e3, 1e9),
+    "bulk_modulus_Pa": (1e5, 1e12),
+    "relaxation_s": (1e-7, 1e3),
+    "mass_kg": (0.1, 1e5),
+    "inertia_kg_m2": (1e-4, 1e6),
+    "stiffness_N_m": (10.0, 1e10),
+    "damping_N_s_m": (0.0, 1e7),
+    "speed_rad_s": (0.1, 1e3),
+    "mass_moment_kg_m": (1e-5, 1e3),
+    "amplitude_m": (0.0, 0.2),
+    "rotation_rad": (0.0, 1.6),
+    "inclination_deg": (0.0, 90.0),
+    "length_m": (0.01, 5.0),
+    "width_m": (0.005, 10.0),
+    "thickness_m": (2e-4, 0.05),
+    "clamp_m": (1e-4, 0.5),
+    "tension_m": (0.0, 0.1),
+    "span_m": (0.01, 5.0),
+    "pitch_m": (0.01, 10.0),
+    "diameter_m": (2e-5, 0.5),
+    "smallest_m": (2e-5, 0.5),
+    "largest_m": (2e-5, 0.5),
+    "velocity_m_s": (0.0, 50.0),
+    "rate_kg_s": (1e-6, 1e3),
+    "sync_interval_s": (1e-7, 0.02),
+}
+# unit: what it may have been mistaken for, and that unit in SI
+MISTAKEN: dict[str, dict[str, float]] = {
+    "_m": {"mm": 1e-3, "cm": 1e-2, "um": 1e-6},
+    "_kg": {"g": 1e-3, "t": 1e3},
+    "_kg_m3": {"g/cm3": 1e3},
+    "_kg_m2": {"kg mm2": 1e-6},
+    "_kg_m": {"kg mm": 1e-3},
+    "_Pa": {"MPa": 1e6, "GPa": 1e9},
+    "_N_m": {"N/mm": 1e3, "kN/m": 1e3},
+    "_rad_s": {"rpm": 0.10472, "Hz": 6.28319},
+    "_rad": {"degrees": 0.0174533},
+    "_s": {"ms": 1e-3, "us": 1e-6},
+    "_m_s": {"mm/s": 1e-3},
+    "_kg_s": {"t/h": 0.277778},
+}
+
+
+def wrong_sizes(case: Case) -> Iterator[Mistake]:
+    """Every value outside the range of its key, with the unit that it looks like."""
+    yield from _walk(case.model_dump(), ())
+
+
+def _walk(value: Any, key: Key) -> Iterator[Mistake]:
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield from _walk(inner, (*key, name))
+    elif isinstance(value, tuple):
+        for number, inner in enumerate(value):
+            yield from _walk(inner, (*key, number))
+    elif isinstance(value, float):
+        name = next(part for part in reversed(key) if isinstance(part, str))
+        if name in RANGES and value != 0 and not _inside(value, RANGES[name]):
+            yield Mistake(key, f"{value:g} is out of the range {_range(name)}", _hint(name, value))
+
+
+def _inside(value: float, limits: tuple[float, float]) -> bool:
+    return limits[0] <= abs(value) <= limits[1]
+
+
+def _range(name: str) -> str:
+    low, high = RANGES[name]
+    return f"{low:g} to {high:g}" if low else f"up to {high:g}"
+
+
+def _hint(name: str, value: float) -> str:
+    unit = max((unit for unit in MISTAKEN if name.endswith(unit)), key=len, default="")
+    for other, factor in MISTAKEN.get(unit, {}).items():
+        if _inside(value * factor, RANGES[name]):
+            return f"looks like {other}: that is {value * factor:g} in {name}"
+    return ""

@@ -1,0 +1,77 @@
+"""Time steps and the sync interval against what limits them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import import_module
+
+from orchestrator.case import Case
+from orchestrator.case_errors import Mistake
+from orchestrator.contact_times import (
+    LARGEST_RAYLEIGH_FRACTION,
+    impact_speed_m_s,
+    particle_step_s,
+    shortest_panel_contact_s,
+    shortest_rayleigh_s,
+)
+from orchestrator.left_out import has_particles
+from orchestrator.planning import panel_plans
+
+INTERVALS_PER_CONTACT = 10
+
+
+def particle_step(case: Case) -> Iterator[Mistake]:
+    """A step above 0.2 of the Rayleigh time does not resolve a contact."""
+    if not has_particles(case):
+        return
+    rayleigh_s, step_s = shortest_rayleigh_s(case), particle_step_s(case)
+    limit_s = LARGEST_RAYLEIGH_FRACTION * rayleigh_s
+    if step_s > limit_s * (1 + 1e-9):
+        key = "step_s" if case.particles.step_s > 0 else "rayleigh_fraction"
+        what = (
+            f"a step of {step_s:.3g} s is {step_s / rayleigh_s:.2g} of the smallest particle's "
+            f"Rayleigh time {rayleigh_s:.3g} s; the limit is {limit_s:.3g} s"
+        )
+        yield Mistake(("particles", key), what, f"take {0.75 * limit_s:.2g} s or less")
+
+
+def panel_step(case: Case) -> Iterator[Mistake]:
+    """A step given for explicit panels against the solver's own limit, where it tells one.
+
+    Raises SolverMissing if the solver is not installed.
+    """
+    if case.panel.step_s == 0 or case.panel.integrator != "explicit":
+        return
+    solver = import_module(f"adapters.panel.{case.panel.solver}")
+    if not hasattr(solver, "largest_step_s"):
+        return
+    limit_s = min(solver.largest_step_s(plan) for plan in panel_plans(case))
+    if case.panel.step_s > limit_s:
+        what = f"{case.panel.step_s:g} s is above the limit {limit_s:.3g} s of panel.solver "
+        hint = f"take {0.9 * limit_s:.2g} s, or 0 for the solver's own"
+        yield Mistake(("panel", "step_s"), what + case.panel.solver, hint)
+
+
+def whole_times(case: Case) -> Iterator[Mistake]:
+    """A sync interval that is longer than the run or than the time between snapshots."""
+    interval_s = case.coupling.sync_interval_s
+    for key, time_s in (
+        (("duration_s",), case.duration_s),
+        (("output", "interval_s"), case.output.interval_s),
+    ):
+        if time_s < interval_s:
+            what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"
+            yield Mistake(key, what)
+
+
+def long_interval(case: Case) -> Iterator[str]:
+    """The rule of docs/theory/coupling.md: at most 1/10 of the shortest contact time that loads a
+    panel.  A warning, because the ledger shows what a longer one costs."""
+    contact_s, interval_s = shortest_panel_contact_s(case), case.coupling.sync_interval_s
+    if contact_s < INTERVALS_PER_CONTACT * interval_s:
+        yield (
+            f"coupling.sync_interval_s = {interval_s:.3g} s: the shortest impact on a panel lasts "
+            f"{contact_s:.3g} s (at {impact_speed_m_s(case):.3g} m/s), that is "
+            f"{contact_s / interval_s:.1f} intervals, fewer than {INTERVALS_PER_CONTACT}; "
+            f"{contact_s / INTERVALS_PER_CONTACT:.2g} s would resolve it"
+        )
