@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle
-from orchestrator.ports import Account, Array, Indices, Load, MeshedPanel, Motion, Mount, PanelState
+from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, Panel, PanelState
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
 class Mapped:
     """A panel seen through other points of its surface: again a panel."""
 
-    def __init__(self, panel: MeshedPanel, coordinates_m: Array) -> None:
-        """``coordinates_m`` (n, 2): the material coordinates of the new surface points."""
+    def __init__(self, panel: Panel, H: csr_array) -> None:
+        """``H`` (new points, panel's surface points), from ``MeshedPanel.interpolation``."""
         self._panel = panel
-        self._H = panel.interpolation(coordinates_m)
-        self._HT = csr_array(self._H.T)
+        self._H = H
+        self._HT = csr_array(H.T)
         self.mount: Mount = panel.mount
 
     def initial(self) -> PanelState:

@@ -33,6 +33,22 @@ def is_first(world: Any) -> bool:
     return world is None or world.rank == 0
 
 
+def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
+    """What rank 0 returned or raised, on every rank."""
+    if world is None:
+        return act()
+    answer: Any = None
+    if world.rank == 0:
+        try:
+            answer = act()
+        except Exception as error:
+            answer = error
+    answer = world.bcast(answer)
+    if isinstance(answer, Exception):
+        raise answer
+    return cast(Shared, answer)
+
+
 class FramesOnFirstRank:
     """Frames solved on rank 0; all ranks get the same motion, bit for bit."""
 

@@ -53,12 +53,14 @@ class Recorder:
             }
             self._history.add(f"forces/{panel.name}", time_s, values)
 
-    def output(self, time_s: float, state: State) -> None:
-        """Every output time: shapes, books, and files for ParaView."""
+    def output(self, time_s: float, state: State) -> int:
+        """Every output time: shapes, books, and files for ParaView.  Returns the number of
+        particles (on rank 0)."""
         terms = self._ledger.energy_J()
         particles = self._snapshot()
+        count = len(particles.id) if particles is not None else 0
         if not self._writes:
-            return
+            return count
         self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
         surface = state.panel.surface
         for panel in self._machine.panels:
@@ -72,6 +74,7 @@ class Recorder:
             self._history.add("bed", time_s, _bed(particles))
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
+        return count
 
     def close(self) -> None:
         if self._writes:

@@ -6,6 +6,7 @@ import json
 import logging
 import os
 import platform
+import shutil
 import socket
 import subprocess
 import sys
@@ -14,11 +15,42 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import tomli_w
+
+from orchestrator.levels import LoadedCase
+
 LOG = logging.getLogger("flipflow")
 
 
 class FolderUnusable(Exception):
     """The output folder exists already or cannot be written (exit code 2)."""
+
+
+def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
+    """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
+    that can be run again), the provenance and the log."""
+    folder = make(out or fresh_name(Path("runs"), loaded.name))
+    table = loaded.case.model_dump(mode="json", exclude_none=True)
+    (folder / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
+    for surface in loaded.case.screen.surfaces.values():
+        (folder / surface.stl).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(loaded.folder / surface.stl, folder / surface.stl)
+    write_json(folder / "provenance.json", provenance(world.size if world else 1))
+    log_to(folder)
+    LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
+    return folder
+
+
+def claimed(path: Path, text: str) -> bool:
+    """Writes ``path`` if nobody did before; False for everybody but the first."""
+    try:
+        with path.open("x") as file:
+            file.write(text + "\n")
+    except FileExistsError:
+        return False
+    except OSError:  # a full disk must not silence the message
+        return True
+    return True
 
 
 def make(folder: Path) -> Path:

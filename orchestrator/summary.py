@@ -5,6 +5,7 @@ The keys are documented in docs/run-folder.md; a test holds the two together.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +13,17 @@ import h5py
 import numpy as np
 from rich.table import Table
 
+from orchestrator.case import Case
 from orchestrator.ports import Array
 
 PARTS = ("particles", "panel", "frames", "mapping", "output")
+
+
+def cycle_s(case: Case) -> float:
+    """The machine's cycle: of its slowest exciter or drive; the whole run where there is none."""
+    speeds = [exciter.speed_rad_s for exciter in case.screen.exciters.values()]
+    speeds += [frame.drive.speed_rad_s for frame in case.screen.frames.values() if frame.drive]
+    return 2 * math.pi / min(speeds) if speeds else case.duration_s
 
 
 def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:

@@ -23,7 +23,11 @@ SAY_EVERY_S = 5.0
 
 
 class Interrupted(Exception):
-    """The user asked to stop; raised at a sync point, when everything is consistent."""
+    """The user asked to stop; raised at a sync point, with the ``state`` there."""
+
+    def __init__(self, number: int, state: State) -> None:
+        super().__init__(f"stopped by {signal.Signals(number).name}")
+        self.signal, self.state = number, state
 
 
 class Stop:
@@ -47,14 +51,13 @@ class Stop:
             raise KeyboardInterrupt
         self.signal = number
 
-    def check(self, world: Any) -> None:
+    def check(self, world: Any, state: State) -> None:
         """Raises Interrupted on all ranks as soon as one of them heard a signal."""
         heard = self.signal
         if world is not None:
             heard = max(world.allgather(heard or 0)) or None
         if heard is not None:
-            self.signal = heard
-            raise Interrupted(signal.Signals(heard).name)
+            raise Interrupted(heard, state)
 
 
 def check_stable(state: State, time_s: float) -> None:
@@ -72,8 +75,8 @@ def check_stable(state: State, time_s: float) -> None:
 class Say:
     """Progress with time left: a bar on a terminal, a line now and then elsewhere."""
 
-    def __init__(self, duration_s: float, intervals: int, console: Console) -> None:
-        self._duration_s, self._intervals = duration_s, intervals
+    def __init__(self, intervals: int, interval_s: float, console: Console) -> None:
+        self._intervals, self._interval_s = intervals, interval_s
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -103,7 +106,7 @@ class Say:
         spent_s = now - self._started
         left_s = spent_s * (self._intervals - intervals) / intervals
         line = (
-            f"t = {self._duration_s * intervals / self._intervals:.4f} of {self._duration_s:g} s, "
+            f"t = {intervals * self._interval_s:.4f} of {self._intervals * self._interval_s:g} s, "
             f"{100 * intervals / self._intervals:.0f} %, {spent_s:.0f} s spent, "
             f"about {left_s:.0f} s left"
         )

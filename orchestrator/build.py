@@ -1,0 +1,159 @@
+"""From a case to a machine of open solvers.
+
+Adapters are imported here, by name, when a case calls for them: what is absent costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from orchestrator.case import Case
+from orchestrator.coupling import SCHEMES, Solvers
+from orchestrator.geometry import TriangleSurface
+from orchestrator.hand_over import (
+    ParticlesOnStillSurface,
+    StillClampedPanel,
+    UnloadedPanel,
+    UnpushedFrames,
+)
+from orchestrator.ledger import Members
+from orchestrator.levels import LoadedCase
+from orchestrator.machine import Machine, PanelPoints, Probe
+from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.panel_set import PanelSet
+from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
+from orchestrator.planning import frames_plan, material_numbers, particles_plan
+from orchestrator.plans import FramesPlan
+from orchestrator.ports import Array, Frames, Panel, Particles
+from orchestrator.ranks import FramesOnFirstRank
+from orchestrator.stopwatch import Stopwatch
+
+
+def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
+    """Opens every solver the case calls for.  ``world``: MPI communicator or None.
+
+    Raises SolverMissing, SolverFailed, and ValueError for a step above a solver's limit.
+    """
+    case = loaded.case
+    panels = panel_pieces(case, folder, stopwatch)
+    walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
+    pieces = [*panels, *walls, *frames]
+    together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
+    start = together.initial()
+    surface = _surface(case, [*panels, *walls], together, start.surface.position_m)
+    plan = frames_plan(
+        case, together.mount.position_m, together.mount.frame, start.reaction.force_N
+    )
+    members = Members(
+        MeteredFrames(_frames(case, plan, world), f"frames ({case.frames.solver})", stopwatch),
+        MeteredPanel(together, "panels", "mapping", stopwatch),
+        _particles(case, surface, folder, world, stopwatch),
+    )
+    return Machine(
+        solvers=_handed_over(case, members),
+        members=members,
+        scheme=SCHEMES[case.coupling.scheme],
+        stopwatch=stopwatch,
+        surface=surface,
+        panel_of_triangle=_panel_of_triangle([*panels, *walls], len(panels)),
+        panels=tuple(
+            PanelPoints(
+                piece.name,
+                together.surface[number],
+                together.clamps[number],
+                together.surface[number].start + piece.centre_line,
+            )
+            for number, piece in enumerate(panels)
+        ),
+        centres={
+            piece.name: together.clamps[len(panels) + len(walls) + number].start
+            for number, piece in enumerate(frames)
+        },
+        probes=_probes(case, pieces, together),
+    )
+
+
+def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
+    def opened() -> Frames:
+        name = case.frames.solver.replace("-", "_")
+        return cast(Frames, import_module(f"adapters.frames.{name}").build(plan))
+
+    return opened() if world is None else FramesOnFirstRank(world, opened)
+
+
+def _particles(
+    case: Case, surface: TriangleSurface, folder: Path, world: Any, stopwatch: Stopwatch
+) -> MeteredParticles | None:
+    plan = particles_plan(case, surface, world, folder)
+    if plan is None:
+        return None
+    solver = case.particles.solver
+    opened = cast(Particles, import_module(f"adapters.particles.{solver}").build(plan))
+    return MeteredParticles(opened, f"particles ({solver})", stopwatch)
+
+
+def _handed_over(case: Case, members: Members) -> Solvers:
+    """The solvers as the coupling sees them: with the hand-overs that the case wants."""
+    wanted = case.hand_over
+    frames: Frames = members.frames
+    panel: Panel = members.panel
+    particles: Particles | None = members.particles
+    if not wanted.panel_reaction:
+        frames = UnpushedFrames(frames)
+    if not wanted.frame_motion:
+        panel = StillClampedPanel(panel)
+    if not wanted.particle_load:
+        panel = UnloadedPanel(panel)
+    if particles is not None and not wanted.panel_motion:
+        particles = ParticlesOnStillSurface(particles, panel.initial().surface)
+    return Solvers(frames, panel, particles)
+
+
+def _surface(
+    case: Case, touched: list[Piece], together: PanelSet, position_m: Array
+) -> TriangleSurface:
+    """All that particles touch; points on frames belong to it, but to no triangle."""
+    number = material_numbers(case)
+    return TriangleSurface(
+        position_m,
+        np.concatenate(
+            [
+                piece.triangles + points.start
+                for piece, points in zip(touched, together.surface, strict=False)
+            ]
+        ),
+        np.concatenate(
+            [np.full(len(piece.triangles), number[piece.material]) for piece in touched]
+        ),
+    )
+
+
+def _panel_of_triangle(touched: list[Piece], panels: int) -> Any:
+    return np.concatenate(
+        [
+            np.full(len(piece.triangles), number if number < panels else -1)
+            for number, piece in enumerate(touched)
+        ]
+    )
+
+
+def _probes(case: Case, pieces: list[Piece], together: PanelSet) -> tuple[Probe, ...]:
+    """The case's probes; points of frames are read from the clamps, which are exact."""
+    found = []
+    for number, piece in enumerate(pieces):
+        on_frame = piece.name in case.screen.frames
+        points = together.clamps[number] if on_frame else together.surface[number]
+        for name, point in piece.points.items():
+            if name in case.probes:
+                on = "clamps" if on_frame else "surface"
+                found.append(Probe(name, on, points.start + point))
+    found += [
+        Probe(name, "particle", probe.particle)
+        for name, probe in case.probes.items()
+        if probe.particle is not None
+    ]
+    return tuple(found)

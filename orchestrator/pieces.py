@@ -1,0 +1,108 @@
+"""The pieces of the surface: panels, walls, and points that are only looked at.
+
+Each piece is a ``Panel`` to the coupling: a finite-element panel seen through the particles'
+triangles, a wall that a frame carries, or points on a frame that nothing touches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from orchestrator.case import Case
+from orchestrator.deck import Wall, single_panels, to_world, walls
+from orchestrator.mapping import Mapped, grid
+from orchestrator.metered import MeteredPanel
+from orchestrator.planning import panel_plans
+from orchestrator.plans import PanelPlan
+from orchestrator.ports import Array, Indices, MeshedPanel, Panel
+from orchestrator.stopwatch import Stopwatch
+
+
+def _nothing(*shape: int) -> Callable[[], Indices]:
+    return lambda: np.empty(shape, dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class Piece:
+    """How to open one piece, and what is known of its points before.
+
+    ``triangles`` (m, 3) and ``centre_line`` hold the piece's own point numbers; ``points`` maps
+    the names of points looked at (probes, centres of mass) to their numbers.
+    """
+
+    name: str
+    open: Callable[[], Panel]
+    points: dict[str, int]
+    triangles: Indices = field(default_factory=_nothing(0, 3))
+    material: str = ""
+    centre_line: Indices = field(default_factory=_nothing(0))
+
+
+def panel_pieces(case: Case, folder: Path, stopwatch: Stopwatch) -> list[Piece]:
+    """One piece per panel, in the order of the case."""
+    return [
+        _panel(case, plan, single.table.material, stopwatch)
+        for plan, single in zip(panel_plans(case, folder), single_panels(case), strict=True)
+    ]
+
+
+def _panel(case: Case, plan: PanelPlan, material: str, stopwatch: Stopwatch) -> Piece:
+    touched = grid(plan.rectangle, case.panel.surface_cells)
+    at = {
+        name: np.multiply(probe.at, (plan.rectangle.length_m, plan.rectangle.width_m))
+        for name, probe in case.probes.items()
+        if probe.panel == plan.name and probe.at is not None
+    }
+    coordinates = np.vstack([touched.coordinates_m, *at.values()])
+    solver = case.panel.solver
+
+    def opened() -> Panel:
+        own = cast(MeshedPanel, import_module(f"adapters.panel.{solver}").build(plan))
+        metered = MeteredPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
+        return Mapped(metered, own.interpolation(coordinates))
+
+    first = len(touched.coordinates_m)
+    return Piece(
+        name=plan.name,
+        open=opened,
+        points={name: first + number for number, name in enumerate(at)},
+        triangles=touched.triangles,
+        material=material,
+        centre_line=touched.centre_line,
+    )
+
+
+def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:
+    """One piece per rigid surface."""
+
+    def piece(wall: Wall) -> Piece:
+        opened = carried(wall.position_m, wall.frame)
+        return Piece(wall.name, opened, {}, wall.triangles, wall.material)
+
+    return [piece(wall) for wall in walls(case, case_folder)]
+
+
+def frame_pieces(case: Case) -> list[Piece]:
+    """One piece per frame: its centre of mass (under the frame's name) and its probes."""
+    return [_looked_at(case, name) for name in case.screen.frames]
+
+
+def _looked_at(case: Case, frame: str) -> Piece:
+    places = {frame: case.screen.frames[frame].center_of_mass_m} | {
+        name: probe.point_m
+        for name, probe in case.probes.items()
+        if probe.frame == frame and probe.point_m is not None
+    }
+    position_m = to_world(case, np.array(list(places.values())))
+    return Piece(frame, carried(position_m, frame), {n: i for i, n in enumerate(places)})
+
+
+def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
+    """Opens a rigid surface of points (n, 3) that ``frame`` carries."""
+    return lambda: cast(Panel, import_module("adapters.panel.carried").build(position_m, frame))

@@ -1,0 +1,132 @@
+"""One run, from a loaded case to a finished run folder: the coupling loop and its books."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from orchestrator import summary
+from orchestrator.build import build
+from orchestrator.clock import Interval, exact, intervals, steps_in
+from orchestrator.contact_times import particle_step_s
+from orchestrator.coupling import State, initial
+from orchestrator.ledger import Ledger
+from orchestrator.levels import LoadedCase
+from orchestrator.machine import Machine
+from orchestrator.recorder import Recorder
+from orchestrator.run_folder import LOG, write_json
+from orchestrator.stopwatch import Stopwatch
+from orchestrator.watch import Interrupted, Say, Stop, check_stable
+
+
+class Run:
+    """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one."""
+
+    def __init__(self, loaded: LoadedCase, folder: Path, world: Any, console: Console) -> None:
+        self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
+        self._case = loaded.case
+        self._stopwatch = Stopwatch()
+        self._started = time.perf_counter()
+        self._interval_s = self._case.coupling.sync_interval_s
+        self._intervals = steps_in(self._case.duration_s, self._interval_s)
+        self._every = steps_in(self._case.output.interval_s, self._interval_s)
+        self._particle_steps = 0
+        self._done: dict[str, Any] = {"sync_intervals": 0, "simulated_s": 0.0, "particles": 0}
+
+    def go(self) -> None:
+        """Runs to the end.  Raises SolverMissing, SolverFailed, OSError or Interrupted, with
+        everything written up to the last output time."""
+        with self._stopwatch("rest"):
+            machine = build(self._loaded, self._folder, self._world, self._stopwatch)
+            LOG.info("all solvers are open after %.1f s", time.perf_counter() - self._started)
+            try:
+                self._coupled(machine)
+            finally:
+                machine.close()
+
+    def _coupled(self, machine: Machine) -> None:
+        state = initial(machine.solvers)
+        ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
+        recorder = Recorder(self._folder, machine, ledger, state, self._world)
+        interrupted = None
+        try:
+            self._record(recorder, state, 0)
+            state = self._loop(machine, recorder, state)
+        except Interrupted as stopped:
+            interrupted, state = stopped, stopped.state
+        finally:
+            recorder.close()
+        pending = machine.scheme.pending(state, self._interval(0))
+        residuals = ledger.momentum_residual(pending)
+        self._done["momentum_residual_relative"] = max(residuals.values())
+        self._done["momentum_residuals"] = residuals
+        self._done["energy_ledger_J"] = ledger.energy_J()
+        if interrupted:
+            raise interrupted
+
+    def _loop(self, machine: Machine, recorder: Recorder, state: State) -> State:
+        stop = Stop()
+        with stop.listening(), Say(self._intervals, self._interval_s, self._console) as say:
+            for interval in intervals(self._case.duration_s, self._interval_s):
+                state = machine.scheme.advance(machine.solvers, interval, state)
+                check_stable(state, interval.end_s)
+                self._record(recorder, state, interval.index + 1)
+                say.done(interval.index + 1)
+                stop.check(self._world, state)
+        return state
+
+    def _record(self, recorder: Recorder, state: State, done: int) -> None:
+        """Sync point ``done``; an output time every ``_every`` of them, and the last."""
+        time_s = float(done * exact(self._interval_s))
+        with self._stopwatch("output"):
+            recorder.sync_point(time_s, state)
+            if done % self._every == 0 or done == self._intervals:
+                self._done["particles"] = recorder.output(time_s, state)
+        if done and self._done["particles"]:
+            steps = self._interval(done).steps(particle_step_s(self._case))
+            self._particle_steps += steps * self._done["particles"]
+        self._done |= {"sync_intervals": done, "simulated_s": time_s}
+
+    def _interval(self, index: int) -> Interval:
+        return Interval(index, self._interval_s)
+
+    def finish(self, status: str, reason: str = "") -> dict[str, Any]:
+        """Writes ``summary.json`` and the pictures (call it on one rank); returns the summary.
+
+        ``status``: "done", "interrupted" or "failed", with the ``reason``.
+        """
+        wall_s = time.perf_counter() - self._started
+        by_part = summary.wall_by_part_s(self._stopwatch.wall_s, wall_s)
+        rate = self._particle_steps / by_part["particles"] if by_part["particles"] else 0.0
+        figures = {
+            "status": status,
+            "reason": reason,
+            "case": self._loaded.name,
+            "level": self._loaded.level,
+            "left_out": self._loaded.left_out,
+            "cycle_s": summary.cycle_s(self._case),
+            "wall_s": wall_s,
+            "wall_by_part_s": by_part,
+            "particle_steps_per_s": rate,
+            **self._done,
+        }
+        history = self._folder / "history.h5"
+        if figures["sync_intervals"]:
+            figures["probes"] = summary.probes(history, figures["cycle_s"])
+        write_json(self._folder / "summary.json", figures)
+        if self._case.output.pictures and figures["sync_intervals"]:
+            draw(self._folder)
+        return figures
+
+
+def draw(folder: Path) -> None:
+    """Pictures in a process of their own; one that fails is a warning in the log."""
+    command = [sys.executable, "-m", "orchestrator.pictures", str(folder)]
+    drawn = subprocess.run(command, capture_output=True, text=True, check=False)
+    if drawn.returncode:
+        LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])
