@@ -2,9 +2,10 @@
 
 Every triangle near a sphere offers its closest point (on its face, an edge or a corner).  On a
 smooth surface neighbouring triangles offer nearly the same contact, so counting all of them would
-make the surface stiffer at each edge.  Therefore the deepest is taken first, and a further one
-counts by how much its normal differs from those taken: not at all up to 15 degrees, fully from
-45 degrees on, with a smooth step between.  Limits: docs/theory/spheres.md.
+make the surface stiffer at each edge.  Therefore an edge or a corner counts only where none of
+its triangles comes nearer; the deepest contact is taken first, and a further one counts by how
+much its normal differs from those taken: not at all up to 15 degrees, fully from 45 degrees on,
+with a smooth step (in the cosine) between.  Limits: docs/theory/spheres.md.
 """
 
 from __future__ import annotations
@@ -12,11 +13,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
 
-SAME_PATCH_RAD = math.radians(15.0)
-OTHER_PATCH_RAD = math.radians(45.0)
+SAME_PATCH = math.cos(math.radians(15.0))
+OTHER_PATCH = math.cos(math.radians(45.0))
+SAME_CONTACT = 0.5  # cosine between a contact's normals at two instants
 
 
 def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
@@ -42,35 +45,67 @@ def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
         (vb <= 0) & (d2 >= 0) & (d6 <= 0),  # edge ac
         (va <= 0) & (d4 >= d3) & (d5 >= d6),  # edge bc
     ]
-    zero, one = np.zeros_like(d1), np.ones_like(d1)
-    to_b = np.select(regions, [zero, one, zero, on_ab, zero, 1.0 - on_bc], vb / inside)
-    to_c = np.select(regions, [zero, zero, one, zero, on_ac, on_bc], vc / inside)
-    return np.stack([1.0 - to_b - to_c, to_b, to_c], axis=1)
+    weights = np.stack([va, vb, vc]) / inside
+    places = [
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+        (1.0 - on_ab, on_ab, 0.0),
+        (1.0 - on_ac, 0.0, on_ac),
+        (0.0, 1.0 - on_bc, on_bc),
+    ]
+    for region, place in zip(reversed(regions), reversed(places), strict=True):
+        for weight, value in zip(weights, place, strict=True):
+            np.copyto(weight, value, where=region)
+    return weights.T
 
 
-def one_per_patch(sphere: Indices, overlap_m: Array, normal: Array) -> Array:
+def one_per_patch(
+    sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Array, normal: Array
+) -> Array:
     """Weight (n,), 0 ... 1, of each candidate contact.
 
-    ``sphere`` (n,) whose candidate it is, ``overlap_m`` (n,) > 0, ``normal`` (n, 3) unit vectors
+    ``sphere`` (n,) whose candidate it is, ``corners`` (n, 3) points of the triangle,
+    ``barycentric`` (n, 3) where on it, ``overlap_m`` (n,) > 0, ``normal`` (n, 3) unit vectors
     from the surface to the sphere's centre.
     """
-    weight = np.ones(len(sphere))
+    weight = np.zeros(len(sphere))
     order = np.lexsort((-overlap_m, sphere))
+    order = order[_minima(sphere[order], corners[order], barycentric[order] > 0.0)]
+    weight[order] = 1.0
     while len(order):
-        _, start = np.unique(sphere[order], return_index=True)
-        deepest, further = order[start], np.delete(order, start)
-        if not len(further):
-            break
+        leads = np.append(True, sphere[order[1:]] != sphere[order[:-1]])
+        deepest, further = order[leads], order[~leads]
         taken = deepest[np.searchsorted(sphere[deepest], sphere[further])]
         weight[further] = np.minimum(weight[further], _otherness(normal[further], normal[taken]))
         order = further[weight[further] > 0.0]
     return weight
 
 
+def _minima(
+    sphere: Indices, corners: Indices, on_corner: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.bool_]:
+    """Which candidates, sorted by sphere and depth, are minima of the distance to the surface.
+
+    A triangle is convex, so the distance grows from its closest point in every direction.  A
+    place on an edge or a corner is no minimum if a triangle that has that edge or corner comes
+    nearer; if it comes as near, it is the same place.
+    """
+    minimum = np.ones(len(sphere), dtype=bool)
+    for shift in range(1, len(sphere)):
+        same = np.flatnonzero(sphere[shift:] == sphere[:-shift])
+        if not len(same):
+            break
+        later = same + shift
+        shared = np.any(corners[later, :, None] == corners[same, None, :], axis=2)
+        minimum[later[np.all(shared | ~on_corner[later], axis=1)]] = False
+    return minimum
+
+
 def _otherness(normal: Array, taken: Array) -> Array:
     """0 where two normals belong to one smooth patch, 1 where they do not."""
-    angle_rad = 2.0 * np.arcsin(np.clip(np.linalg.norm(normal - taken, axis=1) / 2.0, 0.0, 1.0))
-    t = np.clip((angle_rad - SAME_PATCH_RAD) / (OTHER_PATCH_RAD - SAME_PATCH_RAD), 0.0, 1.0)
+    t = (SAME_PATCH - _dot(normal, taken)) / (SAME_PATCH - OTHER_PATCH)
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
     return np.asarray(t * t * (3.0 - 2.0 * t))
 
 
@@ -78,22 +113,18 @@ def match_by_normal(now: tuple[Indices, Array], before: tuple[Indices, Array]) -
     """For each contact now the row of the contact before that it continues, or -1: (n,).
 
     Each side is (sphere (n,), normal (n, 3)).  Contacts of one sphere are paired by nearest
-    normal, nearest first, each once, and only within ``OTHER_PATCH_RAD``.
+    normal, nearest first, each once, and only closer than 60 degrees.
     """
-    found = np.full(len(now[0]), -1)
     new, old = np.nonzero(now[0][:, None] == before[0][None, :])
     cosine = _dot(now[1][new], before[1][old])
     order = np.argsort(-cosine, kind="stable")
-    order = order[cosine[order] > math.cos(OTHER_PATCH_RAD)]
-    new, old = new[order], old[order]
-    while len(new):
-        _, first_new = np.unique(new, return_index=True)
-        _, first_old = np.unique(old, return_index=True)
-        nearest = np.intersect1d(first_new, first_old)
-        found[new[nearest]] = old[nearest]
-        left = ~(np.isin(new, new[nearest]) | np.isin(old, old[nearest]))
-        new, old = new[left], old[left]
-    return found
+    order = order[cosine[order] > SAME_CONTACT]
+    found, taken = [-1] * len(now[0]), set()
+    for n, o in zip(new[order].tolist(), old[order].tolist(), strict=True):
+        if found[n] < 0 and o not in taken:
+            found[n] = o
+            taken.add(o)
+    return np.array(found, dtype=np.int64)
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -139,7 +139,9 @@ def on_surface(
     overlap_m = spheres.radius_m[sphere] - distance_m
     hit = np.flatnonzero(overlap_m > 0.0)
     normal = out_m[hit] / distance_m[hit, None]
-    weight = one_per_patch(sphere[hit], overlap_m[hit], normal)
+    weight = one_per_patch(
+        sphere[hit], triangles[triangle[hit]], barycentric[hit], overlap_m[hit], normal
+    )
     counts = np.flatnonzero(weight > 0.0)
     hit = hit[counts]
     return (
@@ -154,17 +156,16 @@ def on_surface(
 
 def continued(now: Touching, before: Touching, spheres: int) -> Indices:
     """For each contact now its row in ``before``, or -1 if it is new."""
-    found = np.full(len(now.first), -1)
-    old = before.first[: before.pairs] * spheres + before.second
+    old = before.first[: before.pairs] * spheres + before.second  # ascending, as the lists are
     new = now.first[: now.pairs] * spheres + now.second
-    _, of_new, of_old = np.intersect1d(new, old, assume_unique=True, return_indices=True)
-    found[of_new] = of_old
-    on_surface = match_by_normal(
+    place = np.minimum(np.searchsorted(old, new), len(old) - 1)
+    of_pairs = np.where(old[place] == new, place, -1) if len(old) else np.full(len(new), -1)
+    of_surface = match_by_normal(
         (now.first[now.pairs :], now.normal[now.pairs :]),
         (before.first[before.pairs :], before.normal[before.pairs :]),
     )
-    found[now.pairs :] = np.where(on_surface >= 0, on_surface + before.pairs, -1)
-    return found
+    of_surface[of_surface >= 0] += before.pairs
+    return np.concatenate([of_pairs, of_surface])
 
 
 def cross(a: Array, b: Array) -> Array:
