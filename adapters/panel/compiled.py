@@ -9,6 +9,9 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -41,11 +44,27 @@ def _options() -> dict[str, Any]:
     }
 
 
+@contextmanager
+def _compiling() -> Iterator[None]:
+    """The compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python reports."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)
+        yield
+
+
 def form(integral: Any) -> Any:
     """The compiled form of a UFL integral."""
-    return fem.form(integral, jit_params=_options())
+    with _compiling():
+        return fem.form(integral, jit_params=_options())
 
 
 def expression(value: Any, points: Array) -> Any:
     """The compiled UFL expression at reference ``points`` (n, cell dimension) of each cell."""
-    return fem.Expression(value, points, jit_params=_options())
+    with _compiling():
+        return fem.Expression(value, points, jit_params=_options())
+
+
+def function_space(mesh: Any, element: Any) -> Any:
+    """The finite-element space of a UFL element on a mesh."""
+    with _compiling():
+        return fem.FunctionSpace(mesh, element, jit_params=_options())

@@ -47,7 +47,7 @@ def _limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
         return COARSEST_STEP_S, USUAL_STEP_S
     if plan.integrator != "explicit":
         raise ValueError(
-            f"panel {plan.name}: integrator {plan.integrator!r}; there are 'explicit' and 'implicit'"
+            f"panel {plan.name}: integrator {plan.integrator!r}: take 'explicit' or 'implicit'"
         )
     stiffening = 1.0 + sum(ratio for ratio, _ in plan.material.branches)
     critical_s = 2.0 / (tangent.highest_frequency_rad_s() * stiffening**0.5)

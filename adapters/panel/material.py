@@ -12,7 +12,7 @@ from basix import make_quadrature  # type: ignore[attr-defined]
 from basix.cell import string_to_type
 from dolfinx import fem
 
-from adapters.panel.compiled import expression, form
+from adapters.panel.compiled import expression, form, function_space
 from adapters.panel.maxwell import Branches
 from orchestrator.ports import Array
 
@@ -47,7 +47,7 @@ class ViscousStrain:
             metadata={"quadrature_degree": law.degree, "quadrature_rule": "default"}
         )
         self._strain = law.strain
-        self._history = fem.Function(fem.FunctionSpace(mesh, points))
+        self._history = fem.Function(function_space(mesh, points))
         self._share = fem.Constant(mesh, 0.0)
         reference, weights = make_quadrature(string_to_type(cell.cellname()), law.degree)
         self._evaluate = expression(law.strain, reference)

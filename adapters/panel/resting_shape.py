@@ -19,9 +19,10 @@ from orchestrator.geometry import Rectangle
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array, Indices
 
-TOLERANCE = 1e-7  # out-of-balance force over the clamps' force; rounding in a solid leaves 1e-9
+TOLERANCE = 1e-7  # rounding in a solid leaves 1e-9 of the clamps' force
+NEGLIGIBLE_MOVE = 1e-10  # of the panel's size
 FIRST_STEP_S = 1e-3
-LARGEST_STEP_S = 1e6
+LARGEST_STEP_S = 1e3
 ITERATIONS = 400
 STEEPEST_RAD = 2.0
 
@@ -69,25 +70,28 @@ def settle(
     structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array, name: str
 ) -> Array:
     """Positions (nodes, 3) at which ``weight_N`` and the internal force balance, from
-    ``start_m``; SolverFailed with ``name`` if they cannot be found."""
-    free = structure.free
-    position, step_s = start_m.copy(), FIRST_STEP_S
+    ``start_m``; SolverFailed with ``name`` if they cannot be found.
+
+    Found means: out of balance by less than ``TOLERANCE`` of the clamps' force, or, where
+    rounding forbids that, moved by less than ``NEGLIGIBLE_MOVE`` by a Newton iteration.
+    """
+    free, size_m = structure.free, float(np.ptp(start_m, axis=0).max())
+    position, step_s, moved_m = start_m.copy(), FIRST_STEP_S, np.inf
     force = structure.force_N(position)
-    imbalance = _norm(weight_N - force, free)
     for _ in range(ITERATIONS):
+        imbalance = _norm(weight_N - force, free)
         scale = max(_norm(force, structure.held), _norm(weight_N, free))
-        if imbalance <= TOLERANCE * scale:
+        if imbalance <= TOLERANCE * scale or moved_m <= NEGLIGIBLE_MOVE * size_m:
             return position
         structure.force_N(position)
         tangent.factorise(step_s**-2, 1.0)
         move = tangent.solve(weight_N - force)
-        trial_force = structure.force_N(position + move)
+        trial = structure.force_N(position + move)
         # downhill, by the mean force on the way: the energy itself loses digits near the end
-        gained_J = np.vdot((weight_N - 0.5 * (force + trial_force))[free], move[free])
-        trial_imbalance = _norm(weight_N - trial_force, free)
-        if np.isfinite(trial_imbalance) and (gained_J > 0.0 or trial_imbalance < imbalance):
-            position += move
-            force, imbalance = trial_force, trial_imbalance
+        gained_J = np.vdot((weight_N - 0.5 * (force + trial))[free], move[free])
+        if gained_J > 0.0 or _norm(weight_N - trial, free) < imbalance:
+            position, force = position + move, trial
+            moved_m = float(np.abs(move).max()) if step_s == LARGEST_STEP_S else np.inf
             step_s = min(2.0 * step_s, LARGEST_STEP_S)
         else:
             step_s *= 0.25

@@ -14,6 +14,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from adapters.panel.bending import Bending, stiffness_matrix
+from adapters.panel.compiled import function_space
 from adapters.panel.grid import Grid, Surface
 from adapters.panel.material import Law
 from adapters.panel.structure import Structure
@@ -61,16 +62,14 @@ def sheet(plan: PanelPlan) -> tuple[Structure, Surface]:
     """The structure of ``plan``; its surface is all its nodes."""
     grid = Grid.of(plan.rectangle, plan.cells)
     flat = flat_mesh(grid)
-    space = fem.FunctionSpace(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
+    space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
+    scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()
     nodes = grid.numbers_of(material_m)
     held = nodes[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
-    structure = Structure(
-        law(plan, fem.Function(space)),
-        plan.material.density_kg_m3 * plan.thickness_m,
-        held,
-        bending(plan, fem.FunctionSpace(flat, ("Lagrange", 2)), material_m),
-    )
+    areal_mass_kg_m2 = plan.material.density_kg_m3 * plan.thickness_m
+    membrane = law(plan, fem.Function(space))
+    structure = Structure(membrane, areal_mass_kg_m2, held, bending(plan, scalars, material_m))
     return structure, Surface(grid, nodes)
 
 

@@ -15,6 +15,7 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
+from adapters.panel.compiled import function_space
 from adapters.panel.grid import Grid, Surface
 from adapters.panel.material import Law
 from adapters.panel.structure import Structure
@@ -79,7 +80,7 @@ def solid(plan: PanelPlan) -> tuple[Structure, Surface]:
     """The structure of ``plan``; its surface is the nodes of the mid-surface."""
     grid = Grid.of(plan.rectangle, plan.cells)
     box = box_mesh(grid, plan.thickness_m)
-    space = fem.FunctionSpace(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
+    space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()
     middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
     held = np.flatnonzero(~np.isnan(plan.rectangle.end(material_m[:, :2])))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -34,7 +36,7 @@ def test_loss_per_cycle():
     strain = np.sin(speed * times)
     branches = Branches(((RATIO, TIME_S),), 1)
     lost = []
-    for before, after in zip(strain, strain[1:], strict=False):
+    for before, after in pairwise(strain):
         branches.begin(times[1], np.array([before]))
         branches.end(np.array([after - before]), np.array([after - before]))
         lost.append(branches.lost_J)
