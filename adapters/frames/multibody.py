@@ -13,6 +13,7 @@ from orchestrator.plans import Body, Bushing, FramesPlan
 from orchestrator.ports import Array
 
 items: Any = exudyn.itemInterface
+homogeneous: Any = exudyn.HT
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ def assembled(plan: FramesPlan, sag_m: Array) -> Multibody:
         """On a body or the ground (-1), with ``axes`` (rows) for its own."""
         place_m = position_m - plan.bodies[number].center_of_mass_m if number >= 0 else position_m
         body = bodies[number] if number >= 0 else ground
-        pose = exudyn.HT(rotation=axes.T, translation=place_m)
+        pose = homogeneous(rotation=axes.T, translation=place_m)
         return int(system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=pose)))
 
     for bushing, stretched_m in zip(plan.bushings, sag_m, strict=True):
