@@ -6,9 +6,7 @@ together, then files, then what is computed from both.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from orchestrator.case_errors import CaseError, Mistake
+from orchestrator.case_errors import Mistake
 from orchestrator.checks import machine, materials, names, plausible, start, steps, surfaces
 from orchestrator.levels import LoadedCase
 
@@ -27,20 +25,18 @@ OF_TABLES = (
 )
 
 
-def check(loaded: LoadedCase) -> list[str]:
-    """Raises CaseError with every mistake found; returns warnings.
+def mistakes(loaded: LoadedCase) -> list[Mistake]:
+    """All that must be put right before the case can run; empty if nothing."""
+    case, folder = loaded.case, loaded.folder
+    found = [mistake for rule in OF_TABLES for mistake in rule(case)]
+    if not found:
+        found = [*surfaces.stl_files(case, folder), *surfaces.panels_inside(case)]
+    if not found:
+        found = [*steps.particle_step(case), *steps.panel_step(case)]
+        found += start.particles_at_start(case, folder)
+    return loaded.layers.named(found)
 
-    Raises SolverMissing if a panel step is given and the panel's solver is not installed.
-    """
-    case = loaded.case
-    _raise_any(loaded, (mistake for rule in OF_TABLES for mistake in rule(case)))
-    _raise_any(loaded, [*surfaces.stl_files(case, loaded.folder), *surfaces.panels_inside(case)])
-    computed = [*steps.particle_step(case), *steps.panel_step(case)]
-    _raise_any(loaded, [*computed, *start.particles_at_start(case, loaded.folder)])
-    return list(steps.long_interval(case))
 
-
-def _raise_any(loaded: LoadedCase, mistakes: Iterator[Mistake] | list[Mistake]) -> None:
-    found = loaded.layers.named(list(mistakes))
-    if found:
-        raise CaseError(found)
+def warnings(loaded: LoadedCase) -> list[str]:
+    """What is allowed but doubtful, with numbers; for a case without mistakes."""
+    return list(steps.long_interval(loaded.case))

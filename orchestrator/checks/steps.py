@@ -16,6 +16,7 @@ from orchestrator.contact_times import (
 )
 from orchestrator.left_out import has_particles
 from orchestrator.planning import panel_plans
+from orchestrator.plans import SolverMissing
 
 INTERVALS_PER_CONTACT = 10
 
@@ -36,13 +37,14 @@ def particle_step(case: Case) -> Iterator[Mistake]:
 
 
 def panel_step(case: Case) -> Iterator[Mistake]:
-    """A step given for explicit panels against the solver's own limit, where it tells one.
-
-    Raises SolverMissing if the solver is not installed.
-    """
+    """A step given for explicit panels against the solver's own limit, where it tells one.  A
+    solver that is not installed is not asked; missing_solvers says so."""
     if case.panel.step_s == 0 or case.panel.integrator != "explicit":
         return
-    solver = import_module(f"adapters.panel.{case.panel.solver}")
+    try:
+        solver = import_module(f"adapters.panel.{case.panel.solver}")
+    except SolverMissing:
+        return
     if not hasattr(solver, "largest_step_s"):
         return
     limit_s = min(solver.largest_step_s(plan) for plan in panel_plans(case))
@@ -75,3 +77,15 @@ def long_interval(case: Case) -> Iterator[str]:
             f"{contact_s / interval_s:.1f} intervals, fewer than {INTERVALS_PER_CONTACT}; "
             f"{contact_s / INTERVALS_PER_CONTACT:.2g} s would resolve it"
         )
+
+
+def missing_solvers(case: Case) -> Iterator[str]:
+    """Solvers that the case wants and this installation lacks; takes as long as they load."""
+    names = [f"frames.{case.frames.solver.replace('-', '_')}", f"panel.{case.panel.solver}"]
+    if has_particles(case):
+        names.append(f"particles.{case.particles.solver}")
+    for name in names:
+        try:
+            import_module(f"adapters.{name}")
+        except SolverMissing as missing:
+            yield str(missing)

@@ -1,0 +1,105 @@
+"""The command line: ``flipflow run``, ``check`` and ``list``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
+
+Examples:
+
+  flipflow list                                        what can be run
+
+  flipflow check cases/quickstart                      is the case right, and what is in it?
+
+  flipflow run cases/quickstart                        run it, into a new folder under runs/
+
+  flipflow run cases/quickstart --level draft          coarse and quick
+
+  flipflow run cases/quickstart --set panel.solver=rigid --out runs/rigid
+
+  mpirun -n 4 flipflow run cases/quickstart            on four processes
+
+Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
+not installed, 4 a solver failed or the run became unstable, 130 interrupted.
+
+Every key of a case is described in docs/case-format.md."""
+
+app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+
+CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
+Level = Annotated[
+    str | None,
+    typer.Option("--level", help="one of the case's levels [default: the case's default_level]"),
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="gives a key another value, for example panel.solver=rigid; may be repeated",
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]"),
+]
+
+
+@app.command()
+def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrides = None) -> None:
+    """Run a case.
+
+    The case is checked first; nothing is written if it is wrong.  The folder of the run holds
+    the log, time series, files for ParaView, pictures and summary.json.
+    """
+    from orchestrator.launch import run as launch
+
+    raise typer.Exit(launch(case, level, out, overrides or []))
+
+
+@app.command()
+def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> None:
+    """Check a case without running it, and say what is in it.
+
+    Exit code 0: it can be run; 2: it cannot, with every mistake in one message.
+    """
+    from orchestrator.case_errors import CaseError
+    from orchestrator.checks import mistakes
+    from orchestrator.levels import load
+    from orchestrator.overview import overview
+
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    try:
+        loaded = load(case, level, overrides or [])
+        if found := mistakes(loaded):
+            raise CaseError(found)
+    except CaseError as error:
+        Console(stderr=True, highlight=False, markup=False, soft_wrap=True).print(str(error))
+        raise typer.Exit(2) from None
+    for line in overview(loaded):
+        console.print(line)
+
+
+@app.command(name="list")
+def list_cases(
+    folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
+) -> None:
+    """List cases with their titles and levels."""
+    from orchestrator.overview import case_lines
+
+    if not folder.is_dir():
+        Console(stderr=True, highlight=False).print(f"{folder}: no such folder", markup=False)
+        raise typer.Exit(2)
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    for line in case_lines(folder):
+        console.print(line)
+
+
+def main() -> None:
+    """The entry point ``flipflow``."""
+    app()

@@ -1,0 +1,95 @@
+"""What is in a case, in words and derived numbers, for ``flipflow check`` and ``list``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from orchestrator.bed_sources import initial_particles
+from orchestrator.case_errors import CaseError
+from orchestrator.checks import warnings
+from orchestrator.checks.steps import missing_solvers
+from orchestrator.clock import steps_in
+from orchestrator.contact_times import (
+    impact_speed_m_s,
+    particle_step_s,
+    shortest_panel_contact_s,
+    shortest_rayleigh_s,
+)
+from orchestrator.deck import single_panels, walls
+from orchestrator.left_out import has_particles
+from orchestrator.levels import LoadedCase, level_names, load, read_toml
+from orchestrator.planning import material_numbers
+
+
+def overview(loaded: LoadedCase) -> Iterator[str]:
+    """Lines about a case without mistakes."""
+    case = loaded.case
+    level = f"level {loaded.level}" if loaded.level else "no level"
+    yield f"{loaded.name}, {level}: {case.title}"
+    yield from _machine(loaded)
+    if has_particles(case):
+        yield from _particles(loaded)
+    yield from _times(loaded)
+    for name, why in loaded.left_out.items():
+        yield f"left out: {name} ({why})"
+    if loaded.changed:
+        yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
+    for warning in [*warnings(loaded), *missing_solvers(case)]:
+        yield f"warning: {warning}"
+    yield "the case can be run"
+
+
+def _machine(loaded: LoadedCase) -> Iterator[str]:
+    case, screen = loaded.case, loaded.case.screen
+    bushings = sum(len(bushing.positions_m) for bushing in screen.bushings.values())
+    yield (
+        f"  frames     {len(screen.frames)} ({case.frames.solver}), {bushings} bushings, "
+        f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
+    )
+    cells = " x ".join(str(count) for count in case.panel.cells)
+    yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
+    triangles = 2 * (case.panel.surface_cells[0] + 2) * case.panel.surface_cells[1]
+    rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
+    yield f"  triangles  {triangles} on each panel, {sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _particles(loaded: LoadedCase) -> Iterator[str]:
+    case = loaded.case
+    count = len(initial_particles(case, material_numbers(case)))
+    feeds = "".join(f", {feed.rate_kg_s:g} kg/s fed" for feed in case.bed.feeds.values())
+    step_s = particle_step_s(case)
+    yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
+    yield (
+        f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
+        "smallest particle's Rayleigh time"
+    )
+
+
+def _times(loaded: LoadedCase) -> Iterator[str]:
+    case = loaded.case
+    interval_s = case.coupling.sync_interval_s
+    yield (
+        f"  coupling   {steps_in(case.duration_s, interval_s)} sync intervals of {interval_s:g} s "
+        f"({case.coupling.scheme}), {case.duration_s:g} s in all"
+    )
+    if has_particles(case):
+        contact_s = shortest_panel_contact_s(case)
+        yield (
+            f"  contact    the shortest impact on a panel lasts {contact_s:.3g} s at "
+            f"{impact_speed_m_s(case):.3g} m/s = {contact_s / interval_s:.1f} sync intervals of "
+            f"{steps_in(interval_s, particle_step_s(case))} steps each"
+        )
+
+
+def case_lines(folder: Path) -> Iterator[str]:
+    """One line per case in a folder, and one for its levels."""
+    for file in sorted(folder.glob("*/case.toml")):
+        try:
+            title = str(read_toml(file).get("title", "(no title)"))
+            default = load(file).level
+        except CaseError:
+            title, default = f"(has mistakes: flipflow check {file.parent})", ""
+        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
+        yield f"{file.parent}  {title}"
+        yield f"    levels: {', '.join(names) or 'none'}"
