@@ -29,6 +29,7 @@ GAMMA = 0.5 - ALPHA_M + ALPHA_F
 BETA = 0.25 * (1 - ALPHA_M + ALPHA_F) ** 2
 
 TOLERANCE = 1e-7  # residual over the forces in play
+NEGLIGIBLE_MOVE = 1e-12  # of the panel's size: all that rounding leaves where forces are tiny
 ITERATIONS = 15
 SLOW = 0.2  # a residual that shrinks less than this per iteration asks for a new tangent
 HALVINGS = 8
@@ -49,6 +50,7 @@ class GeneralizedAlpha:
         self._largest_step_s = largest_step_s
         self._name = name
         self._factorised_for_s = 0.0
+        self._negligible_m = NEGLIGIBLE_MOVE * float(np.ptp(structure.material_m, axis=0).max())
         self._mobility = np.zeros((len(structure.mass_kg), 1))  # 1/kg, zero where held
         self._mobility[structure.free, 0] = 1.0 / structure.mass_kg[structure.free]
         self._mass_kg = structure.mass_kg[:, None]
@@ -121,18 +123,18 @@ class GeneralizedAlpha:
         self, state: State, outside_N: Array, before: Array, trial: Array, step_s: float
     ) -> Array:
         """Newton's iteration on ``trial`` (changed in place); the internal force at its end."""
-        body, free = self._structure, self._structure.free
+        body, free, mass = self._structure, self._structure.free, self._mass_kg
         drift = state.position_m + step_s * state.velocity_m_s
         drift += (0.5 - BETA) * step_s**2 * before
-        known = outside_N - ALPHA_F * state.internal_N - ALPHA_M * self._mass_kg * before
+        known = outside_N - ALPHA_F * state.internal_N - ALPHA_M * mass * before
         inertia = (1 - ALPHA_M) / (BETA * step_s**2)
-        scale = np.linalg.norm(known) + np.linalg.norm(state.internal_N)
-        last = np.inf
+        last = moved_m = np.inf
         for _ in range(ITERATIONS):
             internal = body.force_N(trial)
-            residual = known - inertia * self._mass_kg * (trial - drift) - (1 - ALPHA_F) * internal
+            residual = known - inertia * mass * (trial - drift) - (1 - ALPHA_F) * internal
+            scale = np.linalg.norm(known) + np.linalg.norm(internal)
             size = float(np.linalg.norm(residual[free]))
-            if size <= TOLERANCE * scale:
+            if size <= TOLERANCE * scale or moved_m <= self._negligible_m:
                 return internal
             if not np.isfinite(size):
                 raise NotConverged("the force is not finite")
@@ -140,5 +142,7 @@ class GeneralizedAlpha:
                 self._tangent.factorise(inertia, 1 - ALPHA_F)
                 self._factorised_for_s = step_s
             last = size
-            trial += self._tangent.solve(residual)
+            move = self._tangent.solve(residual)
+            moved_m = float(np.abs(move).max())
+            trial += move
         raise NotConverged(f"residual {size / scale:.1e}, wanted {TOLERANCE:.0e}")
