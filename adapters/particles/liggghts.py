@@ -19,7 +19,7 @@ from adapters.particles.liggghts_ledger import Ledger
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
-from orchestrator.ports import Account, Array, Load, ParticleSnapshot
+from orchestrator.ports import Account, Array, BrokenRecord, Load, ParticleSnapshot
 
 try:
     from mpi4py import MPI
@@ -41,6 +41,38 @@ def build(plan: ParticlesPlan) -> Liggghts:
     return Liggghts(plan)
 
 
+def start(plan: ParticlesPlan, communicator: Any, folder: FilePath) -> Engine:
+    """LIGGGHTS with the plan's laws and surface, before the first particle."""
+    text = input_text(plan)
+    if communicator.rank == 0:
+        (folder / "in.liggghts").write_text(text + FIRST_EVALUATION + "\n", encoding="utf-8")
+    screen, log = folder / "screen.liggghts", folder / "log.liggghts"
+    engine = Engine(communicator.py2f(), str(screen), str(log))
+    for line in text.splitlines():
+        engine.command(line)
+    engine.set_surface(
+        plan.surface.position_m,
+        plan.surface.triangles.astype(np.int32),
+        plan.surface.material.astype(np.int32) + 1,
+        0.5 * plan.largest_diameter_m,
+        has_sliding(plan),
+    )
+    return engine
+
+
+def create(engine: Engine, new: ParticleList, first_id: int) -> None:
+    """Particles from memory, with ids in order from ``first_id``."""
+    engine.create(
+        new.position_m,
+        new.velocity_m_s,
+        new.spin_rad_s,
+        new.diameter_m,
+        new.density_kg_m3,
+        new.material.astype(np.int32) + 1,
+        first_id,
+    )
+
+
 class Liggghts:
     """The open solver; collective over the plan's communicator."""
 
@@ -52,8 +84,11 @@ class Liggghts:
         self._created = 0
         self._unprepared = False
         try:
-            self._engine = self._start(self._folder())
+            self._engine = start(plan, self._comm, self._folder())
+            self._create(plan.particles)
+            self._engine.command(FIRST_EVALUATION)
         except RuntimeError as error:
+            self._clean()
             raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
         self._check(0.0)
         self._ledger.open(self._engine)
@@ -66,44 +101,19 @@ class Liggghts:
         self._scratch = tempfile.TemporaryDirectory(prefix="flipflow_liggghts_")
         return FilePath(self._scratch.name)
 
-    def _start(self, folder: FilePath) -> Engine:
-        plan, surface = self._plan, self._plan.surface
-        text = input_text(plan)
-        if self._comm.rank == 0:
-            (folder / "in.liggghts").write_text(text + FIRST_EVALUATION + "\n", encoding="utf-8")
-        engine = Engine(
-            self._comm.py2f(), str(folder / "screen.liggghts"), str(folder / "log.liggghts")
-        )
-        for line in text.splitlines():
-            engine.command(line)
-        engine.set_surface(
-            surface.position_m,
-            surface.triangles.astype(np.int32),
-            surface.material.astype(np.int32) + 1,
-            0.5 * plan.largest_diameter_m,
-            has_sliding(plan),
-        )
-        self._create(engine, plan.particles)
-        engine.command(FIRST_EVALUATION)
-        return engine
-
-    def _create(self, engine: Engine, new: ParticleList) -> None:
-        engine.create(
-            new.position_m,
-            new.velocity_m_s,
-            new.spin_rad_s,
-            new.diameter_m,
-            new.density_kg_m3,
-            new.material.astype(np.int32) + 1,
-            self._created + 1,
-        )
+    def _create(self, new: ParticleList) -> None:
+        create(self._engine, new, self._created + 1)
         self._created += len(new)
 
     def initial(self) -> Load:
         return Load(self._summed(self._engine.force_N()))
 
     def advance(self, interval: Interval, path: Path) -> Load:
-        """Raises :class:`SolverFailed` if LIGGGHTS fails, loses a particle or makes a NaN."""
+        """Raises :class:`SolverFailed` if LIGGGHTS fails, loses a particle or makes a NaN, and
+        :class:`BrokenRecord` if the path is not that of the plan's surface points."""
+        points = len(self._plan.surface.position_m)
+        if len(path.start) != points or len(path.end) != points:
+            raise BrokenRecord(f"Path: {points} points wanted, got {len(path.start)}")
         steps = interval.steps(self._plan.step_s)
         try:
             self._engine.begin_path(
@@ -156,6 +166,9 @@ class Liggghts:
 
     def close(self) -> None:
         del self._engine
+        self._clean()
+
+    def _clean(self) -> None:
         if self._scratch is not None:
             self._scratch.cleanup()
 
@@ -175,7 +188,7 @@ class Liggghts:
         if accepted.any():
             new = _some(offer, accepted)
             self._engine.store_history()
-            self._create(self._engine, new)
+            self._create(new)
             self._ledger.fed(new)
             self._unprepared = True
         self._plan.feed.settle(accepted)

@@ -77,7 +77,7 @@ def input_text(plan: ParticlesPlan) -> str:
     corners_m = plan.domain_m + margin_m * np.array([[-1.0], [1.0]])
     return INPUT.format(
         confirmations=_confirmations(youngs),
-        box=words(corners_m.T),
+        box=words(corners_m.T.round(12)),
         types=len(youngs),
         skin=words(SKIN * np.array(plan.largest_diameter_m)),
         youngs=words(np.array(youngs)),

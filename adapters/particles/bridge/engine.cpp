@@ -145,7 +145,9 @@ void Engine::store_history() {
 }
 
 void Engine::prepare() {
+  lammps_->update->whichflag = 1;  // as inside of a run: fixes are asked for their forces, too
   guarded([&] { lammps_->update->integrate->setup_minimal(1); });
+  lammps_->update->whichflag = 0;
 }
 
 void Engine::run(int steps, double step_s) {

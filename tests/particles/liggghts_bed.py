@@ -1,0 +1,90 @@
+"""A few hundred particles of three sizes thrown about by a vibrating, bending sheet.
+
+Run as a program (``mpirun -n 2 python -m tests.particles.liggghts_bed``) it prints what the
+tests compare between one and two ranks, as JSON.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from orchestrator.plans import ParticleList, ParticlesPlan
+from orchestrator.ports import Array, Motion
+from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, travel
+
+LINE_M = np.linspace(-0.05, 0.05, 26)
+SURFACE = sheet(lambda x, y: 0.0 * x, LINE_M, 0.4 * LINE_M)
+LAWS = {"restitution": 0.5, "sliding_friction": 0.4, "rolling_friction": 0.05}
+
+
+def bed(layers: int = 4) -> ParticleList:
+    """Loose layers on a jittered grid, moving towards the sheet and along it."""
+    random = np.random.default_rng(7)
+    x, y = np.arange(-0.0455, 0.046, 0.0065), np.arange(-0.0165, 0.017, 0.0065)
+    z = 0.0035 + 0.0065 * np.arange(layers)
+    places = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    n = len(places)
+    return ParticleList(
+        places + random.uniform(-2e-4, 2e-4, (n, 3)),
+        random.normal((0.6, 0.0, -0.6), 0.3, (n, 3)),
+        random.normal(0.0, 20.0, (n, 3)),
+        random.choice([5.0e-3, 5.5e-3, 6.0e-3], n),
+        np.full(n, 1400.0),
+        np.zeros(n, dtype=np.int64),
+    )
+
+
+def bed_plan(**changes: Any) -> ParticlesPlan:
+    """Two ranks share the domain along x, its longest side."""
+    rest = {
+        "gravity_m_s2": np.array([0.0, 0.0, -9.81]),
+        "domain_m": np.array([[-0.1, -0.05, -0.05], [0.1, 0.05, 0.08]]),
+        "step_s": 2.5e-6,
+    }
+    return make_plan(SURFACE, bed(), **{**LAWS, **rest, **changes})
+
+
+def wave(time_s: float) -> Motion:
+    """The sheet shaken by 1 mm at 40 Hz, and bent by a standing wave that grows with time."""
+    rest, w = SURFACE.position_m, 2 * np.pi * 40.0
+    shape = 1.0 + 0.5 * np.cos(60.0 * rest[:, 0])
+    position, velocity = rest.copy(), np.zeros_like(rest)
+    position[:, 2] += 1e-3 * np.sin(w * time_s) * shape
+    velocity[:, 2] = 1e-3 * w * np.cos(w * time_s) * shape
+    position[:, 0] += 2e-4 * np.sin(w * time_s)
+    velocity[:, 0] = 2e-4 * w * np.cos(w * time_s)
+    return Motion(position, velocity)
+
+
+def impulse_N_s(forces_N: list[Array]) -> Array:
+    return np.array(np.sum(forces_N, axis=0) * INTERVAL_S)
+
+
+def main() -> None:
+    from mpi4py import MPI
+
+    from adapters.particles.liggghts import build
+
+    solver = build(bed_plan(communicator=MPI.COMM_WORLD))
+    owned_first = len(solver.arrays()["x"])
+    forces = travel(solver, wave, range(200))
+    account, snapshot = solver.account(), solver.snapshot()
+    owned = MPI.COMM_WORLD.gather((owned_first, len(solver.arrays()["x"])))
+    if MPI.COMM_WORLD.rank == 0:
+        result = {
+            "impulse": impulse_N_s(forces).tolist(),
+            "momentum": account.momentum_kg_m_s.tolist(),
+            "stored": list(account.stored_J.values()),
+            "work": account.received_J["surface"],
+            "ids": snapshot.id.tolist(),
+            "owned": owned,
+        }
+        print(json.dumps(result))
+    solver.close()
+
+
+if __name__ == "__main__":
+    main()

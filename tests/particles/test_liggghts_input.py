@@ -1,0 +1,70 @@
+"""The generated LIGGGHTS input, word for word.  No solver needed."""
+
+import numpy as np
+
+from adapters.particles.liggghts_input import contact_model, input_text
+from orchestrator.plans import GrainMaterial
+from tests.particles.liggghts_plans import flat, make_plan, spheres
+
+GOLDEN = """\
+# Particles on a moving, deforming surface: input for LIGGGHTS-PUBLIC 3.8.0, written by flipflow.
+# flipflow reads it line by line.  Atom type = number of the material, from 1.
+
+units           si
+atom_style      granular
+newton          off
+communicate     single vel yes
+boundary        m m m           # grows with the particles: none can be lost unseen
+hard_particles  yes
+region          box block -0.105 0.105 -0.105 0.105 -0.105 0.105 units box
+create_box      2 box
+neighbor        0.00075 bin
+neigh_modify    delay 0
+
+fix youngs      all property/global youngsModulus peratomtype 2000000000.0 30000000.0
+fix poisson     all property/global poissonsRatio peratomtype 0.3 0.48
+fix restitution all property/global coefficientRestitution peratomtypepair 2 0.6 0.6 0.6 0.6
+fix sliding     all property/global coefficientFriction peratomtypepair 2 0.4 0.4 0.4 0.4
+fix rolling     all property/global coefficientRollingFriction peratomtypepair 2 0.1 0.1 0.1 0.1
+
+pair_style      gran model hertz tangential history rolling_friction epsd2
+pair_coeff      * *
+
+fix gravity     all gravity 9.81 vector 0.0 0.0 -1.0
+# The surface: flipflow's own wall, which gives the contacts found on its triangles to the
+# contact model named here.  The plane only satisfies the stock syntax and is not used (for a
+# run with LIGGGHTS alone, write wall/gran and place the plane).
+fix surface     all wall/gran/flipflow model hertz tangential history rolling_friction epsd2 \
+primitive type 1 zplane 0.0
+fix motion      all nve/sphere
+timestep        1e-06
+# The surface's points and the particles follow from memory, then the first force evaluation:
+"""
+
+
+def test_input_word_for_word():
+    plan = make_plan(
+        flat(),
+        spheres([0.0, 0.0, 0.01]),
+        materials=(GrainMaterial("coal", 2e9, 0.3), GrainMaterial("polyurethane", 3e7, 0.48)),
+        restitution=0.6,
+        sliding_friction=0.4,
+        rolling_friction=0.1,
+        gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+    )
+    assert input_text(plan) == GOLDEN
+
+
+def test_effects_that_no_coefficient_calls_for_are_absent():
+    plain = make_plan(flat(), spheres([0.0, 0.0, 0.01]))
+    assert contact_model(plain) == "model hertz"
+    for word in ("gravity", "Friction", "tangential", "rolling", "hard_particles"):
+        assert word not in input_text(plain)
+    assert "soft_particles  yes" in input_text(
+        make_plan(flat(), plain.particles, materials=(GrainMaterial("soft", 1e6, 0.3),) * 2)
+    )
+
+
+def test_the_step_fills_the_interval_with_whole_steps():
+    plan = make_plan(flat(), spheres([0.0, 0.0, 0.01]), step_s=3e-6)
+    assert f"timestep        {5e-5 / 17!r}\n" in input_text(plan)
