@@ -17,7 +17,7 @@ from orchestrator.case import Case, Material
 from orchestrator.contact_times import contact_moduli, particle_step_s
 from orchestrator.deck import axes, single_panels, to_world, unit
 from orchestrator.geometry import TriangleSurface
-from orchestrator.left_out import has_particles
+from orchestrator.left_out import has_particles, left_out
 from orchestrator.plans import (
     Body,
     Bushing,
@@ -224,4 +224,6 @@ def _pair_tables(case: Case, numbers: dict[str, int]) -> tuple[Array, Array, Arr
                 restitution[row, column] = contact.restitution
                 sliding[row, column] = contact.sliding_friction
                 rolling[row, column] = contact.rolling_friction
+    if "rolling-friction" in left_out(case):
+        rolling[:] = 0.0
     return restitution, sliding, rolling
