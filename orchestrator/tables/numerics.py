@@ -11,7 +11,7 @@ from orchestrator.tables.quantities import Cells, NotNegative, Positive, Share, 
 
 
 class PanelSolver(Table):
-    """``[panel]``: how the panels are solved."""
+    """How the panels are solved."""
 
     solver: Literal["rigid", "strip", "sheet", "solid"] = "sheet"
     """rigid (flat, undeformed), strip (no change across), sheet (DOLFINx), solid (DOLFINx, 3D)."""
@@ -26,7 +26,7 @@ class PanelSolver(Table):
 
 
 class FramesSolver(Table):
-    """``[frames]``: how the frames are solved."""
+    """How the frames are solved."""
 
     solver: Literal["prescribed", "two-mass", "exudyn"] = "exudyn"
     """prescribed (drives only), two-mass (linear, no rotation), exudyn (rigid bodies)."""
@@ -35,7 +35,7 @@ class FramesSolver(Table):
 
 
 class ParticlesSolver(Table):
-    """``[particles]``: how the particles are solved."""
+    """How the particles are solved."""
 
     solver: Literal["spheres", "liggghts"] = "liggghts"
     """spheres (a few, in NumPy), liggghts."""
@@ -48,7 +48,7 @@ class ParticlesSolver(Table):
 
 
 class Coupling(Table):
-    """``[coupling]``: when solvers exchange motion and load."""
+    """When solvers exchange motion and load."""
 
     scheme: Literal["particles-first", "serial-staggered"] = "particles-first"
     """Order of the solvers within a sync interval (docs/theory/coupling.md)."""
@@ -57,7 +57,7 @@ class Coupling(Table):
 
 
 class HandOver(Table):
-    """``[hand_over]``: what is handed over.  Turning one off leaves out physics, to see what it
+    """What is handed over.  Turning one off leaves out physics, to see what it
     does; momentum and energy then do not close, and the log says so."""
 
     frame_motion: Switch = True
@@ -71,7 +71,7 @@ class HandOver(Table):
 
 
 class Output(Table):
-    """``[output]``: what is written how often.  Probes and forces are written at every sync
+    """What is written how often.  Probes and forces are written at every sync
     point in any case."""
 
     interval_s: Positive = 0.005
