@@ -43,3 +43,18 @@ def half_row_mass_kg(rows_m: Array, mass_per_length_kg_m: float) -> Array:
     row[:-1] += cell / 2
     row[1:] += cell / 2
     return np.repeat(row / 2, 2)
+
+
+def middle(points: Array) -> Array:
+    """Mean of each row's two points, (rows, 3)."""
+    return np.asarray((points[::2] + points[1::2]) / 2)
+
+
+def half(points: Array) -> Array:
+    """Half the difference of each row's two points, (rows, 3)."""
+    return np.asarray((points[1::2] - points[::2]) / 2)
+
+
+def joined(middle: Array, half: Array) -> Array:
+    """The points (2 rows, 3) of given middles and halves."""
+    return np.asarray(np.stack([middle - half, middle + half], axis=1).reshape(-1, 3))

@@ -1,0 +1,74 @@
+"""The shape in which a chain hangs at rest between its clamps: the least potential energy."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+
+from adapters.panel.chain import Chain
+from orchestrator.geometry import Rectangle
+from orchestrator.plans import SolverFailed
+from orchestrator.ports import Array
+
+NEWTON_ITERATIONS = 20
+
+
+def settled(chain: Chain, start_m: Array, weight_N: Array, name: str) -> Array:
+    """Positions (r, 3) in balance with ``weight_N`` (r, 3), held rows as in ``start_m``.
+
+    A trust-region Newton method finds the valley (the straight slack chain is no minimum),
+    plain Newton iterations the bottom.  SolverFailed if there is none.
+    """
+    free = np.flatnonzero(np.repeat(chain.held < 0, 3))
+
+    def placed(unknown_m: Array) -> Array:
+        position_m = start_m.copy()
+        position_m.reshape(-1)[free] = unknown_m
+        return position_m
+
+    def energy_J(unknown_m: Array) -> float:
+        position_m = placed(unknown_m)
+        stored_J = chain.membrane_J(chain.stretched(position_m)[1])
+        stored_J += chain.bending_J(chain.curvature_1_m2 @ position_m)
+        return stored_J - float(np.sum(weight_N * (position_m - start_m)))
+
+    def imbalance_N(unknown_m: Array) -> Array:
+        return np.asarray(-(elastic_N(chain, placed(unknown_m)) + weight_N).reshape(-1)[free])
+
+    def tangent_N_m(unknown_m: Array) -> Array:
+        return np.asarray(chain.tangent_N_m(placed(unknown_m))[np.ix_(free, free)])
+
+    unknown_m = minimize(
+        energy_J,
+        start_m.reshape(-1)[free],
+        method="trust-exact",
+        jac=imbalance_N,
+        hess=tangent_N_m,
+        options={"gtol": 1e-6 * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 1e-3},
+    ).x
+    for _ in range(NEWTON_ITERATIONS):
+        move_m = np.linalg.solve(tangent_N_m(unknown_m), imbalance_N(unknown_m))
+        unknown_m = unknown_m - move_m
+        if np.abs(move_m).max() < 1e-13:
+            return placed(unknown_m)
+    raise SolverFailed(f"panel {name}, t = 0: no resting shape; last move {move_m.max():.1e} m")
+
+
+def elastic_N(chain: Chain, position_m: Array) -> Array:
+    """Elastic force (r, 3) on the rows."""
+    along, length_m = chain.stretched(position_m)
+    moment = chain.bending_N_m3[:, None] * (chain.curvature_1_m2 @ position_m)
+    return chain.force_N(along, chain.tension_N(length_m), moment)
+
+
+def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_s2: Array) -> Array:
+    """(r, 3): straight if taut; a slack chain is a cosine wave of the right length to second
+    order, bulging with gravity or, without it, downwards."""
+    middle = np.full_like(chain.rows_m, rectangle.width_m / 2)
+    position_m = rectangle.mounted(np.column_stack([chain.rows_m, middle]))
+    slack_m = max(rectangle.length_m - rectangle.span_m, 0.0)
+    height_m = 2 / np.pi * np.sqrt(slack_m * rectangle.length_m)
+    wave = (1 - np.cos(2 * np.pi * chain.rows_m / rectangle.length_m)) / 2
+    side = 1.0 if gravity_m_s2 @ rectangle.normal > 0 else -1.0
+    bulge_m = np.where(chain.held < 0, side * height_m * wave, 0.0)
+    return np.asarray(position_m + np.outer(bulge_m, rectangle.normal))
