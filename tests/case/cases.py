@@ -1,0 +1,107 @@
+"""A small valid case for the tests, as a folder that they may spoil."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from orchestrator.case_errors import CaseError
+from orchestrator.checks import mistakes
+from orchestrator.levels import LoadedCase, load
+
+CASE = """
+title = "a test"
+duration_s = 0.1
+domain_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]
+
+[materials.PU]
+density_kg_m3 = 1150.0
+hyperelastic = { c10_Pa = 0.7e6, c01_Pa = 2.8e6, bulk_modulus_Pa = 2e9 }
+
+[materials.coal]
+density_kg_m3 = 1430.0
+youngs_modulus_Pa = 1e7
+poisson_ratio = 0.3
+
+[[contacts]]
+between = ["coal", "PU"]
+restitution = 0.34
+sliding_friction = 0.47
+rolling_friction = 0.0
+
+[[contacts]]
+between = ["coal", "coal"]
+restitution = 0.13
+sliding_friction = 0.36
+rolling_friction = 0.0
+
+[screen.frames.driving]
+mass_kg = 76.0
+inertia_kg_m2 = [2.0, 6.0, 6.0]
+
+[screen.bushings.isolation]
+between = ["ground", "driving"]
+positions_m = [[-0.4, 0.1, 0.0], [0.4, 0.1, 0.0]]
+stiffness_N_m = [2e4, 3e4, 4e4]
+
+[screen.exciters.shaft]
+frame = "driving"
+position_m = [0.0, 0.1, 0.0]
+mass_moment_kg_m = 0.35
+speed_rad_s = 78.5
+
+[screen.panels.deck]
+material = "PU"
+frames = ["driving", "ground"]
+corner_m = [0.0, 0.0, 0.0]
+length_m = 0.3
+width_m = 0.2
+thickness_m = 0.004
+clamp_m = 0.019
+tension_m = 0.002
+
+[bed.particles.ball]
+position_m = [0.15, 0.1, 0.05]
+diameter_m = 0.02
+material = "coal"
+
+[probes.middle]
+panel = "deck"
+at = [0.5, 0.5]
+"""
+LEVEL = """
+about = "a test"
+without = ["variation-across"]
+
+[panel]
+solver = "strip"
+"""
+
+
+def written(folder: Path, case: str = CASE, **levels: str) -> Path:
+    """The case's folder, with its levels."""
+    (folder / "levels").mkdir(parents=True, exist_ok=True)
+    (folder / "case.toml").write_text(case)
+    for name, text in levels.items():
+        (folder / "levels" / f"{name}.toml").write_text(text)
+    return folder
+
+
+def loaded(folder: Path, overrides: Sequence[str] = (), level: str | None = None) -> LoadedCase:
+    """The test case with some keys changed."""
+    return load(written(folder), level, overrides)
+
+
+def complaints(folder: Path, *overrides: str) -> list[str]:
+    """What loading and checking say of the test case with some keys changed."""
+    try:
+        return [str(mistake) for mistake in mistakes(loaded(folder, overrides))]
+    except CaseError as error:
+        return [str(mistake) for mistake in error.mistakes]
+
+
+def only_complaint(folder: Path, *overrides: str) -> str:
+    """The one and only complaint."""
+    found = complaints(folder, *overrides)
+    assert len(found) == 1, found
+    return found[0]

@@ -1,0 +1,81 @@
+"""Whatever TOML comes in, a case comes out or a CaseError: never another exception."""
+
+from __future__ import annotations
+
+import tomllib
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from orchestrator.case_errors import CaseError
+from orchestrator.checks import mistakes
+from orchestrator.levels import load, validated
+from orchestrator.overlays import Layers
+from tests.case.cases import CASE, LEVEL, written
+
+GIVEN = tomllib.loads(CASE)
+SCALARS = st.one_of(
+    st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.dates(), st.just("ground")
+)
+VALUES = st.recursive(
+    SCALARS,
+    lambda inner: (
+        st.lists(inner, max_size=4)
+        | st.dictionaries(
+            st.sampled_from(["solver", "deck", "0", "x"]) | st.text(), inner, max_size=4
+        )
+    ),
+    max_leaves=8,
+)
+
+
+def keys(table: Any, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """All keys of the test case, elements of lists by number."""
+    if isinstance(table, list):
+        table = {str(number): value for number, value in enumerate(table)}
+    if not isinstance(table, dict):
+        return [path]
+    return [path, *(key for name, value in table.items() for key in keys(value, (*path, name)))]
+
+
+KEYS = keys(GIVEN)[1:] + [(port, "solver") for port in ("panel", "frames", "particles")]
+
+
+def nested(key: tuple[str, ...], value: Any) -> dict[str, Any]:
+    for name in reversed(key):
+        value = {name: value}
+    return dict(value)
+
+
+@given(st.dictionaries(st.text(), VALUES, max_size=5))
+def test_any_dictionary_is_a_case_or_a_case_error(table: dict[str, Any]) -> None:
+    with suppress(CaseError):
+        validated(Layers(table, "case.toml"))
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(key=st.sampled_from(KEYS), value=VALUES)
+def test_any_value_anywhere_in_a_case_is_checked(
+    key: tuple[str, ...], value: Any, tmp_path: Path
+) -> None:
+    """The bare case is good; one key of it gets any value."""
+    folder = written(tmp_path, draft=LEVEL)
+    bare = load(folder, "draft")
+    with suppress(CaseError):
+        bare.layers.lay(nested(key, value), "--set")
+        found = mistakes(replace(bare, case=validated(bare.layers)))
+        assert all(mistake.what and mistake.file for mistake in found)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(text=st.text(), override=st.text())
+def test_any_text_in_a_file_and_on_the_command_line(
+    text: str, override: str, tmp_path: Path
+) -> None:
+    for case, overrides in ((text, ()), (CASE, (override,))):
+        with suppress(CaseError):
+            load(written(tmp_path, case.encode("utf-8", "ignore").decode()), None, overrides)

@@ -1,0 +1,65 @@
+"""The tables: every float has its unit, and the documentation is the tables'."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from pydantic import BaseModel, ValidationError
+
+from orchestrator import case_reference
+from orchestrator.case import Case
+from orchestrator.checks.plausible import RANGES
+
+
+def tables(table: type[BaseModel] = Case) -> Iterator[type[BaseModel]]:
+    yield table
+    for field in table.model_fields.values():
+        inner, _ = case_reference.table_in(field.annotation)
+        if inner is not None:
+            yield from tables(inner)
+
+
+def has_float(kind: Any) -> bool:
+    return kind is float or any(has_float(argument) for argument in get_args(kind))
+
+
+FLOATS = {
+    key
+    for table in tables()
+    for key, field in table.model_fields.items()
+    if has_float(field.annotation)
+}
+
+
+@pytest.mark.parametrize("key", sorted(FLOATS))
+def test_every_float_has_a_unit_or_is_listed_as_having_none(key: str) -> None:
+    assert bool(case_reference.unit(key)) != (key in case_reference.DIMENSIONLESS)
+
+
+def test_the_list_of_keys_without_unit_has_no_leftovers() -> None:
+    assert case_reference.DIMENSIONLESS <= FLOATS
+
+
+def test_plausible_ranges_are_of_keys_that_exist() -> None:
+    assert set(RANGES) <= FLOATS
+
+
+@pytest.mark.parametrize("table", sorted(set(tables()), key=lambda table: table.__name__))
+def test_every_table_and_key_is_described(table: type[BaseModel]) -> None:
+    assert table.__doc__
+    assert all(field.description for field in table.model_fields.values())
+
+
+def test_the_page_on_the_case_format_is_the_tables() -> None:
+    page = Path(__file__).parents[2] / "docs" / "case-format.md"
+    again = "python -m orchestrator.case_reference > docs/case-format.md"
+    assert page.read_text() == case_reference.reference(), again
+
+
+def test_tables_are_frozen() -> None:
+    probe = Case.model_fields["coupling"].get_default(call_default_factory=True)
+    with pytest.raises(ValidationError, match="frozen"):
+        probe.sync_interval_s = 1.0
