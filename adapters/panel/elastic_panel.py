@@ -13,7 +13,7 @@ from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState
+from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, counted
 
 
 class Integrator(Protocol):
@@ -62,6 +62,8 @@ class ElasticPanel:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state, held = self._state, self._structure.held
+        counted(f"panel {self._plan.name}: clamps", clamps, len(held))
+        counted(f"panel {self._plan.name}: load", load, len(self._surface))
         outside = self._weight_N.copy()
         outside[self._surface] += load.force_N
         started_m, started_m_s = state.position_m.copy(), state.velocity_m_s[held]

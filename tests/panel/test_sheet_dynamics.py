@@ -230,5 +230,4 @@ def test_failure_names_panel_time_and_reason(integrator, reason):
     panel = opened(integrator=integrator, cells=(8, 1))
     load = Load(np.full((len(panel.initial().surface), 3), 1e6))
     with pytest.raises(SolverFailed, match=rf"panel panel 1, t = .*{reason}"):
-        for k in range(3):
-            panel.advance(Interval(k, 1e-3), held(panel), load)
+        panel.advance(Interval(0, 1e-3), held(panel), load)
