@@ -1,0 +1,177 @@
+"""Feeds: the mass kept, the shares kept, room, retries, and the same again from a pickle."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from orchestrator.clock import Interval
+from orchestrator.feed import Feeds, Inlet, RateFeed
+from orchestrator.particle_sizes import mass_kg
+from orchestrator.plans import ParticleList
+from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
+
+INLET = Inlet(
+    sizes=COAL,
+    rate_kg_s=2.0,
+    box_m=np.array([[0.0, 0.0, 0.5], [0.1, 0.2, 0.6]]),
+    velocity_m_s=np.array([0.0, 0.0, -1.0]),
+    density_kg_m3=1430.0,
+    material=1,
+    start_s=0.01,
+    stop_s=0.06,
+)
+LUMPS = (Sizes(0.008, 0.013, 1.0),)
+LARGEST_KG = float(mass_kg(np.array(0.013), 1430.0))
+
+
+def all_accepted(feed: RateFeed | Feeds, intervals: int, length_s: float) -> list[ParticleList]:
+    offers = []
+    for index in range(intervals):
+        offers.append(feed.due(Interval(index, length_s)))
+        feed.settle(np.ones(len(offers[-1]), dtype=bool))
+    return offers
+
+
+def total_kg(offers: list[ParticleList]) -> float:
+    return sum(float(np.sum(mass_kg(offer.diameter_m, 1430.0))) for offer in offers)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    rate_kg_s=st.floats(0.01, 3.0),
+    length_s=st.sampled_from([1e-4, 1e-3, 3e-3]),
+    seed=st.integers(0, 2**32),
+)
+def test_the_rate_is_kept_within_half_a_particle(
+    rate_kg_s: float, length_s: float, seed: int
+) -> None:
+    inlet = replace(INLET, rate_kg_s=rate_kg_s, seed=seed)
+    feed, fed_kg = RateFeed(inlet), 0.0
+    for index in range(30):
+        interval = Interval(index, length_s)
+        offer = feed.due(interval)
+        feed.settle(np.ones(len(offer), dtype=bool))
+        assert smallest_gap_m(offer) >= 0.0
+        fed_kg += total_kg([offer])
+        assert feed.fed_kg == pytest.approx(fed_kg, rel=1e-12)
+        due_kg = rate_kg_s * max(0.0, min(interval.start_s, 0.06) - 0.01)
+        assert feed.backlog_kg == pytest.approx(due_kg - fed_kg, abs=1e-12)
+        assert abs(feed.backlog_kg) <= LARGEST_KG / 2.0 + 1e-12
+
+
+def test_nothing_before_the_start_and_nothing_after_the_stop() -> None:
+    offers = all_accepted(RateFeed(INLET), 100, 1e-3)
+    fed = [index for index, offer in enumerate(offers) if len(offer)]
+    assert fed[0] > 10
+    assert fed[-1] <= 60
+    assert total_kg(offers) == pytest.approx(2.0 * 0.05, abs=LARGEST_KG / 2.0)
+
+
+def test_every_class_keeps_its_share_of_the_mass() -> None:
+    """Each class stays within one of its particles; in 0.3 kg that is 0.005 at most."""
+    feed = RateFeed(replace(INLET, start_s=0.0, stop_s=math.inf))
+    offers = all_accepted(feed, 150, 1e-3)
+    diameter_m = np.concatenate([offer.diameter_m for offer in offers])
+    tolerance = LARGEST_KG / total_kg(offers)
+    assert tolerance < 0.006
+    np.testing.assert_allclose(mass_shares(diameter_m, COAL), [0.3, 0.3, 0.4], atol=tolerance)
+
+
+def test_particles_appear_wholly_inside_the_box_with_the_velocity_given() -> None:
+    offers = all_accepted(RateFeed(INLET), 60, 1e-3)
+    for offer in offers:
+        reach_m = offer.diameter_m[:, None] / 2.0
+        assert np.all(offer.position_m - reach_m >= INLET.box_m[0] - 1e-15)
+        assert np.all(offer.position_m + reach_m <= INLET.box_m[1] + 1e-15)
+        assert np.all(offer.velocity_m_s == [0.0, 0.0, -1.0])
+        np.testing.assert_array_equal(offer.material, 1)
+
+
+def test_refused_particles_are_tried_again_elsewhere() -> None:
+    feed = RateFeed(INLET)
+    refused = feed.due(Interval(15, 1e-3))
+    feed.settle(np.zeros(len(refused), dtype=bool))
+    assert feed.fed_kg == 0.0
+    again = feed.due(Interval(15, 1e-3))
+    np.testing.assert_array_equal(again.diameter_m, refused.diameter_m)
+    assert not np.any(again.position_m == refused.position_m)
+
+
+def test_a_rate_too_large_for_the_box_shows_as_backlog() -> None:
+    """An inlet that never clears takes what fits once; the rest waits."""
+    feed = RateFeed(replace(INLET, sizes=LUMPS, rate_kg_s=200.0, start_s=0.0))
+    offer = feed.due(Interval(10, 1e-3))
+    feed.settle(np.ones(len(offer), dtype=bool))
+    assert smallest_gap_m(offer) >= 0.0
+    assert feed.backlog_kg > 0.5  # of 2 kg
+    assert feed.backlog_kg + feed.fed_kg == pytest.approx(2.0)
+
+
+def test_the_largest_rate_is_what_leaves_a_box_filled_by_a_tenth() -> None:
+    assert INLET.largest_rate_kg_s == pytest.approx(0.1 * 1430.0 * 0.1 * 0.2 * 1.0)
+
+
+def test_a_rate_below_the_largest_finds_room() -> None:
+    """Particles leave the box at the inlet's velocity; those still inside block the others."""
+    inlet = replace(INLET, sizes=LUMPS, rate_kg_s=INLET.largest_rate_kg_s, start_s=0.0)
+    inlet = replace(inlet, stop_s=math.inf)
+    feed, present_m, reach_m = RateFeed(inlet), np.empty((0, 3)), np.empty(0)
+    for index in range(200):
+        offer = feed.due(Interval(index, 2e-3))
+        radius_m = offer.diameter_m / 2.0
+        apart_m = np.linalg.norm(offer.position_m[:, None] - present_m[None], axis=2)
+        free = np.all(apart_m >= radius_m[:, None] + reach_m[None], axis=1)
+        feed.settle(free)
+        present_m = np.vstack([present_m, offer.position_m[free]]) + 2e-3 * inlet.velocity_m_s
+        reach_m = np.append(reach_m, radius_m[free])
+        near = present_m[:, 2] > 0.48
+        present_m, reach_m = present_m[near], reach_m[near]
+    assert feed.fed_kg > 1.0
+    assert feed.backlog_kg < 0.05 * feed.fed_kg
+
+
+def test_a_pickle_goes_on_the_same() -> None:
+    feed = RateFeed(INLET)
+    all_accepted(feed, 25, 1e-3)
+    copy = pickle.loads(pickle.dumps(feed))
+    first, second = (one.due(Interval(26, 1e-3)) for one in (feed, copy))
+    assert len(first)
+    np.testing.assert_array_equal(first.position_m, second.position_m)
+    np.testing.assert_array_equal(first.diameter_m, second.diameter_m)
+
+
+def test_answers_must_fit_the_offer() -> None:
+    feed = RateFeed(INLET)
+    offered = len(feed.due(Interval(30, 1e-3)))
+    with pytest.raises(ValueError, match=f"{offered} particles offered, 0 answers"):
+        feed.settle(np.zeros(0, dtype=bool))
+
+
+def test_several_feeds_are_one() -> None:
+    other = replace(
+        INLET,
+        box_m=INLET.box_m + 1.0,
+        sizes=(Sizes(0.012, 0.013, 1.0),),
+        rate_kg_s=6.0,
+        material=0,
+        seed=2,
+    )
+    feeds = Feeds([INLET, other])
+    offer = feeds.due(Interval(40, 1e-3))
+    wanted = offer.material == 0
+    feeds.settle(wanted)
+    assert 0 < wanted.sum() < len(offer)
+    assert feeds.feeds[0].fed_kg == 0.0
+    assert feeds.feeds[1].fed_kg == pytest.approx(6.0 * 0.03, abs=LARGEST_KG)
+
+
+def test_feeds_through_one_box_are_refused() -> None:
+    with pytest.raises(ValueError, match="feed boxes overlap"):
+        Feeds([INLET, replace(INLET, box_m=INLET.box_m + 0.05)])
