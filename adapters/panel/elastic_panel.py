@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from adapters.panel.grid import Surface
-from adapters.panel.state import HeldForce, State
+from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
@@ -17,9 +17,8 @@ from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, 
 
 
 class Integrator(Protocol):
-    def advance(self, state: State, path: Path, outside_N: Array, interval: Interval) -> HeldForce:
-        """Move ``state`` to the interval's end, its held nodes on ``path``, under the constant
-        force ``outside_N`` (nodes, 3)."""
+    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+        """Move ``state`` to the interval's end under ``action``."""
         ...
 
 
@@ -67,9 +66,9 @@ class ElasticPanel:
         outside = self._weight_N.copy()
         outside[self._surface] += load.force_N
         started_m, started_m_s = state.position_m.copy(), state.velocity_m_s[held]
-        path = Path(self._clamps, clamps, interval.length_s)
+        action = Action(Path(self._clamps, clamps, interval.length_s), outside)
         with np.errstate(over="ignore", invalid="ignore"):  # _check reports a blow-up
-            on_held = self._integrator.advance(state, path, outside, interval)
+            on_held = self._integrator.advance(state, action, interval)
         self._check(interval)
         self._clamps = clamps
         moved = state.position_m - started_m

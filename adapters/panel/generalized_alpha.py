@@ -14,11 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.panel.state import HeldForce, State
+from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
 from orchestrator.clock import Interval
-from orchestrator.hermite import Path
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
 
@@ -51,19 +50,18 @@ class GeneralizedAlpha:
         self._name = name
         self._factorised_for_s = 0.0
         self._negligible_m = NEGLIGIBLE_MOVE * float(np.ptp(structure.material_m, axis=0).max())
-        self._mobility = np.zeros((len(structure.mass_kg), 1))  # 1/kg, zero where held
-        self._mobility[structure.free, 0] = 1.0 / structure.mass_kg[structure.free]
         self._mass_kg = structure.mass_kg[:, None]
 
-    def advance(self, state: State, path: Path, outside_N: Array, interval: Interval) -> HeldForce:
-        """Move ``state`` to the interval's end while ``outside_N`` (nodes, 3) acts on it."""
+    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+        """Move ``state`` to the interval's end under ``action``."""
         steps = interval.steps(self._largest_step_s)
         on_held = HeldForce.none(len(self._structure.held))
         for step in range(steps):
+            start, end = step / steps, (step + 1) / steps
             try:
-                self._cover(state, path, outside_N, step / steps, (step + 1) / steps, on_held, 0)
+                self._cover(state, action, start, end, on_held, HALVINGS)
             except NotConverged as failure:
-                time_s = interval.start_s + step / steps * interval.length_s
+                time_s = interval.start_s + start * interval.length_s
                 raise SolverFailed(
                     f"panel {self._name}, t = {time_s:.6g} s: Newton's iteration fails even with "
                     f"the step halved {HALVINGS} times: {failure}"
@@ -73,49 +71,42 @@ class GeneralizedAlpha:
     def _cover(
         self,
         state: State,
-        path: Path,
-        outside_N: Array,
+        action: Action,
         start: float,
         end: float,
         on_held: HeldForce,
-        halved: int,
+        halvings: int,
     ) -> None:
-        """One step from fraction ``start`` to ``end`` of the interval, or two of half the length
-        where that does not converge."""
+        """One step from fraction ``start`` to ``end`` of the interval; where it does not converge
+        two of half the length, each of which may be halved ``halvings - 1`` times."""
         try:
-            self._step(state, path, outside_N, start, end, on_held)
+            self._step(state, action, start, end, on_held)
         except NotConverged:
-            if halved == HALVINGS:
+            if halvings == 0:
                 raise
             middle = 0.5 * (start + end)
-            self._cover(state, path, outside_N, start, middle, on_held, halved + 1)
-            self._cover(state, path, outside_N, middle, end, on_held, halved + 1)
+            self._cover(state, action, start, middle, on_held, halvings - 1)
+            self._cover(state, action, middle, end, on_held, halvings - 1)
 
     def _step(
-        self,
-        state: State,
-        path: Path,
-        outside_N: Array,
-        start: float,
-        end: float,
-        on_held: HeldForce,
+        self, state: State, action: Action, start: float, end: float, on_held: HeldForce
     ) -> None:
         body, held = self._structure, self._structure.held
-        step_s = (end - start) * path.length_s
-        before = self._mobility * (outside_N - state.filtered_N)  # acceleration
+        outside_N, step_s = action.outside_N, (end - start) * action.held.length_s
+        before = body.mobility_1_kg * (outside_N - state.filtered_N)  # acceleration
         trial = state.position_m + step_s * state.velocity_m_s + 0.5 * step_s**2 * before
-        trial[held] = path.position_m(end)
+        trial[held] = action.held.position_m(end)
         body.begin_step(step_s)
         internal = self._solve(state, outside_N, before, trial, step_s)
         body.end_step()
         filtered = (
             (1 - ALPHA_F) * internal + ALPHA_F * state.internal_N - ALPHA_M * state.filtered_N
         ) / (1 - ALPHA_M)
-        after = self._mobility * (outside_N - filtered)
+        after = body.mobility_1_kg * (outside_N - filtered)
         mean_N = (1 - GAMMA) * state.filtered_N[held] + GAMMA * filtered[held]
         on_held.add(step_s, mean_N, trial[held] - state.position_m[held])
         state.velocity_m_s += step_s * ((1 - GAMMA) * before + GAMMA * after)
-        state.velocity_m_s[held] = path.velocity_m_s(end)
+        state.velocity_m_s[held] = action.held.velocity_m_s(end)
         state.position_m[:] = trial
         state.internal_N, state.filtered_N = internal, filtered
 

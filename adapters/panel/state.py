@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from orchestrator.hermite import Path
 from orchestrator.ports import Array
 
 
@@ -23,6 +24,15 @@ class State:
 
     def __post_init__(self) -> None:
         self.filtered_N = self.internal_N.copy()
+
+
+@dataclass(frozen=True)
+class Action:
+    """What acts on a body during an interval: the path of its held nodes, and a constant force
+    (nodes, 3) from outside, weight included."""
+
+    held: Path
+    outside_N: Array
 
 
 @dataclass

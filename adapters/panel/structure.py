@@ -39,6 +39,8 @@ class Structure:
         self.mass_kg = lumped_mass_kg(self.space, mass_per_measure)
         self.held = held
         self.free = np.setdiff1d(np.arange(len(self.mass_kg)), held)
+        self.mobility_1_kg = np.zeros((len(self.mass_kg), 1))  # zero where held
+        self.mobility_1_kg[self.free, 0] = 1.0 / self.mass_kg[self.free]
         self.material = Material(law)
         self.bending = bending
         self._position_m = law.position.x.array.reshape(-1, 3)  # a view into the field
