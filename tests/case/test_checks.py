@@ -1,0 +1,140 @@
+"""Each check, by a case with just that mistake."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.checks import mistakes, warnings
+from orchestrator.levels import load
+from tests.case.cases import CASE, complaints, loaded, only_complaint, written
+
+BLOCK = (
+    'bed.blocks.coal={material="coal", box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], count=1, '
+    "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+)
+FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
+
+
+def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
+    assert complaints(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        # names
+        ("probes.middle.panel=dekc", 'no panel "dekc"; did you mean "deck"?'),
+        ("probes.middle.panel=deck-1", 'no panel "deck-1"; did you mean "deck"?'),
+        ("screen.exciters.shaft.frame=driven", 'no frame "driven"; did you mean "driving"?'),
+        ('screen.panels.deck.frames=["x", "ground"]', 'no frame "x"; frames: driving, ground'),
+        ("bed.particles.ball.material=coat", 'no material "coat"; did you mean "coal"?'),
+        (f"screen.frames.ground={{{FRAME}}}", 'the name "ground" is the ground\'s'),
+        (f"screen.frames.deck={{{FRAME}}}", 'the name "deck" is taken by frames'),
+        ('probes.driving={panel="deck", at=[0, 0]}', 'the name "driving" is a frame\'s'),
+        # materials and contacts
+        ("contacts.1.between.1=PU", "coal and PU are given twice"),
+        ("contacts=[]", 'give [[contacts]] with between = ["coal", "PU"]'),
+        ("screen.panels.deck.material=coal", "hyperelastic: missing: panel deck is made of it"),
+        ("materials.steel.density_kg_m3=7850", "materials.steel.poisson_ratio: missing"),
+        ("materials.PU.hyperelastic={c10_Pa=0, c01_Pa=0}", "no stiffness"),
+        # machine
+        (
+            "screen.frames.driven={inertia_kg_m2=[1, 1, 1]}",
+            "mass_kg: missing: frames.solver exudyn",
+        ),
+        ("screen.frames.driven.mass_kg=1", "inertia_kg_m2: missing: frames.solver exudyn"),
+        ("screen.frames.driving.drive.speed_rad_s=78.5", "frames.solver exudyn knows no drives"),
+        ("screen.frames.driving.inertia_kg_m2=[1, 1, 3]", "no body has the principal moments"),
+        ('screen.bushings.isolation.between=["driving", "driving"]', '"driving" twice'),
+        ("screen.bushings.isolation.stiffness_N_m=[0, 0, 0]", "zero in every direction"),
+        ("screen.exciters.shaft.frame=ground", "the ground cannot be excited"),
+        ("screen.exciters.shaft.start=[0, 1, 1]", "start: is not at right angles to axis"),
+        ("screen.exciters.shaft.axis=[0, 0, 0]", "axis: is zero"),
+        ("screen.panels.deck.span_m=0.31", "contradicts tension_m"),
+        ("screen.panels.deck.tension_m=-0.2", "0.5 to 1.5 of the free length"),
+        ("screen.panels.deck.across=[1, 1, 0]", "across: is not at right angles to along"),
+        ("probes.middle.particle=1", "is on panel and particle; give one of"),
+        ("probes.end.point_m=[0, 0, 0]", "is on nothing"),
+        ("probes.end.frame=driving", "point_m: missing: where on the frame?"),
+        ("probes.end={frame='ground', point_m=[0, 0, 0]}", "the ground does not move"),
+        # boxes and sizes
+        ("domain_m=[[-1, -1, -1], [1, -1, 1]]", "is not below"),
+        (BLOCK.replace("smallest_m=0.01", "smallest_m=0.03"), "is larger than largest_m"),
+        (BLOCK.replace("fraction=1", "fraction=0.5"), "add up to 0.5, not to 1"),
+        (BLOCK.replace("[0.1, 0.1, 0.2]", "[0.1, 0.1, 0]"), "is not below"),
+        # sizes of values
+        ("screen.panels.deck.thickness_m=4", "looks like mm: that is 0.004 in thickness_m"),
+        ("materials.coal.density_kg_m3=1.43", "looks like g/cm3: that is 1430"),
+        ("screen.bushings.isolation.stiffness_N_m.0=0.225", "looks like N/mm: that is 225"),
+        ("materials.coal.youngs_modulus_Pa=990", "looks like MPa: that is 9.9e+08"),
+        ("materials.PU.hyperelastic.c10_Pa=0.7", "looks like MPa: that is 700000"),
+        ("bed.particles.ball.diameter_m=20", "looks like mm: that is 0.02"),
+        ("screen.exciters.shaft.speed_rad_s=1500", "looks like rpm: that is 157.08"),
+        ("duration_s=2e4", "looks like ms: that is 20"),
+        # times
+        ("duration_s=1e-5", "is shorter than coupling.sync_interval_s"),
+        ("output.interval_s=1e-6", "is shorter than coupling.sync_interval_s"),
+        ("particles.step_s=2e-4", "particles.step_s: a step of 0.0002 s is 0.31 of the"),
+        # the start
+        ("bed.particles.ball.position_m=[0.15, 0.1, 0.009]", '"ball" is 0.001 m inside panel deck'),
+        (
+            "bed.particles.ball.position_m=[0, 0, 2]",
+            '"ball" at [0.0, 0.0, 2.0] is outside domain_m',
+        ),
+        ("screen.panels.deck.corner_m=[0.8, 0, 0]", "panel deck: reaches 0.121 m out of domain_m"),
+    ],
+)
+def test_one_mistake_is_found_and_said(tmp_path: Path, override: str, said: str) -> None:
+    found = complaints(tmp_path, override)
+    assert any(said in complaint for complaint in found), found
+
+
+def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path) -> None:
+    said = only_complaint(
+        tmp_path, "particles.rayleigh_fraction=0.3", "coupling.sync_interval_s=1e-3"
+    )
+    assert "particles.rayleigh_fraction: a step of" in said
+    assert "the limit is" in said
+
+
+def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
+    row = "screen.panels.deck.count=2"
+    assert "pitch_m: missing" in only_complaint(tmp_path, row, "probes.middle.panel=deck-1")
+    close = complaints(
+        tmp_path, row, "screen.panels.deck.pitch_m=0.3", "probes.middle.panel=deck-2"
+    )
+    assert "span and two clamps need 0.34 m" in close[0]
+    assert not complaints(
+        tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2"
+    )
+
+
+def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
+    folder = written(tmp_path, CASE.replace("tension_m = 0.002", ""))
+    (said,) = mistakes(load(folder))
+    assert said.what == "missing"
+    assert said.hint == "give tension_m or span_m"
+
+
+def test_overlapping_particles_are_named(tmp_path: Path) -> None:
+    other = 'bed.particles.other={position_m=[0.15, 0.1, 0.069], diameter_m=0.02, material="coal"}'
+    said = only_complaint(tmp_path, other)
+    assert '"ball" overlaps "other" by 0.001 m' in said
+    assert not complaints(tmp_path, other.replace("0.069", "0.0701"))
+
+
+def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Path) -> None:
+    slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
+    (said,) = warnings(slow)
+    assert "fewer than 10" in said
+    assert warnings(loaded(tmp_path, ["coupling.sync_interval_s=5e-5"])) == []
+
+
+def test_a_panel_step_above_the_solvers_limit_is_refused_with_the_limit(tmp_path: Path) -> None:
+    strip = ("panel.solver=strip", "panel.cells=[22, 1]")
+    said = only_complaint(tmp_path, *strip, "panel.step_s=1e-3")
+    assert "panel.step_s: 0.001 s is above the limit" in said
+    assert "or 0 for the solver's own" in said
+    assert not complaints(tmp_path, *strip, "panel.step_s=1e-6")

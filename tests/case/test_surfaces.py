@@ -1,0 +1,102 @@
+"""STL files with every fault that is looked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from meshes.side_walls import side_walls
+from orchestrator.checks.surfaces import faults
+from orchestrator.deck import walls
+from orchestrator.stl import Facets, Unreadable, read
+from tests.case.cases import complaints, loaded
+
+CASES = Path(__file__).parents[2] / "cases"
+CUBE_M = np.array([(x, y, z) for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)])
+OUTWARD = np.array(
+    [
+        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
+        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+    ]
+)
+WALL = 'screen.surfaces.wall={stl="wall.stl", frame="driving", material="PU"}'
+
+
+def facets(triangles: np.ndarray) -> Facets:
+    return Facets(CUBE_M, triangles, np.zeros((len(triangles), 3)))
+
+
+def write(folder: Path, points: np.ndarray = CUBE_M, triangles: np.ndarray = OUTWARD) -> None:
+    meshio.stl.write(folder / "wall.stl", meshio.Mesh(points, [("triangle", triangles)]))
+
+
+def test_a_cube_with_normals_outwards_is_right() -> None:
+    assert list(faults(facets(OUTWARD))) == []
+
+
+@pytest.mark.parametrize(
+    ("triangles", "said"),
+    [
+        (OUTWARD[:, ::-1], "normals point inwards"),
+        (np.vstack([OUTWARD[:1, ::-1], OUTWARD[1:]]), "oriented against each other"),
+        (np.vstack([OUTWARD, [(0, 1, 7)]]), "2 edges with more than two triangles"),
+        (np.vstack([OUTWARD, [(0, 1, 1)]]), "1 triangles without area, the first is number 12"),
+    ],
+)
+def test_faults_of_a_triangulation(triangles: np.ndarray, said: str) -> None:
+    assert [said in what for what, _ in faults(facets(triangles))] == [True]
+
+
+def test_normals_that_contradict_the_corners() -> None:
+    corners = CUBE_M[OUTWARD]
+    inward = -np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert [what for what, _ in faults(Facets(CUBE_M, OUTWARD, inward))] == [
+        "12 normals contradict the order of the corners"
+    ]
+
+
+def test_files_that_cannot_be_read(tmp_path: Path) -> None:
+    file = tmp_path / "wall.stl"
+    for content, said in (
+        (None, "no such file"),
+        (b"", "has no triangles"),
+        (b"solid empty\nendsolid\n", "has no triangles"),
+        (b"this is\nno stl file\n", "is no STL file"),
+        (bytes(range(256)) * 4, "is no STL file"),
+        (b"\0" * 80 + b"\x02\0\0\0" + b"\0" * 50, "has no triangles"),  # one of two is missing
+    ):
+        if content is not None:
+            file.write_bytes(content)
+        with pytest.raises(Unreadable, match=said):
+            read(file)
+
+
+def test_a_surface_of_a_case_is_checked_and_read(tmp_path: Path) -> None:
+    assert 'screen.surfaces.wall.stl: "wall.stl": no such file' in complaints(tmp_path, WALL)[0]
+    write(tmp_path, CUBE_M + np.array([0.4, 0.0, 0.0]))
+    assert complaints(tmp_path, WALL) == []
+    (wall,) = walls(loaded(tmp_path, [WALL]).case, tmp_path)
+    assert wall.frame == "driving"
+    assert np.ptp(wall.position_m, axis=0) == pytest.approx([0.1, 0.1, 0.1])
+
+
+def test_a_surface_in_mm_or_out_of_the_domain(tmp_path: Path) -> None:
+    write(tmp_path, 1000 * CUBE_M)
+    assert "is it in mm? m are wanted" in complaints(tmp_path, WALL)[0]
+    write(tmp_path, CUBE_M + np.array([2.0, 0.0, 0.0]))
+    assert "reaches 1.1 m out of domain_m along x; enlarge" in complaints(tmp_path, WALL)[0]
+
+
+def test_a_particle_in_a_wall(tmp_path: Path) -> None:
+    write(tmp_path, CUBE_M + np.array([0.155, 0.05, 0.0]))
+    assert '"ball" is 0.005 m inside surface wall' in complaints(tmp_path, WALL)[0]
+
+
+def test_the_quickstarts_walls_are_those_of_the_generator(tmp_path: Path) -> None:
+    mesh = side_walls((-0.019, 0.657), (0.0, 0.2), (-0.06, 0.16))
+    meshio.stl.write(tmp_path / "walls.stl", mesh)
+    stored = CASES / "quickstart" / "walls.stl"
+    assert (tmp_path / "walls.stl").read_text() == stored.read_text()
