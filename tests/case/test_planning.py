@@ -1,0 +1,109 @@
+"""Plans from cases: deck axes, rows of panels, drives, tables of pairs."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.deck import axes, single_panels, to_world
+from orchestrator.geometry import TriangleSurface
+from orchestrator.planning import frames_plan, material_numbers, panel_plans, particles_plan
+from orchestrator.plans import FramesPlan, ParticlesPlan
+from tests.case.cases import loaded
+
+NO_POINTS = np.zeros((0, 3))
+TURNED = "screen.inclination_deg=30"
+DRIVE = (
+    "screen.frames.driving.drive={speed_rad_s=80, amplitude_m=[0.003, 0, 0.004], "
+    "phase_rad=[0, 0, 1.5707963267948966], rotation_rad=[0, 0.01, 0], center_m=[1, 0, 0]}"
+)
+
+
+def frames(folder: Path, *overrides: str) -> FramesPlan:
+    return frames_plan(loaded(folder, overrides).case, NO_POINTS, (), NO_POINTS)
+
+
+def particles(folder: Path, *overrides: str) -> ParticlesPlan:
+    empty = np.zeros((0, 3), dtype=np.int64)
+    plan = particles_plan(loaded(folder, overrides).case, TriangleSurface(NO_POINTS, empty, empty))
+    assert plan is not None
+    return plan
+
+
+def test_the_deck_slopes_down_along_x_and_gravity_does_not_turn(tmp_path: Path) -> None:
+    case = loaded(tmp_path, [TURNED]).case
+    assert to_world(case, (1.0, 0.0, 0.0)) == pytest.approx([math.sqrt(0.75), 0.0, -0.5])
+    assert axes(case) @ axes(case).T == pytest.approx(np.eye(3))
+    assert np.linalg.det(axes(case)) == pytest.approx(1.0)
+    assert panel_plans(case)[0].gravity_m_s2.tolist() == [0.0, 0.0, -9.81]
+
+
+def test_a_row_of_panels_alternates_its_frames(tmp_path: Path) -> None:
+    row = ["screen.panels.deck.count=3", "screen.panels.deck.pitch_m=0.34", TURNED]
+    panels = single_panels(loaded(tmp_path, row).case)
+    assert [p.name for p in panels] == ["deck-1", "deck-2", "deck-3"]
+    assert [p.frames[0] for p in panels] == ["driving", "ground", "driving"]
+    apart = panels[2].rectangle.corner_m - panels[0].rectangle.corner_m
+    assert apart == pytest.approx(0.68 * panels[0].rectangle.along)
+    assert panels[0].rectangle.along[2] == pytest.approx(-0.5)
+    assert panels[0].rectangle.normal == pytest.approx([0.5, 0.0, math.sqrt(0.75)])
+
+
+def test_tension_and_span_say_the_same(tmp_path: Path) -> None:
+    (by_tension,) = single_panels(loaded(tmp_path).case)
+    assert by_tension.rectangle.span_m == pytest.approx(0.302)
+
+
+def test_frames_and_bushings_turn_with_the_deck(tmp_path: Path) -> None:
+    turn = ["screen.bushings.isolation.rotation_deg=[0, -30, 0]", TURNED]
+    plan = frames(tmp_path, *turn, "screen.frames.driving.products_of_inertia_kg_m2=[0.1, 0, 0]")
+    first, second = plan.bushings
+    assert (first.name, second.name) == ("isolation-1", "isolation-2")
+    assert first.axes == pytest.approx(np.eye(3), abs=1e-12)  # turned back to the world's
+    assert first.stiffness_N_m.tolist() == [2e4, 3e4, 4e4]
+    along = np.array([math.sqrt(0.75), 0.0, -0.5])
+    inertia = plan.bodies[0].inertia_kg_m2
+    assert along @ inertia @ along == pytest.approx(2.0)
+    assert along @ inertia @ [0, 1, 0] == pytest.approx(0.1)
+    assert plan.exciters[0].start == pytest.approx([0.5, 0.0, math.sqrt(0.75)])
+
+
+def test_the_axes_of_a_turned_bushing_are_the_rows(tmp_path: Path) -> None:
+    plan = frames(tmp_path, "screen.bushings.isolation.rotation_deg=[0, 0, 90]")
+    assert plan.bushings[0].axes == pytest.approx(
+        np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]), abs=1e-12
+    )
+
+
+def test_a_drive_in_deck_axes_is_the_same_motion_in_the_world(tmp_path: Path) -> None:
+    given = ["frames.solver=prescribed", DRIVE, TURNED]
+    plan, case = frames(tmp_path, *given), loaded(tmp_path, given).case
+    assert plan.bushings == ()
+    assert plan.exciters == ()
+    (drive,) = plan.drives
+    for angle in np.linspace(0.0, 6.0, 7):
+        in_deck = [0.003 * math.sin(angle), 0.0, 0.004 * math.cos(angle)]
+        in_world = drive.amplitude_m * np.sin(angle + drive.phase_rad)
+        assert in_world == pytest.approx(to_world(case, in_deck), abs=1e-15)
+    assert drive.rotation_rad == pytest.approx([0.0, 0.01, 0.0])
+    assert drive.center_m == pytest.approx(to_world(case, (1.0, 0.0, 0.0)))
+
+
+def test_pairs_of_materials_are_symmetric_and_spheres_do_not_resist_rolling(
+    tmp_path: Path,
+) -> None:
+    plan = particles(tmp_path, "contacts.0.rolling_friction=0.09")
+    assert [material.name for material in plan.materials] == ["PU", "coal"]
+    assert plan.restitution.tolist() == [[1.0, 0.34], [0.34, 0.13]]
+    assert plan.rolling_friction.tolist() == [[0.0, 0.09], [0.09, 0.0]]
+    assert plan.particles.material.tolist() == [1]
+    spheres = particles(tmp_path, "contacts.0.rolling_friction=0.09", "particles.solver=spheres")
+    assert not spheres.rolling_friction.any()
+
+
+def test_materials_that_touch_nothing_get_no_number(tmp_path: Path) -> None:
+    steel = "materials.aa={density_kg_m3=7850, youngs_modulus_Pa=2e11, poisson_ratio=0.3}"
+    assert material_numbers(loaded(tmp_path, [steel]).case) == {"PU": 0, "coal": 1}
