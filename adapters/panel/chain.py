@@ -11,7 +11,8 @@ and at every row but the outermost a bending spring on the second difference of 
     energy = 1/2 E I  cell  |kappa|^2,    I = width thickness^3 / 12,
 
 which does not change when the strip is moved or turned.  A clamp is rigid, so at its inner edge
-kappa belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell).
+kappa belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell), and
+without its part along the clamp as mounted, which would resist stretching, not bending.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ class Chain:
     """``rows_m`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
     ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and
     cross-section ``area_m2``; ``curvature_1_m2`` (b, r) maps positions to curvatures, of weights
-    ``bending_N_m3`` (b,), E I times the length that each stands for."""
+    ``bending_N_m3`` (b,), E I times the length that each stands for; those of ``at_clamps``
+    count only across ``clamp_along`` (3,)."""
 
     rows_m: Array
     held: Indices
@@ -39,12 +41,21 @@ class Chain:
     material: Hyperelastic
     curvature_1_m2: Array
     bending_N_m3: Array
+    at_clamps: Indices
+    clamp_along: Array
 
     def stretched(self, position_m: Array) -> tuple[Array, Array]:
         """Unit vectors (c, 3) along the axial springs and their lengths (c,)."""
         along = np.diff(position_m[self.springs], axis=0)
         length_m = np.sqrt(np.einsum("ij,ij->i", along, along))
         return along / length_m[:, None], length_m
+
+    def curvature_1_m(self, position_m: Array) -> Array:
+        """(b, 3)"""
+        curvature_1_m: Array = self.curvature_1_m2 @ position_m
+        along = curvature_1_m[self.at_clamps] @ self.clamp_along
+        curvature_1_m[self.at_clamps] -= np.outer(along, self.clamp_along)
+        return curvature_1_m
 
     def tension_N(self, length_m: Array) -> Array:
         return self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m)
@@ -77,8 +88,10 @@ class Chain:
         blocks = (rate_N_m - turning_N_m)[:, None, None] * outer
         blocks = blocks + turning_N_m[:, None, None] * np.eye(3)
         rows = len(self.rows_m)
-        bending = self.curvature_1_m2.T @ (self.bending_N_m3[:, None] * self.curvature_1_m2)
-        tangent = np.einsum("ij,kl->ikjl", bending, np.eye(3))
+        across = np.tile(np.eye(3), (len(self.bending_N_m3), 1, 1))
+        across[self.at_clamps] -= np.outer(self.clamp_along, self.clamp_along)
+        bent = self.curvature_1_m2
+        tangent = np.einsum("b,bi,bj,bkl->ikjl", self.bending_N_m3, bent, bent, across)
         for row, block in enumerate(blocks, start=self.springs.start):
             tangent[row, :, row] += block
             tangent[row + 1, :, row + 1] += block
@@ -110,7 +123,16 @@ def chain(plan: PanelPlan) -> Chain:
     bending_N_m2 = plan.material.youngs_modulus_Pa * area_m2 * plan.thickness_m**2 / 12
     springs = slice(first, last + 1)
     return Chain(
-        rows_m, held, springs, cell, area_m2, plan.material, curvature, bending_N_m2 * stands_for
+        rows_m,
+        held,
+        springs,
+        cell,
+        area_m2,
+        plan.material,
+        curvature,
+        bending_N_m2 * stands_for,
+        np.flatnonzero(held[1:-1] >= 0),
+        rectangle.along,
     )
 
 

@@ -11,36 +11,40 @@ from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
 
 NEWTON_ITERATIONS = 20
+NEGLIGIBLE_MOVE = 1e-10  # of the length; rounding leaves 1e-11 in thin slack strips
 
 
-def settled(chain: Chain, start_m: Array, weight_N: Array, name: str) -> Array:
-    """Positions (r, 3) in balance with ``weight_N`` (r, 3), held rows as in ``start_m``.
+def settled(
+    chain: Chain, start_m: Array, weight_N: Array, rectangle: Rectangle, name: str
+) -> Array:
+    """Positions (r, 3) in balance with ``weight_N`` (r, 3); held rows, and all rows across, stay
+    as in ``start_m``.
 
     A trust-region Newton method finds the valley (the straight slack chain is no minimum),
     plain Newton iterations the bottom.  SolverFailed if there is none.
     """
-    free = np.flatnonzero(np.repeat(chain.held < 0, 3))
+    plane = np.stack([rectangle.along, rectangle.normal])  # (2, 3)
+    free = chain.held < 0
+    columns = np.kron(np.eye(len(start_m))[free], plane)  # (2 free, 3 r): unknowns to positions
 
     def placed(unknown_m: Array) -> Array:
-        position_m = start_m.copy()
-        position_m.reshape(-1)[free] = unknown_m
-        return position_m
+        return np.asarray(start_m + (unknown_m @ columns).reshape(-1, 3))
 
     def energy_J(unknown_m: Array) -> float:
         position_m = placed(unknown_m)
         stored_J = chain.membrane_J(chain.stretched(position_m)[1])
-        stored_J += chain.bending_J(chain.curvature_1_m2 @ position_m)
+        stored_J += chain.bending_J(chain.curvature_1_m(position_m))
         return stored_J - float(np.sum(weight_N * (position_m - start_m)))
 
     def imbalance_N(unknown_m: Array) -> Array:
-        return np.asarray(-(elastic_N(chain, placed(unknown_m)) + weight_N).reshape(-1)[free])
+        return np.asarray(-columns @ (elastic_N(chain, placed(unknown_m)) + weight_N).ravel())
 
     def tangent_N_m(unknown_m: Array) -> Array:
-        return np.asarray(chain.tangent_N_m(placed(unknown_m))[np.ix_(free, free)])
+        return np.asarray(columns @ chain.tangent_N_m(placed(unknown_m)) @ columns.T)
 
     unknown_m = minimize(
         energy_J,
-        start_m.reshape(-1)[free],
+        np.zeros(len(columns)),
         method="trust-exact",
         jac=imbalance_N,
         hess=tangent_N_m,
@@ -49,15 +53,17 @@ def settled(chain: Chain, start_m: Array, weight_N: Array, name: str) -> Array:
     for _ in range(NEWTON_ITERATIONS):
         move_m = np.linalg.solve(tangent_N_m(unknown_m), imbalance_N(unknown_m))
         unknown_m = unknown_m - move_m
-        if np.abs(move_m).max() < 1e-13:
+        if np.abs(move_m).max() < NEGLIGIBLE_MOVE * rectangle.length_m:
             return placed(unknown_m)
-    raise SolverFailed(f"panel {name}, t = 0: no resting shape; last move {move_m.max():.1e} m")
+    raise SolverFailed(
+        f"panel {name}, t = 0: no resting shape; still moving by {np.abs(move_m).max():.1e} m"
+    )
 
 
 def elastic_N(chain: Chain, position_m: Array) -> Array:
     """Elastic force (r, 3) on the rows."""
     along, length_m = chain.stretched(position_m)
-    moment = chain.bending_N_m3[:, None] * (chain.curvature_1_m2 @ position_m)
+    moment = chain.bending_N_m3[:, None] * chain.curvature_1_m(position_m)
     return chain.force_N(along, chain.tension_N(length_m), moment)
 
 

@@ -2,7 +2,9 @@
 
 Scheme: Hairer, Lubich, Wanner, Acta Numerica 12, 2003, 399-450, doi 10.1017/S0962492902000144.
 The held rows follow their path; internal forces act on them with the trapezoidal rule, as they
-do on the free ones, so that momentum is exact.
+do on the free ones, so that momentum is exact.  Across, a strip is stiff like a deep beam, which
+no useful step resolves: there the free rows follow the clamps, linearly along the strip, and
+what pushes them across goes to the clamps at once.
 """
 
 from __future__ import annotations
@@ -27,8 +29,10 @@ class ChainMotion:
         mass_kg: Array,
         position_m: Array,
         branches: tuple[tuple[float, float], ...],
+        across: Array,
     ) -> None:
-        self._chain, self._mass_kg = chain, mass_kg[:, None]
+        self._chain, self._mass_kg, self._across = chain, mass_kg[:, None], across
+        self._share = shares(chain)
         self.held = np.flatnonzero(chain.held >= 0)
         self._free = slice(chain.springs.start + 1, chain.springs.stop - 1)
         self.position_m = position_m
@@ -46,32 +50,38 @@ class ChainMotion:
     def run(self, path: Path, outside_N: Array, steps: int) -> tuple[Array, float]:
         """Move over ``path`` (of the held rows) under ``outside_N`` (r, 3), constant.
 
-        Returns the impulse (held, 3) of the internal forces on the held rows, and their work
-        on them.
+        Returns the impulse (held, 3) that the chain gives to the clamps, and its work on them.
         """
-        step_s, free, held = path.length_s / steps, self._free, self.held
-        impulse_N_s, work_J = np.zeros((len(held), 3)), 0.0
+        step_s, free = path.length_s / steps, self._free
+        start_m_s, impulse_N_s, work_J = self.velocity_m_s, np.zeros_like(outside_N), 0.0
         rate = step_s / 2 / self._mass_kg[free]
-        outside_N = outside_N[free]
+        velocity_m_s = self._planar(start_m_s[free])
         for step in range(1, steps + 1):
-            before_N, before_m = self.internal_N, self.position_m
-            half_m_s = self.velocity_m_s[free] + rate * (before_N[free] + outside_N)
-            self.position_m = before_m.copy()
-            self.position_m[free] += step_s * half_m_s
-            self.position_m[held] = path.position_m(step / steps)
+            before_m, before_N = self.position_m, self.internal_N
+            half_m_s = velocity_m_s + rate * (before_N + outside_N)[free]
+            self.position_m = self._next(path.position_m(step / steps), half_m_s, step_s)
             self._branches.begin(step_s, self._stiffness * self._strain)
             self.internal_N = self._internal()
             self._end_step()
-            self.velocity_m_s[free] = half_m_s + rate * (self.internal_N[free] + outside_N)
-            on_held_N = (before_N[held] + self.internal_N[held]) / 2
-            impulse_N_s += step_s * on_held_N
-            work_J += float(np.sum(on_held_N * (self.position_m[held] - before_m[held])))
-        self.velocity_m_s[held] = path.end.velocity_m_s
-        return impulse_N_s, work_J
+            velocity_m_s = self._planar(half_m_s + rate * (self.internal_N + outside_N)[free])
+            mean_N = (before_N + self.internal_N) / 2
+            impulse_N_s += step_s * mean_N
+            work_J += self._work_J(mean_N + outside_N, self.position_m - before_m)
+        self.velocity_m_s = self._spread(path.end.velocity_m_s)
+        self.velocity_m_s[free] += velocity_m_s
+        impulse_N_s += path.length_s * outside_N
+        impulse_N_s -= self._mass_kg * (self.velocity_m_s - start_m_s)
+        work_J -= self._gain_J(start_m_s)
+        return self.onto_held(impulse_N_s), work_J
+
+    def stretches(self) -> tuple[float, float]:
+        """The smallest and the largest of the springs."""
+        stretch = self._strain[: self._springs] / self._chain.rest_m
+        return float(stretch.min()), float(stretch.max())
 
     def stored_J(self) -> dict[str, float]:
         """Elastic energy, and that of the branches' springs."""
-        curvature_1_m = self._chain.curvature_1_m2 @ self.position_m
+        curvature_1_m = self._chain.curvature_1_m(self.position_m)
         return {
             "membrane": self._chain.membrane_J(self._chain.stretched(self.position_m)[1]),
             "bending": self._chain.bending_J(curvature_1_m),
@@ -84,7 +94,7 @@ class ChainMotion:
     def _elastic(self) -> tuple[Array, Array]:
         """Directions of the springs (c, 3); their lengths and all curvatures in one vector."""
         along, length_m = self._chain.stretched(self.position_m)
-        curvature_1_m = self._chain.curvature_1_m2 @ self.position_m
+        curvature_1_m = self._chain.curvature_1_m(self.position_m)
         return along, np.concatenate([length_m, curvature_1_m.ravel()])
 
     def _internal(self) -> Array:
@@ -100,3 +110,49 @@ class ChainMotion:
         change = self._new_strain - self._strain
         self._branches.end(change, self._stiffness * change)
         self._strain = self._new_strain
+
+    def _next(self, held_m: Array, half_m_s: Array, step_s: float) -> Array:
+        """Positions (r, 3) a step on: held rows as given, free ones in the plane by Verlet."""
+        position_m = self.position_m + self._spread(held_m - self.position_m[self.held])
+        position_m[self._free] += step_s * self._planar(half_m_s)
+        return position_m
+
+    def _spread(self, held: Array) -> Array:
+        """Motion (r, 3) that the held rows' (held, 3) imposes: all of it there, and what is
+        across on the free rows."""
+        moved = np.outer(self._share @ (held @ self._across), self._across)
+        moved[self.held] = held
+        return moved
+
+    def onto_held(self, force: Array) -> Array:
+        """(held, 3): the transpose of ``_spread``."""
+        held = np.outer(self._share.T @ (force @ self._across), self._across)
+        return np.asarray(held + self._planar(force[self.held]))
+
+    def _planar(self, vector: Array) -> Array:
+        return np.asarray(vector - np.outer(vector @ self._across, self._across))
+
+    def _work_J(self, force_N: Array, moved_m: Array) -> float:
+        """Work on imposed motion: of held rows in the plane, of all rows across."""
+        work_J = np.sum(self._planar(force_N[self.held]) * moved_m[self.held])
+        return float(work_J + (force_N @ self._across) @ (moved_m @ self._across))
+
+    def _gain_J(self, start_m_s: Array) -> float:
+        """Kinetic energy gained in imposed motion."""
+        before, after = (self._imposed_J(v) for v in (start_m_s, self.velocity_m_s))
+        return after - before
+
+    def _imposed_J(self, velocity_m_s: Array) -> float:
+        return self._work_J(self._mass_kg * velocity_m_s, velocity_m_s) / 2
+
+
+def shares(chain: Chain) -> Array:
+    """(rows, held rows): a quantity that varies linearly between the clamps' inner edges and is
+    the held rows' own under the clamps."""
+    held = np.flatnonzero(chain.held >= 0)
+    share = (np.arange(len(chain.rows_m))[:, None] == held).astype(float)
+    along = np.clip(chain.rows_m / chain.rows_m[chain.springs][-1], 0.0, 1.0)
+    free = chain.held < 0
+    second = int((chain.held == 0).sum())
+    share[free, second - 1], share[free, second] = 1 - along[free], along[free]
+    return np.asarray(share)

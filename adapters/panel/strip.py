@@ -19,12 +19,13 @@ from scipy.sparse import csr_array
 from adapters.panel import bilinear
 from adapters.panel.chain import Chain, chain
 from adapters.panel.chain_at_rest import first_guess_m, settled
-from adapters.panel.chain_motion import ChainMotion
+from adapters.panel.chain_motion import ChainMotion, shares
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
 from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, counted
 
+SANE_STRETCH = (0.2, 5.0)
 MARGIN = 0.8  # of the largest stable step, for compression, which stiffens the chain
 
 
@@ -77,39 +78,39 @@ class Strip:
         self._gravity_m_s2 = plan.gravity_m_s2
         self._weight_N = np.outer(self._mass_kg, plan.gravity_m_s2)
         guess_m = first_guess_m(links, plan.rectangle, plan.gravity_m_s2)
-        self._rest_m = settled(links, guess_m, self._weight_N, plan.name)
-        self._motion = ChainMotion(links, self._mass_kg, self._rest_m, plan.material.branches)
+        self._rest_m = settled(links, guess_m, self._weight_N, plan.rectangle, plan.name)
+        self._motion = ChainMotion(
+            links, self._mass_kg, self._rest_m, plan.material.branches, plan.rectangle.across
+        )
         held = self._motion.held
         material_m = bilinear.points_m(links.rows_m[held], self._width_m)
         names = tuple(plan.frames[end] for end in links.held[held].repeat(2))
         self.mount = Mount(plan.rectangle.mounted(material_m), names)
         self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
-        self._halves = _halves(links)
+        self._halves = shares(links)
         self._surface = self._surface_now()
         self._elapsed_s, self._received_J = 0.0, {"load": 0.0, "clamps": 0.0}
 
     def initial(self) -> PanelState:
-        held = self._motion.held
-        reaction_N = self._weight_N[held] + self._motion.internal_N[held]
+        reaction_N = self._motion.onto_held(self._weight_N + self._motion.internal_N)
         return PanelState(self._surface, Load(reaction_N.repeat(2, axis=0) / 2))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         counted(f"panel {self._name}: clamps", clamps, len(self._clamps))
         counted(f"panel {self._name}: load", load, len(self._surface))
-        motion, held = self._motion, self._motion.held
+        motion = self._motion
         turning_N = self._halves.T @ (2 * bilinear.half(load.force_N))
         outside_N = 2 * bilinear.middle(load.force_N) + self._weight_N
-        start_m, start_m_s = motion.position_m[held], motion.velocity_m_s[held].copy()
         path = Path(_middle(self._clamps), _middle(clamps), interval.length_s)
         with np.errstate(over="ignore", invalid="ignore"):  # reported below, with the time
             impulse_N_s, work_J = motion.run(path, outside_N, interval.steps(self._step_s))
-        if not np.isfinite(motion.velocity_m_s).all():
-            raise SolverFailed(f"panel {self._name}: strip unstable before {interval.end_s} s")
-        mass_kg, end_m_s = self._mass_kg[held, None], motion.velocity_m_s[held]
-        impulse_N_s = impulse_N_s - mass_kg * (end_m_s - start_m_s)
-        middle_N = impulse_N_s / interval.length_s + outside_N[held]
-        work_J += float(np.sum(outside_N[held] * (motion.position_m[held] - start_m)))
-        work_J -= float(np.sum(mass_kg * (end_m_s**2 - start_m_s**2))) / 2
+        lowest, highest = motion.stretches()
+        if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN
+            raise SolverFailed(
+                f"panel {self._name}: strip unstable before {interval.end_s} s: stretches are "
+                f"{lowest:.3g} ... {highest:.3g}"
+            )
+        middle_N = impulse_N_s / interval.length_s
         self._book(clamps, load, turning_N, work_J)
         self._elapsed_s += interval.length_s
         return PanelState(self._surface, Load(bilinear.joined(middle_N / 2, turning_N / 2)))
@@ -157,14 +158,3 @@ class Strip:
 
 def _middle(points: Motion) -> Motion:
     return Motion(bilinear.middle(points.position_m), bilinear.middle(points.velocity_m_s))
-
-
-def _halves(links: Chain) -> Array:
-    """(rows, held rows): half widths of all rows from those of the held ones."""
-    held = np.flatnonzero(links.held >= 0)
-    halves = (np.arange(len(links.rows_m))[:, None] == held).astype(float)
-    share = np.clip(links.rows_m / links.rows_m[links.springs][-1], 0.0, 1.0)
-    free = links.held < 0
-    first, second = (links.held[held] == 0).sum() - 1, (links.held[held] == 0).sum()
-    halves[free, first], halves[free, second] = 1 - share[free], share[free]
-    return np.asarray(halves)

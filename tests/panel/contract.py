@@ -1,0 +1,110 @@
+"""What every adapter of the panel port must do; ``CASES`` lists the adapters.
+
+Each case builds the real solver on a small panel.  A package that is missing makes the case fail
+with SolverMissing: nothing is skipped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from importlib import import_module
+
+import numpy as np
+
+from orchestrator.clock import Interval
+from orchestrator.plans import PanelPlan
+from orchestrator.ports import Account, Array, Load, MeshedPanel, Motion, Panel, PanelState
+from tests.panel.elastic_plans import plan
+
+INTERVAL_S = 1e-4
+# enough damping for a small panel to settle within 0.3 s
+DAMPED = ((1.0, 3e-3), (0.5, 5e-4))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A panel 0.12 m long, stretched to 0.123 m; ``still_N``: the largest change of a clamp
+    point's force that counts as none, from the way the adapter finds its rest."""
+
+    solver: str
+    plan: PanelPlan
+    still_N: float
+
+    def open(self, interval_s: float = INTERVAL_S, split: int = 1) -> MeshedPanel:
+        """``split`` divides the largest step that the adapter takes by itself."""
+        solver = import_module(f"adapters.panel.{self.solver}")
+        changed = replace(self.plan, sync_interval_s=interval_s)
+        if hasattr(solver, "largest_step_s") and changed.integrator == "explicit":
+            changed = replace(changed, step_s=0.8 * solver.largest_step_s(changed) / split)
+        panel: MeshedPanel = solver.build(changed)
+        return panel
+
+
+def small(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
+    return plan(length_m=0.12, span_m=0.123, cells=cells, integrator=integrator, branches=DAMPED)
+
+
+CASES = {
+    "rigid": Case("rigid", small("explicit"), 1e-12),
+    "strip": Case("strip", small("explicit"), 1e-9),
+    "sheet-explicit": Case("sheet", small("explicit", (6, 1)), 1e-4),
+    "sheet-implicit": Case("sheet", small("implicit", (6, 1)), 1e-4),
+    "solid": Case("solid", small("implicit", (4, 1)), 1e-4),
+}
+NEEDS_SOLVER = {"sheet-explicit", "sheet-implicit", "solid"}
+
+
+def held(panel: Panel) -> Motion:
+    """The clamps where they are mounted, at rest."""
+    return Motion(panel.mount.position_m, np.zeros_like(panel.mount.position_m))
+
+
+def shifted(panel: Panel, shift_m: Array, velocity_m_s: Array) -> Motion:
+    """All clamps moved alike; both (3,)."""
+    moved = panel.mount.position_m + shift_m
+    return Motion(moved, np.broadcast_to(velocity_m_s, moved.shape).copy())
+
+
+def swung(panel: Panel, time_s: float) -> Motion:
+    """The second clamp moves by (4, 2, -3) mm sin^2(40 t), from rest."""
+    amplitude_m = 1e-3 * np.array([4.0, 2.0, -3.0])
+    on = np.array([frame == "driven" for frame in panel.mount.frame]) * 1.0
+    moved = panel.mount.position_m + np.outer(on, amplitude_m * np.sin(40 * time_s) ** 2)
+    return Motion(moved, np.outer(on, amplitude_m * 40 * np.sin(80 * time_s)))
+
+
+def loads(points: int, time_s: float) -> Load:
+    """Some newton on each point, reproducible and smooth in time."""
+    size_N = np.random.default_rng(6).normal(size=(points, 3))
+    return Load(size_N * (10.0 / points) * np.sin(90 * time_s))
+
+
+@dataclass(frozen=True)
+class Run:
+    """States and accounts at the start and after each interval, and the loads between."""
+
+    states: list[PanelState]
+    accounts: list[Account]
+    loads: list[Load]
+
+
+def driven(panel: Panel, intervals: int, interval_s: float = INTERVAL_S) -> Run:
+    """Clamp swung, surface loaded."""
+    states, accounts, given = [panel.initial()], [panel.account()], []
+    for index in range(intervals):
+        load = loads(len(states[0].surface), (index + 0.5) * interval_s)
+        end = swung(panel, (index + 1) * interval_s)
+        states.append(panel.advance(Interval(index, interval_s), end, load))
+        accounts.append(panel.account())
+        given.append(load)
+    return Run(states, accounts, given)
+
+
+def defect_J(start: Account, end: Account) -> float:
+    """Zero for a perfect solver; see ``Account``."""
+
+    def total(account: Account) -> float:
+        kept = sum(account.stored_J.values()) + sum(account.lost_J.values())
+        return kept - sum(account.supplied_J.values()) - sum(account.received_J.values())
+
+    return total(end) - total(start)

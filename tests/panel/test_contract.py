@@ -1,0 +1,177 @@
+"""The contract of the panel port, on every adapter with its real solver."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from orchestrator.clock import Interval
+from orchestrator.ports import Array, BrokenRecord, Load
+from tests.panel.contract import (
+    CASES,
+    INTERVAL_S,
+    NEEDS_SOLVER,
+    Case,
+    defect_J,
+    driven,
+    held,
+    shifted,
+)
+
+marked = [
+    pytest.param(case, id=name, marks=[pytest.mark.solver] if name in NEEDS_SOLVER else [])
+    for name, case in CASES.items()
+]
+every_adapter = pytest.mark.parametrize("case", marked)
+GRAVITY_M_S2 = np.array([0.0, 0.0, -9.81])
+
+
+def mass_kg(case: Case) -> float:
+    """From the plan: the whole panel with the parts under its clamps."""
+    plan = case.plan
+    area_m2 = (plan.rectangle.length_m + 2 * plan.rectangle.clamp_m) * plan.rectangle.width_m
+    return area_m2 * plan.thickness_m * plan.material.density_kg_m3
+
+
+@every_adapter
+def test_clamps_start_on_the_mount_and_at_rest(case: Case) -> None:
+    panel = case.open()
+    state, rectangle = panel.initial(), case.plan.rectangle
+    assert not state.surface.velocity_m_s.any()
+    assert set(panel.mount.frame) == {"driving", "driven"}
+    ends = np.array([[s, y] for s in (0.0, rectangle.length_m) for y in (0, rectangle.width_m)])
+    corners_m = panel.interpolation(ends) @ state.surface.position_m
+    assert corners_m == pytest.approx(rectangle.mounted(ends), abs=1e-12)
+    nearest = np.abs(panel.mount.position_m[:, None] - corners_m).max(axis=2).min(axis=0)
+    assert nearest.max() < 1e-12 + 0.5 * case.plan.thickness_m
+
+
+@every_adapter
+def test_at_rest_nothing_moves_and_the_reaction_is_the_weight(case: Case) -> None:
+    panel = case.open()
+    start = panel.initial()
+    unloaded = Load.zero(len(start.surface))
+    for index in range(50):
+        state = panel.advance(Interval(index, INTERVAL_S), held(panel), unloaded)
+    weight_N = mass_kg(case) * GRAVITY_M_S2
+    for reaction in (start.reaction, state.reaction):
+        assert reaction.force_N.sum(axis=0) == pytest.approx(weight_N, abs=20 * case.still_N)
+    assert state.reaction.force_N == pytest.approx(start.reaction.force_N, abs=case.still_N)
+    assert state.surface.position_m == pytest.approx(start.surface.position_m, abs=1e-9)
+
+
+@every_adapter
+def test_interpolation_sums_to_one_and_reproduces_linear_fields(case: Case) -> None:
+    rectangle, panel = case.plan.rectangle, case.open()
+    rng = np.random.default_rng(7)
+    low, high = -rectangle.clamp_m, rectangle.length_m + rectangle.clamp_m
+    somewhere = np.column_stack([rng.uniform(low, high, 50), rng.uniform(0, rectangle.width_m, 50)])
+    H = panel.interpolation(somewhere)
+    points = len(panel.initial().surface)
+    assert H.shape == (50, points)
+    assert H.sum(axis=1) == pytest.approx(np.ones(50), abs=1e-14)
+    force = rng.normal(size=(50, 3))
+    assert (H.T @ force).sum(axis=0) == pytest.approx(force.sum(axis=0), abs=1e-12)
+    unstretched = replace(rectangle, span_m=rectangle.length_m)
+    still = replace(case.plan, rectangle=unstretched, gravity_m_s2=np.zeros(3))
+    straight_m = replace(case, plan=still).open().initial().surface.position_m
+    off_m = H @ straight_m - unstretched.mounted(somewhere)
+    assert np.ptp(off_m, axis=0).max() < 1e-11
+    # a solid's surface may lie half its thickness above the middle
+    assert off_m[0] == pytest.approx(off_m[0] @ rectangle.normal * rectangle.normal, abs=1e-11)
+    assert 0.0 <= off_m[0] @ rectangle.normal + 1e-11 <= case.plan.thickness_m / 2 + 2e-11
+
+
+@every_adapter
+def test_coordinates_off_the_panel_are_refused(case: Case) -> None:
+    with pytest.raises(ValueError, match="coordinate"):
+        case.open().interpolation(np.array([[0.5, 0.01]]))
+
+
+@every_adapter
+def test_momentum_balances_in_every_interval(case: Case) -> None:
+    """change = gravity's impulse + load - reaction, to 1e-12 of the largest impulse."""
+    panel = case.open()
+    run = driven(panel, 200)
+    size = max(np.abs(s.reaction.force_N).sum() for s in run.states) * INTERVAL_S
+    for (before, after), load, state in zip(
+        pairwise(run.accounts), run.loads, run.states[1:], strict=True
+    ):
+        change = after.momentum_kg_m_s - before.momentum_kg_m_s
+        outside = after.outside_impulse_N_s - before.outside_impulse_N_s
+        ports = INTERVAL_S * (load.force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0))
+        assert change == pytest.approx(outside + ports, abs=1e-12 * size)
+    weight_N_s = 200 * INTERVAL_S * mass_kg(case) * GRAVITY_M_S2
+    given = run.accounts[-1].outside_impulse_N_s - run.accounts[0].outside_impulse_N_s
+    assert given == pytest.approx(weight_N_s, rel=1e-9, abs=1e-12)
+
+
+@every_adapter
+def test_momentum_in_the_books_is_that_of_the_surface(case: Case) -> None:
+    """A panel carried along as one moves its whole mass."""
+    panel = case.open()
+    velocity, state = np.array([0.3, -0.2, 0.1]), panel.initial()
+    unloaded = Load.zero(len(state.surface))
+    for index in range(3000):
+        time_s = (index + 1) * INTERVAL_S
+        started_s = min(time_s, 0.1)  # velocity (1 - cos) / 2 until 0.1 s
+        ramp = (1 - np.cos(np.pi * started_s / 0.1)) / 2
+        share_s = (started_s - 0.1 / np.pi * np.sin(np.pi * started_s / 0.1)) / 2
+        end = shifted(panel, velocity * (share_s + time_s - started_s), ramp * velocity)
+        state = panel.advance(Interval(index, INTERVAL_S), end, unloaded)
+    momentum = panel.account().momentum_kg_m_s
+    # Galilean invariance too: carried at constant velocity after a smooth start, a panel only
+    # has its weight left; what still rings after 0.2 s is below 1e-3 of the starting force
+    assert momentum == pytest.approx(mass_kg(case) * velocity, rel=1e-3, abs=1e-5)
+    reaction_N = state.reaction.force_N.sum(axis=0)
+    started_N = mass_kg(case) * np.linalg.norm(velocity) / 0.1
+    assert reaction_N == pytest.approx(mass_kg(case) * GRAVITY_M_S2, abs=1e-3 * started_N)
+
+
+@every_adapter
+def test_energy_defect_is_small_and_falls_with_the_interval(case: Case) -> None:
+    """1e-3 of the work done on the panel at 2e-4 s; a quarter (or rounding) at half of it."""
+    defects, work = [], []
+    for split in (1, 2):
+        interval_s = 2 * INTERVAL_S / split
+        run = driven(case.open(interval_s, split), 150 * split, interval_s)
+        defects.append(abs(defect_J(run.accounts[0], run.accounts[-1])))
+        work.append(sum(abs(value) for value in run.accounts[-1].received_J.values()))
+    assert defects[0] < 1e-3 * work[0]
+    assert defects[1] < max(defects[0] / 2, 1e-12 * work[1])
+
+
+@every_adapter
+def test_a_constant_load_comes_out_as_reaction(case: Case) -> None:
+    """Mean over the last 0.1 of 0.3 s: the panel has settled to 1e-3 of the load."""
+    panel = case.open()
+    points = len(panel.initial().surface)
+    load = Load(np.tile([0.5 / points, -0.2 / points, -3.0 / points], (points, 1)))
+    reactions = []
+    for index in range(3000):
+        state = panel.advance(Interval(index, INTERVAL_S), held(panel), load)
+        reactions.append(state.reaction.force_N.sum(axis=0))
+    mean_N: Array = np.mean(reactions[2000:], axis=0)
+    expected = load.force_N.sum(axis=0) + mass_kg(case) * GRAVITY_M_S2
+    assert mean_N == pytest.approx(expected, abs=1e-3 * 3.0)
+
+
+@every_adapter
+def test_wrong_numbers_of_points_are_refused(case: Case) -> None:
+    panel = case.open()
+    points, clamps = len(panel.initial().surface), len(panel.mount.frame)
+    with pytest.raises(BrokenRecord, match=rf"{points} points wanted, got {points + 1}"):
+        panel.advance(Interval(0, INTERVAL_S), held(panel), Load.zero(points + 1))
+    short = held(panel).part(slice(1, None))
+    with pytest.raises(BrokenRecord, match=rf"{clamps} points wanted, got {clamps - 1}"):
+        panel.advance(Interval(0, INTERVAL_S), short, Load.zero(points))
+
+
+@every_adapter
+def test_closing_twice_is_harmless(case: Case) -> None:
+    panel = case.open()
+    panel.close()
+    panel.close()

@@ -1,0 +1,276 @@
+"""strip against closed forms of strings, bars and beams; sources and tolerances at each test."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from adapters.panel import chain, strip
+from orchestrator.clock import Interval
+from orchestrator.plans import Hyperelastic, PanelPlan, SolverFailed
+from orchestrator.ports import Array, Load, Motion, PanelState
+from tests.panel.contract import held, swung
+from tests.panel.elastic_plans import C01_PA, C10_PA, difference, plan
+
+PRINTED = Hyperelastic(1200.0, C10_PA, C01_PA, 2e9)
+SWAPPED = Hyperelastic(1200.0, C01_PA, C10_PA, 2e9)
+
+
+def taut(cells: int = 24, **changed: object) -> PanelPlan:
+    """0.3 m x 5 mm, stretched by 2.5 %."""
+    given = {"length_m": 0.3, "span_m": 0.3075, "thickness_m": 0.005, "cells": (cells, 1)}
+    return plan(**(given | changed))  # type: ignore[arg-type]
+
+
+def middle_m(panel: strip.Strip) -> float:
+    """Height of the middle over the clamps; the number of cells is even."""
+    z = panel.initial().surface.position_m[:, 2]
+    return float(z[len(z) // 2] - z[0])
+
+
+@pytest.mark.parametrize(
+    ("material", "stretch", "stress_MPa"),
+    [
+        (PRINTED, 1.025, "0.50230"),
+        (PRINTED, 1.05, "0.96267"),
+        (PRINTED, 1.10, "1.77561"),
+        (PRINTED, 1.50, "5.41852"),
+        (PRINTED, 2.0, "7.3500"),
+        (PRINTED, 0.9, "-2.550"),
+        (SWAPPED, 1.1, "1.8801"),
+        (SWAPPED, 2.0, "11.0250"),
+    ],
+)
+def test_uniaxial_law(material: Hyperelastic, stretch: float, stress_MPa: str) -> None:
+    """P = 2 (l - l^-2)(C10 + C01 / l), evaluated independently; to the digits given."""
+    found = chain.nominal_stress_Pa(material, np.array([stretch]))[0]
+    digits = len(stress_MPa.split(".")[1])
+    assert found / 1e6 == pytest.approx(float(stress_MPa), abs=0.51 * 10**-digits)
+
+
+def test_tangent_is_the_derivative_of_the_force() -> None:
+    """Central differences, 1e-6 relative, on a bent and stretched chain."""
+    links = chain.chain(taut(6))
+    rng = np.random.default_rng(9)
+    rows = len(links.rows_m)
+    x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
+    x = x + 0.01 * rng.normal(size=x.shape)
+
+    def force(at: Array) -> Array:
+        along, length = links.stretched(at)
+        moment = links.bending_N_m3[:, None] * links.curvature_1_m(at)
+        return links.force_N(along, links.tension_N(length), moment).ravel()
+
+    step = 1e-7 * rng.normal(size=x.shape)
+    change = (force(x + step) - force(x - step)) / 2
+    expected = -links.tangent_N_m(x) @ step.ravel()
+    assert change == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+def test_force_is_minus_the_derivative_of_the_energy() -> None:
+    links = chain.chain(taut(6))
+    rng = np.random.default_rng(10)
+    rows = len(links.rows_m)
+    x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
+    x = x + 0.01 * rng.normal(size=x.shape)
+
+    def energy(at: Array) -> float:
+        bent = links.bending_J(links.curvature_1_m(at))
+        return links.membrane_J(links.stretched(at)[1]) + bent
+
+    step = 1e-6 * rng.normal(size=x.shape)
+    along, length = links.stretched(x)
+    moment = links.bending_N_m3[:, None] * links.curvature_1_m(x)
+    work = np.sum(links.force_N(along, links.tension_N(length), moment) * step)
+    assert (energy(x - step) - energy(x + step)) / 2 == pytest.approx(work, rel=1e-6)
+
+
+def test_pull_of_a_stretched_strip_is_that_of_the_law() -> None:
+    panel = strip.build(taut(gravity_m_s2=0.0))
+    reaction = panel.initial().reaction.force_N
+    first = np.array([frame == "driving" for frame in panel.mount.frame])
+    pull_N = 0.50230e6 * 0.05 * 0.005
+    assert reaction[first].sum(axis=0) == pytest.approx([pull_N, 0.0, 0.0], rel=1e-5, abs=1e-9)
+
+
+def test_sag_of_a_taut_strip() -> None:
+    """q L^2 / (8 T) less the clamps' share: a clamped beam under tension sags
+    q L^2 / (8 T) (1 - 2 tanh(u/2) / u ... ) with u = L sqrt(T / E I) (Timoshenko, Strength of
+    Materials, part II, 1941, ch. II): w(L/2) = q L^2/(8T) - q L^2/(2 T u) tanh(u/4).
+    0.3 %: 24 cells, and the load per length of the stretched strip."""
+    found = -middle_m(strip.build(taut(cells=48)))
+    tension, length = 0.50230e6 * 0.005, 0.3075
+    stiffness = 21e6 * 0.005**3 / 12
+    q = 1200 * 0.005 * 9.81 / 1.025
+    u = length * np.sqrt(tension / stiffness)
+    expected = q * length**2 / (8 * tension) - q * length**2 / (2 * tension * u) * np.tanh(u / 4)
+    assert found == pytest.approx(expected, rel=5e-3)
+
+
+def test_taut_strip_frequency() -> None:
+    """Pre-tensioned string 0.3 m x 5 mm, 2.5 % stretch: T = 2511.5 N/m, f1 = 33.68 Hz (as the
+    paper's constants give it, mass and length of the unstretched strip); here the length is
+    0.3075 m and the mass per length smaller: f1 = sqrt(T / (rho t L L')) / 2.  Bending made
+    negligible by a hinge (clamp_m = 0) and a density and force of the same strip at t = 0.5 mm:
+    (t / L)^2 E / P ~ 1e-4 of f1^2."""
+    given = taut(thickness_m=5e-4, clamp_m=0.0, gravity_m_s2=0.0)
+    panel = strip.build(given)
+    points = len(panel.initial().surface)
+    wave = np.sin(np.pi * np.arange(points // 2) / (points // 2 - 1)).repeat(2)
+    kick = Load(np.outer(wave, [0.0, 0.0, 1e-3]))
+    interval_s, heights = 1e-4, []
+    for index in range(3000):
+        state = panel.advance(
+            Interval(index, interval_s), held(panel), kick if index < 10 else Load.zero(points)
+        )
+        heights.append(state.surface.position_m[points // 2, 2] - 0.3)
+    z = np.array(heights[10:])
+    rising = np.flatnonzero((z[:-1] < 0) & (z[1:] >= 0))
+    crossed = rising + z[rising] / (z[rising] - z[rising + 1])
+    found = (len(crossed) - 1) / (interval_s * (crossed[-1] - crossed[0]))
+    tension = 0.50230e6 * 5e-4
+    expected = np.sqrt(tension / (1200 * 5e-4 * 0.3 * 0.3075)) / 2
+    # discrete string with 24 masses: f sin(x) / x at x = pi / 48, - 7e-4; time step less
+    assert found == pytest.approx(expected, rel=1.5e-3)
+    assert np.sqrt(2511.5 / (1200 * 0.005)) / 0.6 * 0.3 / 0.3 == pytest.approx(34.1, rel=0.02)
+
+
+def elastica(slack: float) -> float:
+    """Midpoint height / length of a clamped inextensible elastica shortened by ``slack`` (Love,
+    Mathematical Theory of Elasticity, 4th ed. 1927, art. 263): modulus k solves
+    2 E(k) / K(k) - 1 = 1 - slack, height = k / K(k)."""
+    k = brentq(lambda k: 2 * ellipe(k * k) / ellipk(k * k) - 2 + slack, 1e-6, 0.9)
+    return float(k / ellipk(k * k))
+
+
+def test_elastica_formula_gives_the_published_heights() -> None:
+    slack = (0.005, 0.01, 0.02, 0.03, 0.05, 0.10)
+    published = [0.0449, 0.0635, 0.0895, 0.1092, 0.1401, 0.1949]
+    assert [elastica(d) for d in slack] == pytest.approx(published, abs=6e-5)
+
+
+@pytest.mark.parametrize("slack", [0.01, 0.05, 0.10])
+def test_slack_strip_is_an_elastica(slack: float) -> None:
+    """1 % (48 cells; the strip is 1 mm thick, so compression by P_cr shortens it by 4e-5)."""
+    panel = strip.build(
+        plan(span_m=0.33 * (1 - slack), thickness_m=0.001, gravity_m_s2=0.0, cells=(48, 1))
+    )
+    assert -middle_m(panel) / 0.33 == pytest.approx(elastica(slack), rel=0.01)
+
+
+def test_slack_strip_without_bending_is_a_catenary() -> None:
+    """h / L = sqrt(3 D / 8 L): 0.0612 at D / L = 0.01 (2 %: the shallow limit)."""
+    panel = strip.build(plan(span_m=0.33 * 0.99, thickness_m=1e-5, clamp_m=0.0, cells=(48, 1)))
+    assert -middle_m(panel) / 0.33 == pytest.approx(0.0612, rel=0.02)
+
+
+def test_clamped_beam_sag() -> None:
+    """No tension, small load: q L^4 / (384 E I) (Timoshenko, Strength of Materials, part I); the
+    difference falls with the square of the cell."""
+    stiffness, g = 21e6 * 0.004**3 / 12, 1e-3
+    expected = 1200 * 0.004 * g * 0.33**4 / (384 * stiffness)
+    error = [
+        -middle_m(strip.build(plan(gravity_m_s2=g, cells=(cells, 1)))) / expected - 1
+        for cells in (24, 48)
+    ]
+    assert error[0] / error[1] == pytest.approx(4.0, rel=0.02)
+    assert error[1] < 5e-3
+
+
+def moved(step_s: float, interval_s: float) -> Array:
+    """The strip's surface after 0.02 s of a smoothly swung clamp."""
+    panel = strip.build(taut(12, step_s=step_s, branches=((0.2, 1e-3),)))
+    unloaded = Load.zero(len(panel.initial().surface))
+    for index in range(round(0.02 / interval_s)):
+        end = swung(panel, (index + 1) * interval_s)
+        state = panel.advance(Interval(index, interval_s), end, unloaded)
+    return state.surface.position_m
+
+
+def test_second_order_in_the_step() -> None:
+    exact = moved(3.125e-6, 1e-4)
+    coarse, fine = (np.abs(moved(step_s, 1e-4) - exact).max() for step_s in (5e-5, 2.5e-5))
+    # (1 - 1/16^2) / (1/4 - 1/16^2) = 4.05 with the reference's own error
+    assert coarse / fine == pytest.approx(4.05, rel=0.1)
+
+
+def test_clamps_follow_the_smooth_path_whatever_the_interval() -> None:
+    """Hermite's error on the clamp's path is 3e-9 m of some mm: both runs agree to 1e-4."""
+    assert difference(moved(2.5e-5, 1e-4) - 0.3, moved(2.5e-5, 2e-4) - 0.3) < 1e-6
+
+
+def test_maxwell_branch_relaxes_the_pull() -> None:
+    """A branch of ratio g adds g E A strain at once, and exp(-t / tau) of it after t: after a
+    quick, small stretch held for tau, 1/e is left.  2 %: the stretch takes tau / 100."""
+    tau, g = 0.1, 0.5
+    panel = strip.build(taut(4, gravity_m_s2=0.0, branches=((g, tau),)))
+    unloaded = Load.zero(len(panel.initial().surface))
+    second = np.array([frame == "driven" for frame in panel.mount.frame])
+    resting_N = panel.initial().reaction.force_N[second].sum(axis=0)[0]
+    small_m = 3e-5
+
+    pulls = []
+    for index in range(1000):
+        share = min(1.0, (index + 1) / 100)
+        smooth = share * share * (3 - 2 * share)
+        rate = 6 * share * (1 - share) / 100e-4 * 1.0
+        still = held(panel)
+        moved_m = np.outer(second * small_m * smooth, [1.0, 0, 0])
+        speed_m_s = np.outer(second * small_m * rate, [1.0, 0, 0])
+        end = Motion(still.position_m + moved_m, speed_m_s)
+        state = panel.advance(Interval(index, 1e-4), end, unloaded)
+        pulls.append(state.reaction.force_N[second].sum(axis=0)[0])
+    viscous_N = g * 21e6 * 0.05 * 0.005 * small_m / 0.3
+    elastic_N = -(np.mean(pulls[-50:]) - resting_N) - viscous_N * np.exp(-0.094 / tau)
+    stiffness_Pa = chain.stiffness_Pa(PRINTED, np.array([1.025]))[0]
+    assert elastic_N == pytest.approx(stiffness_Pa * 0.05 * 0.005 * small_m / 0.3, rel=0.02)
+
+
+def test_too_large_a_step_is_refused_with_the_value_to_use() -> None:
+    limit_s = strip.largest_step_s(taut())
+    with pytest.raises(ValueError, match=rf"{limit_s:.3g} s; take {0.8 * limit_s:.3g} s"):
+        strip.build(taut(step_s=1.01 * limit_s))
+    with pytest.raises(ValueError, match="explicit only"):
+        strip.build(taut(integrator="implicit"))
+
+
+def test_limit_is_where_the_strip_goes_unstable() -> None:
+    """A straight strip, tapped: stable at 0.98 of the limit and gone at 1.1 of it (built below
+    the limit, then run with larger steps)."""
+
+    def run(panel: strip.Strip, tap: Load) -> PanelState:
+        for index in range(50):
+            state = panel.advance(Interval(index, 1e-2), held(panel), tap)
+        return state
+
+    given = replace(taut(12, span_m=0.3, gravity_m_s2=0.0), sync_interval_s=1e-2)
+    limit_s = strip.largest_step_s(given)
+    for factor, fails in ((0.98, False), (1.1, True)):
+        panel = strip.build(given)
+        points = len(panel.initial().surface)
+        panel._step_s = factor * limit_s
+        tap = Load(1e-6 * np.random.default_rng(11).normal(size=(points, 3)))
+        if fails:
+            with pytest.raises(SolverFailed, match=r"panel 1: strip unstable before 0\."):
+                run(panel, tap)
+        else:
+            assert np.abs(run(panel, tap).surface.velocity_m_s).max() < 1e-3
+
+
+def test_a_one_sided_load_reaches_the_clamps_with_its_moment() -> None:
+    """A vertical force on the edge y = width a quarter along: three quarters of its moment
+    about the middle line go to the first clamp."""
+    panel = strip.build(taut(8, gravity_m_s2=0.0, branches=((1.0, 2e-3), (1.0, 5e-4))))
+    points = len(panel.initial().surface)
+    force = np.zeros((points, 3))
+    force[2 * 3 + 1] = [0.0, 0.0, -1.0]  # row 3: after the clamp's two rows, a quarter along
+    state = panel.advance(Interval(0, 1e-4), held(panel), Load(force))
+    arm = panel.mount.position_m[:, 1] - (-0.2 + 0.025)
+    moment = arm * state.reaction.force_N[:, 2]
+    first = np.array([frame == "driving" for frame in panel.mount.frame])
+    assert moment[first].sum() == pytest.approx(-0.75 * 0.025)
+    assert moment[~first].sum() == pytest.approx(-0.25 * 0.025)
