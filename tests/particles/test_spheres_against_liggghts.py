@@ -1,0 +1,95 @@
+"""The same law in two codes: the spheres in NumPy against LIGGGHTS with our surface.
+
+They do the same sums in another order, so that they agree to rounding until chaos sets in.
+"""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from adapters.particles import spheres
+from orchestrator.geometry import TriangleSurface
+from orchestrator.plans import GrainMaterial, ParticlesPlan, SolverMissing
+from orchestrator.ports import Account, Array, ParticleSnapshot
+from tests.particles.contract import Run, particles, plan, plate
+
+pytestmark = pytest.mark.solver
+
+Result = tuple[Array, ParticleSnapshot, Account]
+
+
+def both(given: ParticlesPlan, intervals: int, surface_m_s: Array) -> tuple[Result, Result]:
+    """Loads, last snapshot and account of the spheres and of LIGGGHTS."""
+    try:
+        from adapters.particles import liggghts
+    except SolverMissing as missing:
+        pytest.skip(str(missing))
+    results = []
+    for module in (spheres, liggghts):
+        with closing(module.build(given)) as solver:
+            run = Run(solver, given, surface_m_s)
+            run.advance(intervals)
+            results.append((np.array(run.load_N), solver.snapshot(), solver.account()))
+    return results[0], results[1]
+
+
+def agree(one: Result, other: Result, relative: float) -> None:
+    scale_N = np.abs(other[0]).max()
+    assert scale_N > 0.0
+    np.testing.assert_allclose(one[0], other[0], rtol=0.0, atol=relative * scale_N)
+    for name in ("position_m", "velocity_m_s", "spin_rad_s"):
+        mine, theirs = getattr(one[1], name), getattr(other[1], name)
+        np.testing.assert_allclose(mine, theirs, rtol=0.0, atol=relative * np.abs(theirs).max())
+    mine_J, theirs_J = one[2].received_J["surface"], other[2].received_J["surface"]
+    assert mine_J == pytest.approx(theirs_J, rel=relative, abs=1e-15)
+
+
+def test_eighteen_bouncing_spheres() -> None:
+    """Of three sizes and two materials, on a third that moves; 25 ms, before chaos sets in."""
+    place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
+    place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
+    generator = np.random.default_rng(1)
+    given = particles(
+        place_m,
+        generator.normal(0.0, 0.3, (18, 3)),
+        generator.normal(0.0, 20.0, (18, 3)),
+        diameter_m=np.tile([0.008, 0.009, 0.01], 6),
+    )
+    given.material[:] = np.tile([0, 1], 9)
+    surface = plate(0.05, 7)
+    surface.material[:] = 2
+    e = np.array([[0.5, 0.6, 0.3], [0.6, 0.8, 0.4], [0.3, 0.4, 0.9]])
+    materials = (
+        GrainMaterial("a", 1e7, 0.3),
+        GrainMaterial("b", 3e7, 0.2),
+        GrainMaterial("c", 6e6, 0.45),
+    )
+    case = plan(
+        surface,
+        given,
+        materials=materials,
+        restitution=e,
+        sliding_friction=0.7 * e,
+        rolling_friction=np.zeros((3, 3)),
+    )
+    agree(*both(case, 25, np.array([0.3, 0.0, 0.2])), relative=1e-9)
+
+
+@pytest.mark.parametrize("angle_deg", [10.0, 40.0, 90.0, -10.0, -60.0])
+def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
+    """Valleys (> 0) and ridges of two triangles each side."""
+    tilt = np.radians(angle_deg) / 2.0
+    x, z = 0.03 * np.cos(tilt), 0.03 * np.sin(tilt)
+    corner_m = np.array([[s * x, y, abs(s) * z] for s in (-1.0, 0.0, 1.0) for y in (-0.02, 0.02)])
+    triangles = np.array([[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]])
+    surface = TriangleSurface(corner_m, triangles, np.zeros(4, dtype=np.int64))
+    along, up = (
+        np.array([np.cos(tilt), 0.0, -np.sin(tilt)]),
+        np.array([np.sin(tilt), 0, np.cos(tilt)]),
+    )
+    start_m = -0.008 * along + 0.00495 * up + np.array([0.0, 0.001, 0.0])
+    case = plan(surface, particles(start_m, 0.4 * along, [0.0, 5.0, 1.0]))
+    agree(*both(case, 40, np.zeros(3)), relative=1e-9)
