@@ -2,29 +2,90 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from orchestrator.case import Case
+from orchestrator.deck import to_world
+from orchestrator.feed import Feeds, Inlet, joined
+from orchestrator.packing import block
 from orchestrator.plans import Feed, ParticleList
 
 
+class NoRoom(Exception):
+    """A block's box is too small for its particles; ``block`` is its name."""
+
+    def __init__(self, block: str, why: str) -> None:
+        super().__init__(why)
+        self.block = block
+
+
 def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
-    """Single particles, then blocks; ``numbers`` are the materials'."""
+    """Single particles, then blocks; ``numbers`` are the materials'.  Raises NoRoom."""
+    blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
+    return joined([_single_particles(case, numbers), *blocks])
+
+
+def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
     rows = tuple(case.bed.particles.values())
     materials = [case.materials[row.material] for row in rows]
     return ParticleList(
-        position_m=np.array([row.position_m for row in rows]).reshape(-1, 3),
-        velocity_m_s=np.array([row.velocity_m_s for row in rows]).reshape(-1, 3),
-        spin_rad_s=np.array([row.spin_rad_s for row in rows]).reshape(-1, 3),
-        diameter_m=np.array([row.diameter_m for row in rows]),
+        position_m=np.array([row.position_m for row in rows], dtype=float).reshape(-1, 3),
+        velocity_m_s=np.array([row.velocity_m_s for row in rows], dtype=float).reshape(-1, 3),
+        spin_rad_s=np.array([row.spin_rad_s for row in rows], dtype=float).reshape(-1, 3),
+        diameter_m=np.array([row.diameter_m for row in rows], dtype=float),
         density_kg_m3=np.array([material.density_kg_m3 for material in materials]),
         material=np.array([numbers[row.material] for row in rows], dtype=np.int64),
     )
 
 
+def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
+    """The particles of one block.  Raises NoRoom."""
+    row = case.bed.blocks[name]
+    try:
+        particles = block(
+            row.sizes,
+            row.count,
+            np.array(row.box_m),
+            case.materials[row.material].density_kg_m3,
+            numbers[row.material],
+            np.array(row.velocity_m_s),
+            row.seed,
+        )
+    except ValueError as error:
+        raise NoRoom(name, str(error)) from None
+    if row.axes == "world":
+        return particles
+    return replace(
+        particles,
+        position_m=to_world(case, particles.position_m),
+        velocity_m_s=to_world(case, particles.velocity_m_s),
+    )
+
+
+def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
+    """The feeds by name."""
+    return {
+        name: Inlet(
+            sizes=feed.sizes,
+            rate_kg_s=feed.rate_kg_s,
+            box_m=np.array(feed.box_m),
+            velocity_m_s=np.array(feed.velocity_m_s),
+            density_kg_m3=case.materials[feed.material].density_kg_m3,
+            material=numbers[feed.material],
+            start_s=feed.start_s,
+            stop_s=math.inf if feed.stop_s is None else feed.stop_s,
+            seed=feed.seed,
+        )
+        for name, feed in case.bed.feeds.items()
+    }
+
+
 def combined_feed(case: Case, numbers: dict[str, int]) -> Feed | None:
     """All feeds as one; None without any."""
-    return None
+    return Feeds(list(inlets(case, numbers).values())) if case.bed.feeds else None
 
 
 def largest_diameter_m(case: Case) -> float:

@@ -7,7 +7,7 @@ together, then files, then what is computed from both.
 from __future__ import annotations
 
 from orchestrator.case_errors import Mistake
-from orchestrator.checks import machine, materials, names, plausible, start, steps, surfaces
+from orchestrator.checks import feeds, machine, materials, names, plausible, start, steps, surfaces
 from orchestrator.levels import LoadedCase
 
 OF_TABLES = (
@@ -31,6 +31,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
     found = [mistake for rule in OF_TABLES for mistake in rule(case)]
     if not found:
         found = [*surfaces.stl_files(case, folder), *surfaces.panels_inside(case)]
+        found += [*feeds.feeds(case), *materials.crowded_blocks(case)]
     if not found:
         found = [*steps.particle_step(case), *steps.panel_step(case)]
         found += start.particles_at_start(case, folder)

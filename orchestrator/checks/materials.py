@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import combinations_with_replacement
 
@@ -67,3 +68,19 @@ def boxes_and_sizes(case: Case) -> Iterator[Mistake]:
         if not all(a < b for a, b in zip(low, high, strict=True)):
             hint = "give the lowest corner, then the highest"
             yield Mistake(key, f"{list(low)} is not below {list(high)} in every direction", hint)
+
+
+FULLEST = 0.38  # share of a box that spheres at random places can fill (orchestrator/packing.py)
+
+
+def crowded_blocks(case: Case) -> Iterator[Mistake]:
+    """Boxes that could not hold their particles even if all had the smallest size: found here
+    before anybody tries to place them."""
+    for name, block in case.bed.blocks.items():
+        smallest_m = min(size.smallest_m for size in block.sizes)
+        least_m3 = block.count * math.pi / 6 * smallest_m**3
+        box_m3 = math.prod(b - a for a, b in zip(*block.box_m, strict=True))
+        if least_m3 > FULLEST * box_m3:
+            what = f"{block.count} particles fill {least_m3 / box_m3:.3g} times the box or more"
+            hint = f"random places end at {FULLEST:g}; enlarge the box"
+            yield Mistake(("bed", "blocks", name, "count"), what, hint)

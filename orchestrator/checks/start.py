@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import cKDTree
 
-from orchestrator.bed_sources import initial_particles
+from orchestrator.bed_sources import NoRoom, initial_particles
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
 from orchestrator.deck import single_panels, walls
@@ -22,7 +22,11 @@ ALLOWED = 1e-6  # overlap over diameter that counts as touching
 
 def particles_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
     """Panels count as flat between their clamps, where they are not yet bent by their weight."""
-    particles = initial_particles(case, material_numbers(case))
+    try:
+        particles = initial_particles(case, material_numbers(case))
+    except NoRoom as full:
+        yield Mistake(("bed", "blocks", full.block, "count"), str(full))
+        return
     if len(particles) == 0:
         return
     yield from _outside(case, particles)
@@ -86,8 +90,13 @@ def _more(found: Indices) -> str:
 
 
 def _named(case: Case, number: int) -> tuple[Key, str]:
-    """The table that particle ``number`` (from 0) comes from, and what to call it."""
+    """The key that puts particle ``number`` (from 0) where it is, and what to call it."""
     singles = list(case.bed.particles)
     if number < len(singles):
         return ("bed", "particles", singles[number], "position_m"), f'"{singles[number]}"'
-    return ("bed", "blocks"), f"particle {number + 1}"
+    first = len(singles)
+    for name, block in case.bed.blocks.items():
+        first += block.count
+        if number < first:
+            return ("bed", "blocks", name, "box_m"), f"particle {number + 1}"
+    raise AssertionError(f"there is no particle {number + 1}")

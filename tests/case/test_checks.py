@@ -14,6 +14,10 @@ BLOCK = (
     'bed.blocks.coal={material="coal", box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], count=1, '
     "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
 )
+FEED = (
+    'bed.feeds.chute={material="coal", rate_kg_s=1, box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], '
+    "velocity_m_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+)
 FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
 
 
@@ -64,6 +68,18 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (BLOCK.replace("smallest_m=0.01", "smallest_m=0.03"), "is larger than largest_m"),
         (BLOCK.replace("fraction=1", "fraction=0.5"), "add up to 0.5, not to 1"),
         (BLOCK.replace("[0.1, 0.1, 0.2]", "[0.1, 0.1, 0]"), "is not below"),
+        (BLOCK.replace("count=1", "count=1000000000"), "count: 1000000000 particles fill"),
+        (BLOCK.replace("count=1", "count=300"), "count: the box has room for"),
+        (BLOCK.replace("0.1], [0.1, 0.1, 0.2", "-0.005], [0.1, 0.1, 0.005"), "inside panel deck"),
+        (
+            BLOCK.replace("0.1], [0.1, 0.1, 0.2", "1.2], [0.1, 0.1, 1.3"),
+            "coal.box_m: particle 2 at",
+        ),
+        # feeds
+        (FEED.replace("rate_kg_s=1", "rate_kg_s=10"), "the largest rate is 1.43 kg/s; a larger"),
+        (FEED.replace("0, -1]", "0, 0]"), "the largest rate is 0 kg/s"),
+        (FEED.replace("sizes", "start_s=1, stop_s=0.5, sizes"), "0.5 s is not after start_s = 1"),
+        (FEED.replace("0.1, 0.2]]", "0.1, 1.2]]"), "is not inside domain_m"),
         # sizes of values
         ("screen.panels.deck.thickness_m=4", "looks like mm: that is 0.004 in thickness_m"),
         ("materials.coal.density_kg_m3=1.43", "looks like g/cm3: that is 1430"),
@@ -109,6 +125,12 @@ def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
     assert not complaints(
         tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2"
     )
+
+
+def test_feeds_may_not_share_a_box(tmp_path: Path) -> None:
+    other = FEED.replace("chute", "second")
+    assert 'second.box_m: overlaps the box of feed "chute"' in only_complaint(tmp_path, FEED, other)
+    assert not complaints(tmp_path, FEED)
 
 
 def test_tension_or_span_must_be_given(tmp_path: Path) -> None:

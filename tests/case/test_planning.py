@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.clock import Interval
 from orchestrator.deck import axes, single_panels, to_world
 from orchestrator.geometry import TriangleSurface
 from orchestrator.planning import frames_plan, material_numbers, panel_plans, particles_plan
@@ -107,3 +108,38 @@ def test_pairs_of_materials_are_symmetric_and_spheres_do_not_resist_rolling(
 def test_materials_that_touch_nothing_get_no_number(tmp_path: Path) -> None:
     steel = "materials.aa={density_kg_m3=7850, youngs_modulus_Pa=2e11, poisson_ratio=0.3}"
     assert material_numbers(loaded(tmp_path, [steel]).case) == {"PU": 0, "coal": 1}
+
+
+BLOCK = (
+    'bed.blocks.coal={material="coal", axes="AXES", box_m=[[0, 0, 0.2], [0.2, 0.2, 0.3]], '
+    "count=20, velocity_m_s=[1, 0, 0], "
+    "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+)
+
+
+def test_a_block_lies_in_its_box_in_the_axes_it_names(tmp_path: Path) -> None:
+    for name in ("deck", "world"):
+        given = [BLOCK.replace("AXES", name), TURNED]
+        placed, case = particles(tmp_path, *given).particles, loaded(tmp_path, given).case
+        turn = axes(case) if name == "deck" else np.eye(3)
+        inside = placed.position_m[1:] @ turn
+        assert len(placed) == 21
+        assert (inside > [0.0, 0.0, 0.2]).all()
+        assert (inside < [0.2, 0.2, 0.3]).all()
+        assert placed.velocity_m_s[1:] @ turn == pytest.approx(np.tile([1.0, 0.0, 0.0], (20, 1)))
+        assert placed.velocity_m_s[0].tolist() == [0.0, 0.0, 0.0]
+
+
+def test_feeds_are_handed_over_as_one(tmp_path: Path) -> None:
+    feed = (
+        'bed.feeds.NAME={material="coal", rate_kg_s=1, box_m=[[X, 0, 0.2], [Y, 0.2, 0.3]], '
+        "velocity_m_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+    )
+    one = feed.replace("NAME", "one").replace("X", "0").replace("Y", "0.1")
+    two = feed.replace("NAME", "two").replace("X", "0.2").replace("Y", "0.3")
+    plan = particles(tmp_path, one, two)
+    assert plan.feed is not None
+    assert plan.largest_diameter_m == 0.02
+    offered = plan.feed.due(Interval(1000, 1e-4))  # 0.1 s: 0.2 kg
+    assert np.pi / 6 * 1430 * np.sum(offered.diameter_m**3) == pytest.approx(0.2, abs=0.006)
+    assert set(offered.material.tolist()) == {1}

@@ -1,0 +1,37 @@
+"""Feeds: boxes apart and in the domain, times in order, and rates that find room."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from orchestrator.bed_sources import inlets
+from orchestrator.case import Case
+from orchestrator.case_errors import Key, Mistake
+from orchestrator.planning import material_numbers
+
+
+def feeds(case: Case) -> Iterator[Mistake]:
+    """All that is wrong with ``[bed.feeds]``."""
+    low, high = np.array(case.domain_m)
+    found = inlets(case, material_numbers(case))
+    for name, inlet in found.items():
+        key: Key = ("bed", "feeds", name)
+        if inlet.stop_s <= inlet.start_s:
+            what = f"{inlet.stop_s:g} s is not after start_s = {inlet.start_s:g} s"
+            yield Mistake((*key, "stop_s"), what)
+        if (inlet.box_m[0] < low).any() or (inlet.box_m[1] > high).any():
+            yield Mistake((*key, "box_m"), "is not inside domain_m")
+        if inlet.rate_kg_s > inlet.largest_rate_kg_s:
+            what = f"{inlet.rate_kg_s:g} kg/s find no room in the box"
+            hint = (
+                f"the largest rate is {inlet.largest_rate_kg_s:.3g} kg/s; a larger box or "
+                "velocity_m_s takes more"
+            )
+            yield Mistake((*key, "rate_kg_s"), what, hint)
+    for (one, first), (two, second) in combinations(found.items(), 2):
+        apart = (first.box_m[1] <= second.box_m[0]) | (second.box_m[1] <= first.box_m[0])
+        if not apart.any():
+            yield Mistake(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
