@@ -22,6 +22,7 @@ from orchestrator.ports import Array, Indices
 TOLERANCE = 1e-7  # rounding in a solid leaves 1e-9 of the clamps' force
 NEGLIGIBLE_MOVE = 1e-10  # of the panel's size
 FIRST_STEP_S = 1e-3
+GROWTH = 4.0
 LARGEST_STEP_S = 1e3
 ITERATIONS = 400
 STEEPEST_RAD = 2.0
@@ -92,7 +93,7 @@ def settle(
         if gained_J > 0.0 or _norm(weight_N - trial, free) < imbalance:
             position, force = position + move, trial
             moved_m = float(np.abs(move).max()) if step_s == LARGEST_STEP_S else np.inf
-            step_s = min(2.0 * step_s, LARGEST_STEP_S)
+            step_s = min(GROWTH * step_s, LARGEST_STEP_S)
         else:
             step_s *= 0.25
     raise SolverFailed(
