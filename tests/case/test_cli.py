@@ -1,0 +1,118 @@
+"""The command line: exit codes, messages without traceback, help that teaches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator import launch
+from orchestrator.checks import mistakes, warnings
+from orchestrator.cli import app
+from orchestrator.levels import load
+from tests.case.cases import CASE, LEVEL, written
+
+CASES = Path(__file__).parents[2] / "cases"
+CALL = CliRunner()
+
+
+def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
+    given = ["frames.solver=two-mass", "panel.solver=strip", "particles.solver=spheres"]
+    done = CALL.invoke(
+        app, ["check", str(written(tmp_path)), *[w for g in given for w in ("--set", g)]]
+    )
+    assert done.exit_code == 0, done.output
+    for said in (
+        "frames     1 (two-mass), 2 bushings, 1 exciters",
+        "particles  1 at the start (spheres)",
+        "2000 sync intervals of 5e-05 s",
+        "5e-05 s = 0.076 of the smallest particle's Rayleigh time",
+        "left out: variation-across",
+        "the case can be run",
+    ):
+        assert said in done.output
+
+
+def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
+    done = CALL.invoke(app, ["check", str(written(tmp_path)), "--set", "panel.solver=rigd"])
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert done.stderr == (
+        "1 mistake in the case:\n  --set panel.solver: 'rigd' is not one of 'rigid', 'strip', "
+        "'sheet' or 'solid'; did you mean \"rigid\"?\n"
+    )
+
+
+def test_mistakes_may_hold_brackets_that_are_no_markup(tmp_path: Path) -> None:
+    done = CALL.invoke(app, ["check", str(written(tmp_path)), "--set", "title=['[/bold]']"])
+    assert done.exit_code == 2
+    assert "title: ['[/bold]'] is wrong, a valid string is wanted" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["check", "absent"], ["check"], ["check", "a", "--bad"], ["nonsense"], ["list", "absent"]],
+)
+def test_a_wrong_command_exits_with_2_and_says_why(words: list[str]) -> None:
+    done = CALL.invoke(app, words)
+    assert done.exit_code == 2
+    assert done.stderr
+    assert "Traceback" not in done.output
+
+
+def test_run_hands_everything_over_and_exits_with_its_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+
+    def fake_run(*given: object) -> int:
+        calls.append(given)
+        return 4
+
+    monkeypatch.setattr(launch, "run", fake_run)
+    words = [
+        "run",
+        "cases/x",
+        "--level",
+        "draft",
+        "--out",
+        "runs/y",
+        "--set",
+        "a=1",
+        "--set",
+        "b=2",
+    ]
+    assert CALL.invoke(app, words).exit_code == 4
+    assert calls == [(Path("cases/x"), "draft", Path("runs/y"), ["a=1", "b=2"])]
+
+
+def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None:
+    written(tmp_path / "good", CASE, draft=LEVEL)
+    written(tmp_path / "bad", "title = 3")
+    done = CALL.invoke(app, ["list", str(tmp_path)])
+    assert done.exit_code == 0
+    assert "good  a test\n    levels: draft (default)" in done.output
+    assert "(has mistakes: flipflow check" in done.output
+
+
+def test_help_teaches_examples_and_exit_codes() -> None:
+    done = CALL.invoke(app, ["--help"])
+    assert done.exit_code == 0
+    for said in ("flipflow run cases/quickstart", "Exit codes: 0 done", "docs/case-format.md"):
+        assert said in done.output
+
+
+LEVELS = [
+    (case.parent.name, level.stem)
+    for case in sorted(CASES.glob("*/case.toml"))
+    for level in sorted((case.parent / "levels").glob("*.toml"))
+]
+
+
+@pytest.mark.parametrize(("case", "level"), LEVELS)
+def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) -> None:
+    found = load(CASES / case, level)
+    assert mistakes(found) == []
+    assert warnings(found) == []
+    assert (CASES / case / "README.md").is_file()
