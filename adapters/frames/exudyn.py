@@ -61,34 +61,36 @@ class ExudynFrames:
         self._carried = Attached.at(
             plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m
         )
+        self._onto_bodies = linear.onto_bodies(plan, self._carried.body)
         self._forces = trapezoidal.Forces(plan, self._drawn_m, sag_m)
         self._bodies = multibody.assembled(plan, sag_m)
         self._wrench = np.zeros((len(plan.bodies), 6))
         self._solver: Any = None
         self._open()
         self._poses = self._read()
+        self._points = Motion(*self._carried.motion(self._poses))
         self._instant = self._forces.at(self._poses, self._forces.exciter_N(0.0))
         self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
         self._outside_N_s = np.zeros(3)
         self._lost_J = self._supplied_J = self._received_J = 0.0
 
     def initial(self) -> Motion:
-        return Motion(*self._carried.motion(self._poses))
+        return self._points
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         counted("frames' reaction", reaction, len(self._plan.points_m))
-        before_m, _ = self._carried.motion(self._poses)
         self._apply(self._wrench_of(reaction, interval.length_s))
         steps = interval.steps(self._largest_step_s)
         step_s = interval.length_s / steps
         self._solver.it.currentStepSize = step_s
         for step in range(1, steps + 1):
             self._step(interval.start_s + step * step_s, step_s)
-        motion = Motion(*self._carried.motion(self._poses))
-        self._received_J += float(np.sum(reaction.force_N * (motion.position_m - before_m)))
+        before, self._points = self._points, Motion(*self._carried.motion(self._poses))
+        moved_m = self._points.position_m - before.position_m
+        self._received_J += float(np.sum(reaction.force_N * moved_m))
         grounded_N = reaction.force_N[self._carried.body < 0].sum(axis=0)
         self._outside_N_s -= interval.length_s * grounded_N
-        return motion
+        return self._points
 
     def account(self) -> Account:
         poses, g = self._poses, self._plan.gravity_m_s2
@@ -135,14 +137,11 @@ class ExudynFrames:
     def _wrench_of(self, reaction: Load, length_s: float) -> Array:
         """Force and moment about the centre of mass, (bodies, 6), with the lever arms expected
         in the middle of the interval."""
-        held = self._carried.body >= 0
-        body, force_N = self._carried.body[held], reaction.force_N[held]
-        position_m, velocity_m_s = self._carried.motion(self._poses)
-        arm_m = position_m[held] - self._poses.center_m[body]
-        arm_m += length_s / 2 * (velocity_m_s[held] - self._poses.velocity_m_s[body])
-        wrench = np.zeros_like(self._wrench)
-        np.add.at(wrench, body, np.hstack([force_N, cross(arm_m, force_N)]))
-        return wrench
+        body, poses, now = self._carried.body, self._poses, self._points
+        arm_m = now.position_m - poses.center_m[body]
+        arm_m += length_s / 2 * (now.velocity_m_s - poses.velocity_m_s[body])
+        moment_N_m = cross(arm_m, reaction.force_N)
+        return np.asarray(self._onto_bodies @ np.hstack([reaction.force_N, moment_N_m]))
 
     def _apply(self, wrench: Array) -> None:
         """Set the loads, and let the accelerations jump by mass^-1 times their change."""

@@ -96,6 +96,12 @@ def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
     return np.array([known[name] for name in names], dtype=np.int64)
 
 
+def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:
+    """(bodies, points): sums what acts on points over the bodies that carry them."""
+    carried = np.arange(len(plan.bodies))[:, None] == carrier
+    return np.asarray(carried, dtype=np.float64)
+
+
 def refuse_drives(plan: FramesPlan, solver: str) -> None:
     if plan.drives:
         raise ValueError(

@@ -8,7 +8,8 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from adapters.frames import linear, unbalance
+from adapters.frames import linear
+from adapters.frames.unbalance import Unbalance
 from orchestrator.plans import Body, Bushing, FramesPlan
 from orchestrator.ports import Array
 
@@ -55,7 +56,7 @@ def assembled(plan: FramesPlan, sag_m: Array) -> Multibody:
         container,
         system,
         [
-            _force(system, marker(n, e.position_m, np.eye(3)), unbalance.force_N(e, np.zeros(1))[0])
+            _force(system, marker(n, e.position_m, np.eye(3)), Unbalance(e).force_N(np.zeros(1))[0])
             for n, e in zip(excited, plan.exciters, strict=True)
         ],
         [_force(system, center, np.zeros(3)) for center in centers],

@@ -46,7 +46,7 @@ def _turning(angles_rad: Array) -> tuple[Array, Array]:
         [sx * sz - cx * sy * cz, sx * cz + cx * sy * sz, cx * cy],
     ]
     axes = [[one, zero, sy], [zero, cx, -sx * cy], [zero, sx, cx * cy]]
-    return np.moveaxis(np.array(rotation), 2, 0), np.moveaxis(np.array(axes), 2, 0)
+    return np.array(rotation).transpose(2, 0, 1), np.array(axes).transpose(2, 0, 1)
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames import linear, unbalance
+from adapters.frames import linear
 from adapters.frames.poses import Attached, Poses, cross, turned
+from adapters.frames.unbalance import Unbalance
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array
 
@@ -44,8 +45,9 @@ class Forces:
         self._sag_m = sag_m
         self.stiffness_N_m = np.array([b.stiffness_N_m for b in plan.bushings]).reshape(-1, 3)
         self.damping_N_s_m = np.array([b.damping_N_s_m for b in plan.bushings]).reshape(-1, 3)
+        self._onto_first = linear.onto_bodies(plan, first)
         self._on_bodies = (second >= 0) * 1.0 - (first >= 0)  # force on the second end
-        self._exciters = plan.exciters
+        self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
         excited = linear.numbers(plan, tuple(e.body for e in plan.exciters))
         exciter_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
         self._unbalance = Attached.at(exciter_m, excited, drawn_m)
@@ -53,7 +55,7 @@ class Forces:
     def exciter_N(self, time_s: float) -> Array:
         """(exciters, 3)"""
         when = np.array([time_s])
-        return np.array([unbalance.force_N(e, when)[0] for e in self._exciters]).reshape(-1, 3)
+        return np.array([exciter.force_N(when)[0] for exciter in self._exciters]).reshape(-1, 3)
 
     def at(self, poses: Poses, exciter_N: Array) -> Instant:
         (from_m, from_m_s), (to_m, to_m_s) = (end.motion(poses) for end in self._ends)
@@ -62,13 +64,12 @@ class Forces:
         stretch_m_s = turned(axes, to_m_s - from_m_s)
         pull_N = self.stiffness_N_m * stretch_m + self.damping_N_s_m * stretch_m_s
         pull_N = turned(axes.transpose(0, 2, 1), pull_N)
-        couple_N_m = np.zeros_like(poses.center_m)
-        np.add.at(couple_N_m, self._ends[0].body, cross(to_m - from_m, pull_N))
+        couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
             stretch_m,
             stretch_m_s,
             -self._on_bodies @ pull_N,
-            couple_N_m[:-1],
+            couple_N_m,
             exciter_N,
             self._unbalance.motion(poses)[0],
         )

@@ -18,8 +18,9 @@ import math
 
 import numpy as np
 
-from adapters.frames import linear, unbalance
+from adapters.frames import linear
 from adapters.frames.collocation import Gauss, gauss
+from adapters.frames.unbalance import Unbalance
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Array, Load, Motion, counted
@@ -37,7 +38,10 @@ class TwoMassFrames:
     def __init__(self, plan: FramesPlan) -> None:
         self._plan = plan
         self._carrier = linear.numbers(plan, plan.carrier)
-        self._excited = linear.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
+        excited = linear.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
+        unbalances = [Unbalance(exciter) for exciter in plan.exciters]
+        self._exciters = list(zip(excited, unbalances, strict=True))
+        self._onto_bodies = linear.onto_bodies(plan, self._carrier)
         self._machine = machine = linear.linearised(plan, 3)
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._weight_N = np.outer(self._mass_kg, plan.gravity_m_s2)
@@ -60,14 +64,12 @@ class TwoMassFrames:
         counted("frames' reaction", reaction, len(self._carrier))
         steps = interval.steps(self._largest_step_s)
         self._prepare(interval.length_s / steps)
-        reaction_N = np.zeros_like(self._weight_N)
-        held = self._carrier >= 0
-        np.add.at(reaction_N, self._carrier[held], reaction.force_N[held])
+        reaction_N = self._onto_bodies @ reaction.force_N
         before_m = self._displacement_m
         for step in range(steps):
             self._step(interval.start_s + step * self._step_s, reaction_N)
         self._received_J += float(reaction_N.ravel() @ (self._displacement_m - before_m))
-        self._outside_N_s -= interval.length_s * reaction.force_N[~held].sum(axis=0)
+        self._outside_N_s -= interval.length_s * reaction.force_N[self._carrier < 0].sum(axis=0)
         return self._carried()
 
     def account(self) -> Account:
@@ -101,8 +103,8 @@ class TwoMassFrames:
     def _step(self, start_s: float, reaction_N: Array) -> None:
         gauss = self._gauss
         exciter_N = np.zeros((len(gauss.weight_s), *reaction_N.shape))
-        for number, exciter in zip(self._excited, self._plan.exciters, strict=True):
-            exciter_N[:, number] += unbalance.force_N(exciter, start_s + gauss.node_s)
+        for number, exciter in self._exciters:
+            exciter_N[:, number] += exciter.force_N(start_s + gauss.node_s)
         load_N = exciter_N + (reaction_N + self._weight_N)
         x_m, v_m_s = gauss.stages(self._displacement_m, self._velocity_m_s, load_N)
         self._displacement_m, self._velocity_m_s = gauss.end(

@@ -13,7 +13,7 @@ from adapters.frames.two_mass import build, steady_amplitudes_m
 from orchestrator.clock import Interval, intervals
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array, Load
-from tests.frames.machines import ACROSS, ALONG, GRAVITY, POINTS_M, UP, body, exciter, two_bodies
+from tests.frames.machines import ALONG, GRAVITY, POINTS_M, body, exciter, two_bodies
 
 
 def closed_form(speed: float, loss: float, ks: float) -> tuple[complex, complex]:
@@ -55,9 +55,10 @@ def test_driving_frame_stands_still_at_its_antiresonance() -> None:
 
 def test_screen_amplitudes_are_those_of_table_4() -> None:
     """Xu et al. 2024, Table 4 (simulation): driving frame 2.0 mm, driven 7.9 mm along the deck;
-    within their 0.1 mm resolution plus 2 % for M1, M2, ks rounded to the plan's values."""
+    within 0.1 mm, their resolution, plus 2 % for M1, M2, ks rounded to the plan's values."""
     found = 1e3 * abs(steady_amplitudes_m(two_bodies((exciter(),), loss_factor=0.05), 78.5)[:, 0])
-    assert found == pytest.approx([2.0, 7.9], abs=0.1 + 0.02 * 7.9)
+    assert found[0] == pytest.approx(2.0, abs=0.14)
+    assert found[1] == pytest.approx(7.9, abs=0.26)
 
 
 def reference(plan: FramesPlan, reaction_N: Array, time_s: float) -> tuple[Array, Array]:
@@ -107,7 +108,7 @@ def test_run_up_does_not_depend_on_the_step() -> None:
 
 
 def test_a_bushing_loses_pi_c_w_X2_per_cycle() -> None:
-    plan = replace(two_bodies((exciter(start=UP, axis=ACROSS),), loss_factor=2.0))
+    plan = two_bodies((exciter(),), loss_factor=2.0)
     frames = build(plan)
     period_s = 2 * np.pi / 78.5
     for index in range(50):

@@ -192,10 +192,11 @@ def moved(step_s: float, interval_s: float) -> Array:
 
 
 def test_second_order_in_the_step() -> None:
-    exact = moved(3.125e-6, 1e-4)
-    coarse, fine = (np.abs(moved(step_s, 1e-4) - exact).max() for step_s in (5e-5, 2.5e-5))
-    # (1 - 1/16^2) / (1/4 - 1/16^2) = 4.05 with the reference's own error
-    assert coarse / fine == pytest.approx(4.05, rel=0.1)
+    """Steps of 50 and 12.5 us (the limit is 185) against one of 1.5625 us: the ratio of the
+    errors is (1 - 4^-5) / (4^-2 - 4^-5) = 16.24 for second order."""
+    exact = moved(1.5625e-6, 1e-4)
+    coarse, fine = (np.linalg.norm(moved(step_s, 1e-4) - exact) for step_s in (5e-5, 1.25e-5))
+    assert coarse / fine == pytest.approx(16.24, rel=0.1)
 
 
 def test_clamps_follow_the_smooth_path_whatever_the_interval() -> None:
