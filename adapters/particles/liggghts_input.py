@@ -11,7 +11,7 @@ from orchestrator.ports import Array
 # LIGGGHTS wants a word of confirmation outside of these moduli
 SOFTEST_PA, HARDEST_PA = 5e6, 1e9
 # neighbour-list margin, as a share of the largest diameter
-SKIN = 0.15
+SKIN = 0.1
 
 INPUT = """\
 # Particles on a moving, deforming surface: input for LIGGGHTS-PUBLIC 3.8.0, written by flipflow.

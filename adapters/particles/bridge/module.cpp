@@ -105,9 +105,9 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("begin_path", &begin_path)
       .def("run", &run)
       .def("particles", &particles)
-      .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().impulse_N_s()); })
-      .def("force_N", [](Engine &e) { return by_point(e.surface().force_N()); })
-      .def("surface_work_J", [](Engine &e) { return e.surface().work_J(); })
+      .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().load().impulse_N_s()); })
+      .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })
+      .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
       .def("surface_elastic_J", [](Engine &e) { return e.surface().elastic_energy_J(); })
       .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
       .def("pair_elastic_J",

@@ -11,8 +11,8 @@ SurfacePath::SurfacePath(std::vector<double> position_m)
       end_x_(position_),
       end_v_(position_.size(), 0.0) {}
 
-void SurfacePath::begin(const double *start_m, const double *start_m_s, const double *end_m,
-                        const double *end_m_s, double length_s) {
+double SurfacePath::begin(const double *start_m, const double *start_m_s, const double *end_m,
+                          const double *end_m_s, double length_s) {
   const size_t n = position_.size();
   start_x_.assign(start_m, start_m + n);
   start_v_.assign(start_m_s, start_m_s + n);
@@ -21,17 +21,23 @@ void SurfacePath::begin(const double *start_m, const double *start_m_s, const do
   length_ = length_s;
   // The velocity is a quadratic Bezier curve; it stays in the hull of its three control values:
   // both end velocities and (3 (x1 - x0) / h - v0 - v1) in the middle.
-  double fastest2 = 0.0;
+  double fastest2 = 0.0, jump2 = 0.0;
   for (size_t i = 0; i < n; i += 3) {
     const Vec3 v0 = from(&start_v_[i]), v1 = from(&end_v_[i]);
     const Vec3 middle = (3.0 / length_) * (from(&end_x_[i]) - from(&start_x_[i])) - v0 - v1;
     fastest2 = std::max({fastest2, dot(v0, v0), dot(v1, v1), dot(middle, middle)});
+    const Vec3 jump = from(&start_x_[i]) - from(&position_[i]);
+    jump2 = std::max(jump2, dot(jump, jump));
   }
   fastest_ = std::sqrt(fastest2);
+  fraction_ = 0.0;
+  position_ = start_x_;
+  return std::sqrt(jump2);
 }
 
 void SurfacePath::move(double fraction) {
   fraction_ = fraction;
+  if (fastest_ == 0.0) return;
   const double t = fraction, h = length_, r = 1 - t;
   const double x0 = (1 + 2 * t) * r * r, v0 = t * r * r * h;
   const double x1 = t * t * (3 - 2 * t), v1 = -t * t * r * h;

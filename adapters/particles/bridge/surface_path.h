@@ -14,8 +14,8 @@ class SurfacePath {
 
   int points() const { return static_cast<int>(position_.size()) / 3; }
 
-  // Arrays of 3 * points values.
-  void begin(const double *start_m, const double *start_m_s, const double *end_m,
+  // Arrays of 3 * points values.  The points go to the start; returns the longest such jump, m.
+  double begin(const double *start_m, const double *start_m_s, const double *end_m,
              const double *end_m_s, double length_s);
 
   // All points to `fraction` (0 ... 1) of the interval.

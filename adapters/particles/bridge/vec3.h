@@ -17,6 +17,11 @@ inline Vec3 cross(Vec3 a, Vec3 b) {
 }
 inline double norm(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 from(const double *p) { return {p[0], p[1], p[2]}; }
+inline void put(double *p, Vec3 a) {
+  p[0] = a.x;
+  p[1] = a.y;
+  p[2] = a.z;
+}
 inline void add_to(double *p, Vec3 a) {
   p[0] += a.x;
   p[1] += a.y;

@@ -1,0 +1,70 @@
+#include "contact_search.h"
+
+#include <algorithm>
+
+namespace flipflow {
+
+void ContactSearch::set(std::vector<Triangle> triangles, double largest_reach_m) {
+  triangles_ = std::move(triangles);
+  largest_reach_ = largest_reach_m;
+  no_grid_ = true;
+}
+
+void ContactSearch::surface_moved(double distance_m) {
+  since_grid_ += distance_m;
+  since_search_ += distance_m;
+}
+
+void ContactSearch::search(const SurfacePath &surface, const Spheres &spheres, double factor,
+                           double skin_m, bool neighbours_listed_now) {
+  if (no_grid_ || since_grid_ > 0.5 * skin_m) {
+    grid_.build(surface, triangles_, largest_reach_ * factor + 2.0 * skin_m);
+    no_grid_ = false;
+    since_grid_ = 0.0;
+  }
+  const double margin = neighbours_listed_now ? skin_m : 1.5 * skin_m;
+  near_.clear();
+  candidates_.clear();
+  for (int i = 0; i < spheres.count; ++i)
+    list(surface, i, from(spheres.position_m[i]), spheres.radius_m[i] * factor + margin);
+  since_search_ = 0.0;
+}
+
+void ContactSearch::list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m) {
+  const auto first = candidates_.size();
+  const auto cell = grid_.near(position_m);
+  for (const int *t = cell[0]; t != cell[1]; ++t) {
+    const double distance2 = nearest_place(surface, position_m, *t).distance2;
+    if (distance2 < reach_m * reach_m) candidates_.push_back({*t, std::sqrt(distance2)});
+  }
+  if (candidates_.size() == first) return;
+  std::sort(candidates_.begin() + first, candidates_.end(),
+            [](const Candidate &a, const Candidate &b) { return a.distance_m < b.distance_m; });
+  const int end = static_cast<int>(candidates_.size());
+  near_.push_back({sphere, static_cast<int>(first), end, position_m});
+}
+
+Touch ContactSearch::nearest_place(const SurfacePath &surface, Vec3 position_m,
+                                   int triangle) const {
+  const Triangle &corner = triangles_[triangle];
+  const Vec3 a = surface.position(corner[0]), b = surface.position(corner[1]),
+             c = surface.position(corner[2]);
+  const auto at = closest_point(position_m, a, b, c);
+  const Vec3 away = position_m - (at.weight[0] * a + at.weight[1] * b + at.weight[2] * c);
+  return {triangle, at, away, dot(away, away), 1.0};
+}
+
+void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
+                            double reach_m, std::vector<Touch> &found) const {
+  // no candidate has come nearer by more than this since its distance was taken
+  const double approach = norm(position_m - near.position_m) + since_search_;
+  found.clear();
+  for (int k = near.first; k < near.end; ++k) {
+    if (candidates_[k].distance_m - approach >= reach_m) break;
+    const Touch touch = nearest_place(surface, position_m, candidates_[k].triangle);
+    if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) found.push_back(touch);
+  }
+  if (found.size() > 1) one_per_smooth_patch(found, triangles_);
+}
+
+}  // namespace flipflow

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <vector>
+
+#include "smooth_patches.h"
+#include "surface_path.h"
+#include "triangle_grid.h"
+
+namespace flipflow {
+
+struct Spheres {
+  const double *const *position_m;
+  const double *radius_m;
+  int count;
+};
+
+// Finds where spheres touch the moving triangles.  A search lists for every sphere the triangles
+// it may touch for a while, as Verlet lists do; the touches of a step come from that list.
+//
+// A list is good while sphere and surface together move less than its margin.  LIGGGHTS lets a
+// particle move half a skin from where it was when its neighbours were last listed, this search
+// lets the surface move another half.
+class ContactSearch {
+ public:
+  struct Near {  // a sphere with candidates first ... end
+    int sphere, first, end;
+    Vec3 position_m;  // at the search
+  };
+
+  void set(std::vector<Triangle> triangles, double largest_reach_m);
+  const Triangle &triangle(int number) const { return triangles_[number]; }
+
+  void surface_moved(double distance_m);
+  bool stale(double skin_m) const { return since_search_ > 0.5 * skin_m; }
+
+  // A sphere reaches `factor` times its radius.  `neighbours_listed_now`: has LIGGGHTS, too, just
+  // listed neighbours?  If not, a sphere may now be half a skin off and go to the other side.
+  void search(const SurfacePath &surface, const Spheres &spheres, double factor, double skin_m,
+              bool neighbours_listed_now);
+
+  const std::vector<Near> &near() const { return near_; }
+
+  // The contacts of a sphere at `position_m`, one per smooth patch.
+  void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
+               std::vector<Touch> &found) const;
+
+ private:
+  struct Candidate {
+    int triangle;
+    double distance_m;  // at the search
+  };
+
+  Touch nearest_place(const SurfacePath &surface, Vec3 position_m, int triangle) const;
+  void list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m);
+
+  std::vector<Triangle> triangles_;
+  double largest_reach_ = 0.0;
+  TriangleGrid grid_;
+  bool no_grid_ = true;
+  double since_grid_ = 0.0, since_search_ = 0.0;  // how far the surface may have moved, m
+  std::vector<Near> near_;
+  std::vector<Candidate> candidates_;  // of each sphere, nearest first
+};
+
+}  // namespace flipflow
