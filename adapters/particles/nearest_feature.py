@@ -57,7 +57,7 @@ def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
     for region, place in zip(reversed(regions), reversed(places), strict=True):
         for weight, value in zip(weights, place, strict=True):
             np.copyto(weight, value, where=region)
-    return weights.T
+    return np.asarray(weights.T)
 
 
 def one_per_patch(

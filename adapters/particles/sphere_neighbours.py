@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from adapters.particles.nearest_feature import closest_on_triangle
 from adapters.particles.sphere_state import Spheres
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ports import Array, Indices
 
-SKIN = 0.5  # of the largest radius
+SKIN = 0.2  # of the largest radius
 
 
 @dataclass(frozen=True)
@@ -38,14 +39,24 @@ def neighbours(spheres: Spheres, surface: TriangleSurface, surface_m: Array) -> 
     i, j = _pairs(spheres, 2.0 * largest_m + skin_m)
     gap_m = np.linalg.norm(spheres.position_m[i] - spheres.position_m[j], axis=1)
     near = gap_m < spheres.radius_m[i] + spheres.radius_m[j] + skin_m
-    sphere, triangle = boxes_near(spheres, skin_m, surface_m[surface.triangles])
+    sphere, triangle = near_surface(spheres, skin_m, surface_m[surface.triangles])
     return Neighbours(
         i[near], j[near], sphere, triangle, spheres.position_m.copy(), surface_m.copy(), skin_m
     )
 
 
-def boxes_near(spheres: Spheres, skin_m: float, corners_m: Array) -> tuple[Indices, Indices]:
-    """Spheres and triangles (corners (m, 3, 3)) whose bounding boxes are closer than the skin."""
+def near_surface(spheres: Spheres, skin_m: float, corners_m: Array) -> tuple[Indices, Indices]:
+    """Spheres and triangles (corners (m, 3, 3)) with a gap below ``skin_m``."""
+    sphere, triangle = _boxes_near(spheres, skin_m, corners_m)
+    center_m, corners_m = spheres.position_m[sphere], corners_m[triangle]
+    nearest_m = np.einsum("ij,ijk->ik", closest_on_triangle(center_m, corners_m), corners_m)
+    distance_m = np.linalg.norm(center_m - nearest_m, axis=1)
+    near = distance_m < spheres.radius_m[sphere] + skin_m
+    return sphere[near], triangle[near]
+
+
+def _boxes_near(spheres: Spheres, skin_m: float, corners_m: Array) -> tuple[Indices, Indices]:
+    """Those whose bounding boxes are closer than the skin."""
     reach_m = (spheres.radius_m + skin_m)[:, None]
     near = np.ones((len(spheres), len(corners_m)), dtype=bool)
     for axis in range(3):

@@ -12,9 +12,8 @@ from scipy.spatial.distance import cdist
 
 from adapters.particles.sphere_contacts import laws
 from adapters.particles.sphere_forces import Forces, forces_at
-from adapters.particles.sphere_neighbours import boxes_near, neighbours
+from adapters.particles.sphere_neighbours import near_surface, neighbours
 from adapters.particles.sphere_state import Spheres, spheres
-from adapters.particles.sphere_touch import on_surface
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticlesPlan, SolverFailed
@@ -56,13 +55,13 @@ class SpheresSolver:
         counted("particles' surface", path.end, len(self._surface_m))
         self._feed(interval)
         self._surface_to(path.start.position_m, self._now)
-        steps = interval.steps(self._plan.step_s)
+        steps, start_s = interval.steps(self._plan.step_s), interval.start_s
         step_s = interval.length_s / steps
         impulse_N_s = step_s / 2.0 * self._now.on_points_N
         for step in range(1, steps + 1):
             self._step(step_s, path.at(step / steps))
             impulse_N_s += step_s * self._now.on_points_N
-            self._check(interval.start_s + step * step_s)
+            self._check(start_s + step * step_s)
         impulse_N_s -= step_s / 2.0 * self._now.on_points_N
         self._remove()
         return Load(impulse_N_s / interval.length_s)
@@ -151,8 +150,7 @@ class SpheresSolver:
         now, triangles = self._spheres, self._plan.surface.triangles
         reach_m = np.add.outer(offered.radius_m, now.radius_m)
         free = np.all(cdist(offered.position_m, now.position_m) >= reach_m, axis=1)
-        near = boxes_near(offered, 0.0, self._surface_m[triangles])
-        free[on_surface(offered, triangles, self._surface_m, near)[0]] = False
+        free[near_surface(offered, 0.0, self._surface_m[triangles])[0]] = False
         return np.asarray(free)
 
     def _remove(self) -> None:
