@@ -86,6 +86,11 @@ class Product:
         product: Array = self._result.getDenseArray().copy(order="C")
         return product
 
+    def close(self) -> None:
+        """Give the memory back: petsc4py does not do so by itself."""
+        for made in (self._result, self._sparse, self._dense):
+            made.destroy()
+
 
 class Bending:
     """Force and energy of a constant stiffness matrix with Maxwell branches of its own.
@@ -129,6 +134,9 @@ class Bending:
         )
         self._position_m[:] = position_m
         self._elastic_N[:] = self._trial_N
+
+    def close(self) -> None:
+        self._multiply.close()
 
     def stored_J(self) -> float:
         return 0.5 * float(np.vdot(self._position_m - self._flat_m, self._elastic_N))

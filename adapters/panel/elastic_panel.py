@@ -21,6 +21,8 @@ class Integrator(Protocol):
         """Move ``state`` to the interval's end under ``action``."""
         ...
 
+    def close(self) -> None: ...
+
 
 class ElasticPanel:
     """A structure at rest at ``resting_m`` (nodes, 3) when t = 0, moved by an integrator.
@@ -99,7 +101,8 @@ class ElasticPanel:
         )
 
     def close(self) -> None:
-        """Nothing stays open: PETSc's objects go with this one."""
+        self._integrator.close()
+        self._structure.close()
 
     def _surface_motion(self) -> Motion:
         state = self._state

@@ -39,3 +39,6 @@ class Explicit:
             v[held] = action.held.velocity_m_s(fraction)
             on_held.add(step_s, 0.5 * (before_N + state.internal_N[held]), x[held] - before_m)
         return on_held
+
+    def close(self) -> None:
+        """Nothing is open."""

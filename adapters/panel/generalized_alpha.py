@@ -68,6 +68,9 @@ class GeneralizedAlpha:
                 ) from failure
         return on_held
 
+    def close(self) -> None:
+        self._tangent.close()
+
     def _cover(
         self,
         state: State,

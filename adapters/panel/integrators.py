@@ -19,7 +19,8 @@ USUAL_STEP_S = 2e-4
 
 
 def choose(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Integrator:
-    """The integrator of ``plan`` for a structure that stands in its resting shape.
+    """The integrator of ``plan`` for a structure that stands in its resting shape; it takes over
+    ``tangent``, which an explicit one closes as it has no use for it.
 
     ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
     """
@@ -31,6 +32,7 @@ def choose(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Integrato
         )
     step_s = plan.step_s or usual
     if plan.integrator == "explicit":
+        tangent.close()
         return Explicit(structure, step_s)
     return GeneralizedAlpha(structure, tangent, step_s, plan.name)
 

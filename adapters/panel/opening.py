@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack, closing
+
 from adapters.panel import integrators
 from adapters.panel.elastic_panel import ElasticPanel
 from adapters.panel.grid import Surface
@@ -17,17 +19,21 @@ def open_panel(plan: PanelPlan, structure: Structure, surface: Surface) -> Elast
 
     ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
-    tangent = Tangent(structure)
-    resting_m = _resting_m(plan, structure, tangent)
-    integrator = integrators.choose(plan, structure, tangent)
-    return ElasticPanel(plan, structure, integrator, surface, resting_m)
+    with ExitStack() as failed:
+        failed.callback(structure.close)
+        tangent = failed.enter_context(closing(Tangent(structure)))
+        resting_m = _resting_m(plan, structure, tangent)
+        integrator = integrators.choose(plan, structure, tangent)
+        panel = ElasticPanel(plan, structure, integrator, surface, resting_m)
+        failed.pop_all()
+    return panel
 
 
 def largest_step_s(plan: PanelPlan, structure: Structure) -> float:
     """The largest ``plan.step_s`` that ``open_panel`` accepts."""
-    tangent = Tangent(structure)
-    _resting_m(plan, structure, tangent)
-    return integrators.largest_step_s(plan, tangent)
+    with closing(structure), closing(Tangent(structure)) as tangent:
+        _resting_m(plan, structure, tangent)
+        return integrators.largest_step_s(plan, tangent)
 
 
 def _resting_m(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Array:

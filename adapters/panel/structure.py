@@ -71,6 +71,10 @@ class Structure:
         if self.bending:
             self.bending.end_step(self._position_m)
 
+    def close(self) -> None:
+        if self.bending:
+            self.bending.close()
+
     def stored_J(self) -> dict[str, float]:
         """Elastic energy by name and that of the Maxwell branches."""
         stored = self.material.stored_J()
