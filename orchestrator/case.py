@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from annotated_types import Ge, Le, Lt
+from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, Strict
 
 from orchestrator.tables.bed import Bed
@@ -35,7 +35,7 @@ from orchestrator.tables.screen import Screen
 class MaxwellBranch(Table):
     """A Maxwell branch: damping that relaxes."""
 
-    ratio: NotNegative
+    ratio: Positive
     """Modulus of the branch over the elastic modulus."""
     relaxation_s: Positive
     """Relaxation time."""
@@ -72,8 +72,8 @@ class Contact(Table):
 
     between: tuple[str, str]
     """The two materials; twice the same for particles among themselves."""
-    restitution: Annotated[float, Strict(), Ge(0.01), Le(1)]
-    """Coefficient of restitution."""
+    restitution: Annotated[float, Strict(), Gt(0.05), Le(1)]
+    """Coefficient of restitution; LIGGGHTS takes none of 0.05 or less."""
     sliding_friction: NotNegative
     """Coefficient of sliding friction."""
     rolling_friction: NotNegative

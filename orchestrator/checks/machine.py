@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
+from orchestrator.deck import axes
 from orchestrator.tables.quantities import GROUND
 from orchestrator.tables.screen import Panel
 
@@ -43,6 +46,32 @@ def _possible_inertia(key: Key, case: Case, name: str) -> Iterator[Mistake]:
         yield Mistake((*key, "inertia_kg_m2"), what, "none may exceed the sum of the others")
 
 
+def held_frames(case: Case) -> Iterator[Mistake]:
+    """Frames drawn at rest need bushings that can hold their weight: the static equations
+    K u = weight, translations only, must have a solution."""
+    if case.frames.solver == "prescribed" or not case.screen.drawn_at_rest:
+        return
+    names = [*case.screen.frames]
+    stiffness = np.zeros((3 * len(names), 3 * len(names)))
+    for row in case.screen.bushings.values():
+        turn = Rotation.from_euler("xyz", row.rotation_deg, degrees=True).as_matrix()
+        spring = len(row.positions_m) * (turn * row.stiffness_N_m) @ turn.T
+        ends = [
+            (sign, names.index(n))
+            for sign, n in zip((1, -1), row.between, strict=True)
+            if n in names
+        ]
+        for (one, i), (two, j) in product(ends, ends):
+            stiffness[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] += one * two * spring
+    gravity = np.array(case.gravity_m_s2) @ axes(case)
+    weight = np.concatenate([(f.mass_kg or 0.0) * gravity for f in case.screen.frames.values()])
+    unmet = weight - stiffness @ np.linalg.lstsq(stiffness, weight, rcond=1e-12)[0]
+    for name, left_N in zip(names, unmet.reshape(-1, 3), strict=True):
+        if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():
+            what = "no bushing holds its weight"
+            yield Mistake(("screen", "frames", name), what, "add bushings to the ground")
+
+
 def bushings_and_exciters(case: Case) -> Iterator[Mistake]:
     """Bushings between two different bodies, exciters on a frame with a proper shaft."""
     for name, bushing in case.screen.bushings.items():
@@ -56,6 +85,15 @@ def bushings_and_exciters(case: Case) -> Iterator[Mistake]:
         if exciter.frame == GROUND:
             yield Mistake((*key, "frame"), "the ground cannot be excited", "name a frame")
         yield from _right_angle(key, "axis", exciter.axis, "start", exciter.start)
+
+
+def panel_solver(case: Case) -> Iterator[Mistake]:
+    """Settings that the strip does not have."""
+    if case.panel.solver == "strip" and case.panel.integrator == "implicit":
+        hint = 'take "explicit", or panel.solver = "sheet"'
+        yield Mistake(("panel", "integrator"), "the strip is explicit only", hint)
+    if case.panel.solver == "strip" and case.panel.cells[0] < 2:
+        yield Mistake(("panel", "cells", 0), "a strip needs at least two cells")
 
 
 def panels(case: Case) -> Iterator[Mistake]:

@@ -37,9 +37,9 @@ def particle_step(case: Case) -> Iterator[Mistake]:
 
 
 def panel_step(case: Case) -> Iterator[Mistake]:
-    """A step given for explicit panels against the solver's own limit, where it tells one.  A
+    """A step given for the panels against the solver's own limit, where it tells one.  A
     solver that is not installed is not asked; missing_solvers says so."""
-    if case.panel.step_s == 0 or case.panel.integrator != "explicit":
+    if case.panel.step_s == 0:
         return
     try:
         solver = import_module(f"adapters.panel.{case.panel.solver}")

@@ -63,6 +63,8 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("probes.end.point_m=[0, 0, 0]", "is on nothing"),
         ("probes.end.frame=driving", "point_m: missing: where on the frame?"),
         ("probes.end={frame='ground', point_m=[0, 0, 0]}", "the ground does not move"),
+        (f"screen.frames.driven={{{FRAME}}}", "frames.driven: no bushing holds its weight"),
+        ("screen.bushings.isolation.stiffness_N_m.2=0", "frames.driving: no bushing holds its"),
         # boxes and sizes
         ("domain_m=[[-1, -1, -1], [1, -1, 1]]", "is not below"),
         (BLOCK.replace("smallest_m=0.01", "smallest_m=0.03"), "is larger than largest_m"),
@@ -152,6 +154,23 @@ def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Pat
     (said,) = warnings(slow)
     assert "fewer than 10" in said
     assert warnings(loaded(tmp_path, ["coupling.sync_interval_s=5e-5"])) == []
+
+
+def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:
+    strip = "panel.solver=strip"
+    assert "explicit only" in only_complaint(tmp_path, strip, "panel.integrator=implicit")
+    assert "at least two cells" in only_complaint(tmp_path, strip, "panel.cells=[1, 1]")
+
+
+def test_frames_may_hang_on_each_other_and_drop_when_not_drawn_at_rest(tmp_path: Path) -> None:
+    frame = f"screen.frames.driven={{{FRAME}}}"
+    shear = (
+        'screen.bushings.shear={between=["driving", "driven"], positions_m=[[0, 0, 0]], '
+        "stiffness_N_m=[0, 0, 2e4], rotation_deg=[0, -30, 0]}"  # upright again
+    )
+    assert not complaints(tmp_path, frame, shear, "screen.inclination_deg=30")
+    assert "frames.driven" in only_complaint(tmp_path, frame, shear)
+    assert not complaints(tmp_path, frame, "screen.drawn_at_rest=false")
 
 
 def test_a_panel_step_above_the_solvers_limit_is_refused_with_the_limit(tmp_path: Path) -> None:
