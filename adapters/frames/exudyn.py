@@ -127,7 +127,7 @@ class ExudynFrames:
         time.newton.relativeTolerance = 1e-10
         self._solver = exudyn.MainSolverImplicitSecondOrder()
         if not self._solver.InitializeSolver(self._bodies.system, settings):
-            raise SolverFailed("exudyn could not start: see its message above")
+            raise SolverFailed(f"exudyn at 0 s: no start: {self._solver.GetErrorString()}")
 
     def _read(self) -> Poses:
         data = self._bodies.system.systemData

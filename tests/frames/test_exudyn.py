@@ -9,7 +9,7 @@ import pytest
 
 from adapters.frames import exudyn, two_mass
 from orchestrator.clock import Interval, intervals
-from orchestrator.plans import FramesPlan
+from orchestrator.plans import FramesPlan, SolverFailed
 from orchestrator.ports import Array, Load
 from tests.frames.contract import drive
 from tests.frames.machines import (
@@ -188,6 +188,26 @@ def test_a_torque_free_top_keeps_momentum_and_energy() -> None:
         frames.advance(interval, Load.zero(4))
     assert frames.account().stored_J["kinetic"] == pytest.approx(kinetic_J, rel=1e-5)
     assert frames.account().momentum_kg_m_s == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_a_body_that_turns_over_stops_the_run_with_its_time() -> None:
+    """Angular acceleration M / I = 2 * 1e5 / 512 = 391 rad/s^2: 1.4 rad after 0.085 s."""
+    plan = replace(
+        two_bodies(drawn_at_rest=False, interval_s=1e-3, step_s=1e-3),
+        bodies=(body("driving"),),
+        bushings=(),
+        carrier=("driving",) * 4,
+        points_m=np.array([[1.0, 0, 0], [-1.0, 0, 0], [0, 0, 0], [0, 0, 0]]),
+    )
+    up = Load(1e5 * np.array([[0, 0, 1.0], [0, 0, -1.0], [0, 0, 0], [0, 0, 0]]))
+    frames = exudyn.build(plan)
+
+    def run() -> None:
+        for interval in intervals(0.3, 1e-3):
+            frames.advance(interval, up)
+
+    with pytest.raises(SolverFailed, match=r"exudyn frames at 0\.\d+ s: a body tilts"):
+        run()
 
 
 def test_drives_are_refused() -> None:
