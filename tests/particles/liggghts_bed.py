@@ -10,10 +10,12 @@ import json
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
+from orchestrator.clock import Interval
 from orchestrator.plans import ParticleList, ParticlesPlan
 from orchestrator.ports import Array, Motion
-from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, travel
+from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, spheres, travel
 
 LINE_M = np.linspace(-0.05, 0.05, 26)
 SURFACE = sheet(lambda x, y: 0.0 * x, LINE_M, 0.4 * LINE_M)
@@ -37,11 +39,25 @@ def bed(layers: int = 4) -> ParticleList:
     )
 
 
+class Drizzle:
+    """Three particles every millisecond, dropped through the bed's upper layers."""
+
+    def due(self, interval: Interval) -> ParticleList:
+        if interval.index % 20 != 5:
+            return spheres(np.zeros((0, 3)))
+        x = np.random.default_rng(interval.index).uniform(-0.01, 0.01)
+        return spheres([[x - 0.02, 0.0, 0.04], [x, 0.0, 0.04], [x + 0.02, 0.0, 0.01]])
+
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        assert len(accepted) == 3
+
+
 def bed_plan(**changes: Any) -> ParticlesPlan:
-    """Two ranks share the domain along x, its longest side."""
+    """Particles are fed, and leave to the side; two ranks share the domain along x."""
     rest = {
         "gravity_m_s2": np.array([0.0, 0.0, -9.81]),
-        "domain_m": np.array([[-0.1, -0.05, -0.05], [0.1, 0.05, 0.08]]),
+        "domain_m": np.array([[-0.056, -0.03, -0.03], [0.056, 0.03, 0.06]]),
+        "feed": Drizzle(),
         "step_s": 2.5e-6,
     }
     return make_plan(SURFACE, bed(), **{**LAWS, **rest, **changes})
@@ -79,6 +95,8 @@ def main() -> None:
             "momentum": account.momentum_kg_m_s.tolist(),
             "stored": list(account.stored_J.values()),
             "work": account.received_J["surface"],
+            "supplied": account.supplied_J["feed"],
+            "removed": account.lost_J["removed"],
             "ids": snapshot.id.tolist(),
             "owned": owned,
         }

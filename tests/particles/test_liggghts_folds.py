@@ -95,6 +95,27 @@ def test_a_deep_overlap_on_a_flat_sheet_is_one_contact(tmp_path):
     np.testing.assert_allclose(force_N, [0.0, 0.0, -single_N], atol=1e-9 * single_N)
 
 
+def test_facets_of_a_plane_leave_no_trace():
+    # sliding, then rolling over 40 facets or over two: the tangential spring must not notice
+    def roll(cells):
+        line = np.linspace(-0.02, 0.02, cells + 1)
+        plane = sheet(lambda x, y: 0 * x, line, line)
+        laws = {"restitution": 0.3, "sliding_friction": 0.4, "rolling_friction": 0.02}
+        gravity = np.array([1.0, 0.5, -9.81])
+        sphere = spheres([-0.012, -0.0013, RADIUS_M], (0.3, 0.05, 0.0))
+        plan = make_plan(plane, sphere, gravity_m_s2=gravity, step_s=5e-6, **laws)
+        with closing(liggghts.build(plan)) as solver:
+            forces_N = np.array(travel(solver, lambda t: still(plane), range(1600)))
+            return forces_N, solver.snapshot()
+
+    (coarse_N, coarse), (fine_N, fine) = roll(1), roll(80)
+    assert fine.position_m[0, 0] > 0.008
+    scale_N = np.abs(coarse_N).max()
+    np.testing.assert_allclose(fine_N, coarse_N, atol=1e-9 * scale_N)
+    np.testing.assert_allclose(fine.position_m, coarse.position_m, rtol=1e-9)
+    np.testing.assert_allclose(fine.spin_rad_s, coarse.spin_rad_s, rtol=1e-9, atol=1e-9)
+
+
 def test_rolling_in_a_faceted_trough_keeps_its_tangential_spring():
     # a sphere that rolls in a cylinder swings with (2 pi / T)^2 = 5/7 g / (R - r)
     # (e.g. Goldstein, Classical Mechanics); facets of 1 degree, amplitude 0.15 rad.  Slower in
