@@ -61,9 +61,11 @@ def _panel(case: Case, plan: PanelPlan, material: str, stopwatch: Stopwatch) -> 
     }
     coordinates = np.vstack([touched.coordinates_m, *at.values()])
     solver = case.panel.solver
+    # on every rank, also on those that will own no panel: PETSc starts up collectively
+    adapter = import_module(f"adapters.panel.{solver}")
 
     def opened() -> Panel:
-        own = cast(MeshedPanel, import_module(f"adapters.panel.{solver}").build(plan))
+        own = cast(MeshedPanel, adapter.build(plan))
         metered = MeteredPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
         return Mapped(metered, own.interpolation(coordinates))
 
