@@ -1,0 +1,62 @@
+"""The cheap panel against the dear one where both apply: strip and sheet, same material.
+
+The strip's law is uniaxial.  In the sheet the clamps hinder the contraction across, over about
+half a width from each clamp, where it is up to 4/3 as stiff (plane strain)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from adapters.panel import sheet, strip
+from orchestrator.plans import PanelPlan
+from orchestrator.ports import Array
+from tests.panel.elastic_plans import BRANCHES, difference, plan, pull_N, shake
+
+pytestmark = pytest.mark.solver
+
+
+def shaken_both(given: PanelPlan) -> list[tuple[Array, Array]]:
+    """Height of the middle over the clamps and pull on the second frame, for strip and sheet,
+    over 0.04 s of 6 mm sin^2: half a cycle."""
+    middle = np.array([[given.rectangle.length_m / 2, given.rectangle.width_m / 2]])
+    found = []
+    for solver in (strip, sheet):
+        panel = solver.build(given)
+        states, start = shake(panel, 1e-4, 400)
+        H = panel.interpolation(middle)
+        height = [(H @ state.surface.position_m)[0, 2] - 0.3 for state in (start, *states)]
+        pull = [pull_N(panel, state) for state in (start, *states)]
+        found.append((np.array(height), np.array(pull)))
+        panel.close()
+    return found
+
+
+def test_narrow_taut_panel() -> None:
+    """Width / length = 0.15: clamps stiffen at most w / L / 3 = 5 % of the length's compliance;
+    pull within 3 %, sag (which goes with 1 / pull) within 5 %."""
+    given = plan(span_m=0.33 * 1.02, cells=(24, 1), branches=BRANCHES)
+    (height, pull), (sheet_height, sheet_pull) = shaken_both(given)
+    assert 0.97 < pull[0] / sheet_pull[0] < 1.0
+    assert height[0] == pytest.approx(sheet_height[0], rel=0.05)
+    assert difference(pull, sheet_pull) < 0.03
+
+
+def test_narrow_slack_panel() -> None:
+    """The sag of a slack panel is geometry: 2 %."""
+    given = plan(span_m=0.33 * 0.99, cells=(24, 1), branches=BRANCHES)
+    (height, pull), (sheet_height, sheet_pull) = shaken_both(given)
+    assert height[0] == pytest.approx(sheet_height[0], rel=0.02)
+    assert difference(height, sheet_height) < 0.05
+    assert np.abs(pull).max() == pytest.approx(np.abs(sheet_pull).max(), rel=0.05)
+
+
+def test_wide_taut_panel_lies_between_uniaxial_and_plane_strain() -> None:
+    given = plan(span_m=0.33 * 1.02, width_m=0.4, cells=(24, 4), branches=BRANCHES)
+    strip_N, sheet_N = (
+        pull_N(panel, panel.initial())
+        for panel in (strip.build(given), sheet.build(replace(given, name="sheet")))
+    )
+    assert 1.0 < sheet_N / strip_N < 4 / 3
