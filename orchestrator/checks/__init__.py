@@ -32,7 +32,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
     found = [mistake for rule in OF_TABLES for mistake in rule(case)]
     if not found:
         found = [*surfaces.stl_files(case, folder), *surfaces.panels_inside(case)]
-        found += machine.held_frames(case)
+        found += [*machine.possible_inertia(case), *machine.held_frames(case)]
         found += [*feeds.feeds(case), *materials.crowded_blocks(case)]
     if not found:
         found = [*steps.particle_step(case), *steps.panel_step(case)]

@@ -29,21 +29,22 @@ def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
                 yield Mistake((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
             if frame.inertia_kg_m2 is None and solver == "exudyn":
                 yield Mistake((*key, "inertia_kg_m2"), "missing: frames.solver exudyn needs it")
-        yield from _possible_inertia(key, case, name)
 
 
-def _possible_inertia(key: Key, case: Case, name: str) -> Iterator[Mistake]:
+def possible_inertia(case: Case) -> Iterator[Mistake]:
     """Principal moments are positive and none exceeds the sum of the others (it would take
     negative mass)."""
-    frame = case.screen.frames[name]
-    if frame.inertia_kg_m2 is None:
-        return
-    xy, xz, yz = frame.products_of_inertia_kg_m2
-    tensor = np.diag(frame.inertia_kg_m2) + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
-    moments = np.linalg.eigvalsh(tensor)
-    if moments[0] <= 0 or moments[2] > (1 + 1e-9) * (moments[0] + moments[1]):
-        what = f"no body has the principal moments {', '.join(f'{m:.4g}' for m in moments)} kg m2"
-        yield Mistake((*key, "inertia_kg_m2"), what, "none may exceed the sum of the others")
+    for name, frame in case.screen.frames.items():
+        if frame.inertia_kg_m2 is None:
+            continue
+        xy, xz, yz = frame.products_of_inertia_kg_m2
+        tensor = np.diag(frame.inertia_kg_m2) + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
+        moments = np.linalg.eigvalsh(tensor)
+        if moments[0] <= 0 or moments[2] > (1 + 1e-9) * (moments[0] + moments[1]):
+            said = ", ".join(f"{moment:.4g}" for moment in moments)
+            key: Key = ("screen", "frames", name, "inertia_kg_m2")
+            hint = "none may exceed the sum of the others"
+            yield Mistake(key, f"no body has the principal moments {said} kg m2", hint)
 
 
 def held_frames(case: Case) -> Iterator[Mistake]:

@@ -14,6 +14,13 @@ from orchestrator.case_errors import Key, Mistake
 # key: (smallest, largest) size of a value that is not zero
 RANGES: dict[str, tuple[float, float]] = {
     "duration_s": (1e-6, 1e4),
+    "position_m": (0.0, 100.0),
+    "positions_m": (0.0, 100.0),
+    "corner_m": (0.0, 100.0),
+    "center_m": (0.0, 100.0),
+    "center_of_mass_m": (0.0, 100.0),
+    "point_m": (0.0, 100.0),
+    "box_m": (0.0, 100.0),
     "gravity_m_s2": (0.0, 100.0),
     "domain_m": (0.0, 100.0),
     "density_kg_m3": (50.0, 25e3),
@@ -24,6 +31,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "relaxation_s": (1e-7, 1e3),
     "mass_kg": (0.1, 1e5),
     "inertia_kg_m2": (1e-4, 1e6),
+    "products_of_inertia_kg_m2": (0.0, 1e6),
     "stiffness_N_m": (10.0, 1e10),
     "damping_N_s_m": (0.0, 1e7),
     "speed_rad_s": (0.1, 1e3),

@@ -76,6 +76,15 @@ without = ["variation-across"]
 [panel]
 solver = "strip"
 """
+# --set that adds a block and a feed
+BLOCK = (
+    'bed.blocks.coal={material="coal", box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], count=1, '
+    "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+)
+FEED = (
+    'bed.feeds.chute={material="coal", rate_kg_s=1, box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], '
+    "velocity_m_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+)
 
 
 def written(folder: Path, case: str = CASE, **levels: str) -> Path:

@@ -8,16 +8,8 @@ import pytest
 
 from orchestrator.checks import mistakes, warnings
 from orchestrator.levels import load
-from tests.case.cases import CASE, complaints, loaded, only_complaint, written
+from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
-BLOCK = (
-    'bed.blocks.coal={material="coal", box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], count=1, '
-    "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
-)
-FEED = (
-    'bed.feeds.chute={material="coal", rate_kg_s=1, box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], '
-    "velocity_m_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
-)
 FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
 
 

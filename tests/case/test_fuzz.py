@@ -8,14 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from orchestrator.case_errors import CaseError
-from orchestrator.checks import mistakes
+from orchestrator.checks import mistakes, warnings
 from orchestrator.levels import load, validated
 from orchestrator.overlays import Layers
-from tests.case.cases import CASE, LEVEL, written
+from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 
 GIVEN = tomllib.loads(CASE)
 SCALARS = st.one_of(
@@ -69,6 +70,21 @@ def test_any_value_anywhere_in_a_case_is_checked(
         bare.layers.lay(nested(key, value), "--set")
         found = mistakes(replace(bare, case=validated(bare.layers)))
         assert all(mistake.what and mistake.file for mistake in found)
+
+
+@pytest.mark.parametrize("value", [0, -1, 1e-308, 1e308, [1e308, 1e308, 1e308]])
+def test_extreme_numbers_anywhere_are_checked_without_overflow(
+    value: object, tmp_path: Path
+) -> None:
+    """Warnings are errors in tests, so that an overflow would show."""
+    folder = written(tmp_path, draft=LEVEL)
+    for key in keys(load(folder, "draft", [BLOCK, FEED]).layers.merged)[1:]:
+        found = load(folder, "draft", [BLOCK, FEED])
+        with suppress(CaseError):
+            found.layers.lay(nested(key, value), "--set")
+            spoilt = replace(found, case=validated(found.layers))
+            if not mistakes(spoilt):
+                warnings(spoilt)
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
