@@ -52,14 +52,14 @@ class ElasticPanel:
         self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
         self._impulse_N_s = np.zeros(3)
         self._load_J = self._clamps_J = 0.0
+        static_N = self._weight_N[structure.held] - internal[structure.held]
+        self._initial = PanelState(self._surface_motion(), Load(static_N))
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
         return self._grid.interpolation(coordinates_m)
 
     def initial(self) -> PanelState:
-        held = self._structure.held
-        static = self._weight_N[held] - self._state.internal_N[held]
-        return PanelState(self._surface_motion(), Load(static))
+        return self._initial
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state, held = self._state, self._structure.held

@@ -34,7 +34,7 @@ class Law:
 
 
 class ViscousStrain:
-    """Maxwell branches at the quadrature points of a law's strain."""
+    """Maxwell branches at the quadrature points of a law's strain (a ``Memory``)."""
 
     def __init__(self, law: Law) -> None:
         mesh = law.position.function_space.mesh
@@ -66,8 +66,8 @@ class ViscousStrain:
         overstress = self._history + self._share * self._strain
         return ufl.inner(overstress, ufl.derivative(self._strain, position, test)) * self._measure
 
-    def rest(self) -> None:
-        """Take the positions now in the field as relaxed."""
+    def rest(self, position_m: Array) -> None:
+        """Take ``position_m``, which must stand in the field, as relaxed."""
         self._before[:] = self._evaluate.eval(self._cells, self._now).reshape(-1)
 
     def begin_step(self, step_s: float) -> None:
@@ -75,7 +75,8 @@ class ViscousStrain:
         self._history.x.array[:] = self.branches.history
         self._share.value = self.branches.share
 
-    def end_step(self) -> None:
+    def end_step(self, position_m: Array) -> None:
+        """Accept ``position_m``, which must stand in the field."""
         now = self._evaluate.eval(self._cells, self._now).reshape(-1)
         np.subtract(now, self._before, out=self._change)
         self._before[:] = now
@@ -89,24 +90,12 @@ class Material:
         space = law.position.function_space
         test, trial = ufl.TestFunction(space), ufl.TrialFunction(space)
         work = ufl.derivative(sum(law.energy.values()), law.position, test)
-        self._viscous = ViscousStrain(law) if law.branches else None
-        if self._viscous:
-            work += self._viscous.virtual_work(law.position, test)
+        self.viscous = ViscousStrain(law) if law.branches else None
+        if self.viscous:
+            work += self.viscous.virtual_work(law.position, test)
         self._energy = {name: form(energy) for name, energy in law.energy.items()}
         self._force = form(work)
         self.tangent = ufl.derivative(work, law.position, trial)
-
-    def rest(self) -> None:
-        if self._viscous:
-            self._viscous.rest()
-
-    def begin_step(self, step_s: float) -> None:
-        if self._viscous:
-            self._viscous.begin_step(step_s)
-
-    def end_step(self) -> None:
-        if self._viscous:
-            self._viscous.end_step()
 
     def add_force(self, force_N: Array) -> None:
         """Add the internal force to ``force_N`` (nodes, 3)."""
@@ -114,13 +103,3 @@ class Material:
 
     def stored_J(self) -> dict[str, float]:
         return {name: float(fem.assemble_scalar(energy)) for name, energy in self._energy.items()}
-
-    @property
-    def maxwell_J(self) -> float:
-        """Energy stored in the Maxwell branches."""
-        return float(self._viscous.branches.energy_J.sum()) if self._viscous else 0.0
-
-    @property
-    def lost_J(self) -> float:
-        """What the Maxwell branches dissipated since the start."""
-        return self._viscous.branches.lost_J if self._viscous else 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import ufl
@@ -11,6 +11,7 @@ from dolfinx import fem
 from adapters.panel.bending import Bending
 from adapters.panel.compiled import form
 from adapters.panel.material import Law, Material
+from adapters.panel.maxwell import Branches
 from orchestrator.ports import Array, Indices
 
 
@@ -21,6 +22,18 @@ def lumped_mass_kg(space: Any, mass_per_measure: float) -> Array:
     integral = mass_per_measure * ufl.inner(ones, ufl.TestFunction(space)) * ufl.dx
     mass: Array = fem.assemble_vector(form(integral)).array[::3].copy()
     return mass
+
+
+class Memory(Protocol):
+    """A part whose force depends on its past."""
+
+    branches: Branches
+
+    def rest(self, position_m: Array) -> None: ...
+
+    def begin_step(self, step_s: float) -> None: ...
+
+    def end_step(self, position_m: Array) -> None: ...
 
 
 class Structure:
@@ -43,19 +56,20 @@ class Structure:
         self.mobility_1_kg[self.free, 0] = 1.0 / self.mass_kg[self.free]
         self.material = Material(law)
         self.bending = bending
+        self._memories: list[Memory] = [
+            part for part in (self.material.viscous, bending) if part is not None
+        ]
         self._position_m = law.position.x.array.reshape(-1, 3)  # a view into the field
 
     def rest(self, position_m: Array) -> None:
         """Take ``position_m`` as the shape in which every Maxwell branch is relaxed."""
         self._position_m[:] = position_m
-        self.material.rest()
-        if self.bending:
-            self.bending.rest(position_m)
+        for memory in self._memories:
+            memory.rest(position_m)
 
     def begin_step(self, step_s: float) -> None:
-        self.material.begin_step(step_s)
-        if self.bending:
-            self.bending.begin_step(step_s)
+        for memory in self._memories:
+            memory.begin_step(step_s)
 
     def force_N(self, position_m: Array) -> Array:
         """Internal force at trial positions: the force that the body needs to stay there."""
@@ -67,9 +81,8 @@ class Structure:
         return force
 
     def end_step(self) -> None:
-        self.material.end_step()
-        if self.bending:
-            self.bending.end_step(self._position_m)
+        for memory in self._memories:
+            memory.end_step(self._position_m)
 
     def close(self) -> None:
         if self.bending:
@@ -78,13 +91,11 @@ class Structure:
     def stored_J(self) -> dict[str, float]:
         """Elastic energy by name and that of the Maxwell branches."""
         stored = self.material.stored_J()
-        maxwell = self.material.maxwell_J
         if self.bending:
             stored["bending"] = self.bending.stored_J()
-            maxwell += float(self.bending.branches.energy_J.sum())
-        return stored | {"maxwell": maxwell}
+        branches = (float(memory.branches.energy_J.sum()) for memory in self._memories)
+        return stored | {"maxwell": sum(branches)}
 
     def lost_J(self) -> float:
         """What the Maxwell branches dissipated since the start."""
-        lost = self.material.lost_J
-        return lost + (self.bending.branches.lost_J if self.bending else 0.0)
+        return sum(memory.branches.lost_J for memory in self._memories)
