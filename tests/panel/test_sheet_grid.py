@@ -1,6 +1,9 @@
-"""The grid's shape functions; no solver needed."""
+"""What needs no solver: the grid's shape functions, and what a missing solver says."""
 
 from __future__ import annotations
+
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -41,3 +44,13 @@ def test_a_hinge_has_no_cells_under_the_clamp():
     hinged = Grid.of(plan(clamp_m=0.0).rectangle, (7, 3))
     assert hinged.shape == (7, 3)
     assert GRID.shape == (9, 3)
+
+
+@pytest.mark.parametrize("solver", ["sheet", "solid"])
+def test_missing_package_says_what_to_install(solver):
+    script = f"import sys; sys.modules['dolfinx'] = None; import adapters.panel.{solver}"
+    failed = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert failed.returncode == 1
+    assert f"SolverMissing: panel solver '{solver}' needs DOLFINx 0.5" in failed.stderr
