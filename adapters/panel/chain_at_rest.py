@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.optimize import minimize
 
@@ -14,6 +16,34 @@ NEWTON_ITERATIONS = 20
 NEGLIGIBLE_MOVE = 1e-10  # of the length; rounding leaves 1e-11 in thin slack strips
 
 
+@dataclass(frozen=True)
+class Potential:
+    """Energy of a chain under ``weight_N`` (r, 3) over the unknowns: displacements of the free
+    rows in the plane, from ``start_m`` (r, 3).  ``columns`` (unknowns, 3 r) maps them there."""
+
+    chain: Chain
+    start_m: Array
+    weight_N: Array
+    columns: Array
+
+    def placed(self, unknown_m: Array) -> Array:
+        return np.asarray(self.start_m + (unknown_m @ self.columns).reshape(-1, 3))
+
+    def energy_J(self, unknown_m: Array) -> float:
+        position_m = self.placed(unknown_m)
+        stored_J = self.chain.membrane_J(self.chain.stretched(position_m)[1])
+        stored_J += self.chain.bending_J(self.chain.curvature_1_m(position_m))
+        return stored_J - float(np.sum(self.weight_N * (position_m - self.start_m)))
+
+    def gradient_N(self, unknown_m: Array) -> Array:
+        force_N = elastic_N(self.chain, self.placed(unknown_m)) + self.weight_N
+        return np.asarray(-self.columns @ force_N.ravel())
+
+    def tangent_N_m(self, unknown_m: Array) -> Array:
+        tangent = self.chain.tangent_N_m(self.placed(unknown_m))
+        return np.asarray(self.columns @ tangent @ self.columns.T)
+
+
 def settled(
     chain: Chain, start_m: Array, weight_N: Array, rectangle: Rectangle, name: str
 ) -> Array:
@@ -23,38 +53,22 @@ def settled(
     A trust-region Newton method finds the valley (the straight slack chain is no minimum),
     plain Newton iterations the bottom.  SolverFailed if there is none.
     """
-    plane = np.stack([rectangle.along, rectangle.normal])  # (2, 3)
-    free = chain.held < 0
-    columns = np.kron(np.eye(len(start_m))[free], plane)  # (2 free, 3 r): unknowns to positions
-
-    def placed(unknown_m: Array) -> Array:
-        return np.asarray(start_m + (unknown_m @ columns).reshape(-1, 3))
-
-    def energy_J(unknown_m: Array) -> float:
-        position_m = placed(unknown_m)
-        stored_J = chain.membrane_J(chain.stretched(position_m)[1])
-        stored_J += chain.bending_J(chain.curvature_1_m(position_m))
-        return stored_J - float(np.sum(weight_N * (position_m - start_m)))
-
-    def imbalance_N(unknown_m: Array) -> Array:
-        return np.asarray(-columns @ (elastic_N(chain, placed(unknown_m)) + weight_N).ravel())
-
-    def tangent_N_m(unknown_m: Array) -> Array:
-        return np.asarray(columns @ chain.tangent_N_m(placed(unknown_m)) @ columns.T)
-
+    plane = np.stack([rectangle.along, rectangle.normal])
+    columns = np.kron(np.eye(len(start_m))[chain.held < 0], plane)
+    potential = Potential(chain, start_m, weight_N, columns)
     unknown_m = minimize(
-        energy_J,
+        potential.energy_J,
         np.zeros(len(columns)),
         method="trust-exact",
-        jac=imbalance_N,
-        hess=tangent_N_m,
+        jac=potential.gradient_N,
+        hess=potential.tangent_N_m,
         options={"gtol": 1e-6 * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 1e-3},
     ).x
     for _ in range(NEWTON_ITERATIONS):
-        move_m = np.linalg.solve(tangent_N_m(unknown_m), imbalance_N(unknown_m))
+        move_m = np.linalg.solve(potential.tangent_N_m(unknown_m), potential.gradient_N(unknown_m))
         unknown_m = unknown_m - move_m
         if np.abs(move_m).max() < NEGLIGIBLE_MOVE * rectangle.length_m:
-            return placed(unknown_m)
+            return potential.placed(unknown_m)
     raise SolverFailed(
         f"panel {name}, t = 0: no resting shape; still moving by {np.abs(move_m).max():.1e} m"
     )
