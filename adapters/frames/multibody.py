@@ -67,7 +67,7 @@ def assembled(plan: FramesPlan, sag_m: Array) -> Multibody:
 
 
 def _body(system: Any, body: Body) -> int:
-    """Tait-Bryan angles; Exudyn's Lie-group node goes wrong in its implicit Newmark."""
+    """Tait-Bryan angles: their coordinates are total displacements, as ``Poses.of`` reads them."""
     place = [*body.center_of_mass_m, 0.0, 0.0, 0.0]
     node = system.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=place))
     i = body.inertia_kg_m2
