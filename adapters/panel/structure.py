@@ -17,7 +17,7 @@ from orchestrator.ports import Array, Indices
 
 def lumped_mass_kg(space: Any, mass_per_measure: float) -> Array:
     """(nodes,): the integral of each shape function.  For quadratic cells on a rectangular grid
-    this is the mass collocated at the Gauss-Lobatto points: positive and of full order."""
+    this is the mass collocated at the Gauss-Lobatto points: positive."""
     ones = ufl.as_vector([1.0, 1.0, 1.0])
     integral = mass_per_measure * ufl.inner(ones, ufl.TestFunction(space)) * ufl.dx
     mass: Array = fem.assemble_vector(form(integral)).array[::3].copy()

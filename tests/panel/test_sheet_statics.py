@@ -46,7 +46,7 @@ def test_clamped_elastica(closing, height, over_critical):
     """A slack panel without weight: height and end force of the inextensible clamped elastica
     (elliptic integrals; A. E. H. Love, Mathematical Theory of Elasticity, art. 263), ends moved
     together by D = closing L.  1 %; the critical force 4 pi^2 D b / L^2 with the plate's D, as the
-    strip is wide.  48 cells: 24 lock by 8 % in force (3 % at t = 2 mm)."""
+    strip is wide.  48 cells: 24 lock by 8 % in force (2 % at t = 2 mm)."""
     length, thickness, width = 0.3, 0.001, 0.4
     panel = opened(
         length_m=length,
