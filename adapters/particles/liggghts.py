@@ -7,8 +7,9 @@ Contacts between particles are LIGGGHTS's own; those with the surface are found 
 
 from __future__ import annotations
 
-import tempfile
+from contextlib import ExitStack
 from pathlib import Path as FilePath
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -84,28 +85,28 @@ class Liggghts:
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
         self._comm: Any = plan.communicator or MPI.COMM_SELF
-        self._scratch: tempfile.TemporaryDirectory[str] | None = None
         self._ledger = Ledger(plan, self._comm)
         self._created = 0
         self._unprepared = False
         self._steps_since_removal = 0
+        with ExitStack() as opened:
+            # LIGGGHTS's log goes to the plan's folder, or to one that goes with the solver
+            folder = plan.folder or FilePath(
+                opened.enter_context(TemporaryDirectory(prefix="flipflow_liggghts_"))
+            )
+            folder.mkdir(parents=True, exist_ok=True)
+            self._launch(folder)
+            self._check(0.0)
+            self._ledger.open(self._engine)
+            self._opened = opened.pop_all()
+
+    def _launch(self, folder: FilePath) -> None:
         try:
-            self._engine = start(plan, self._comm, self._folder())
-            self._create(plan.particles)
+            self._engine = start(self._plan, self._comm, folder)
+            self._create(self._plan.particles)
             self._engine.command(FIRST_EVALUATION)
         except RuntimeError as error:
-            self._clean()
             raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
-        self._check(0.0)
-        self._ledger.open(self._engine)
-
-    def _folder(self) -> FilePath:
-        """Where LIGGGHTS writes its log: the plan's folder, or one that goes with the solver."""
-        if self._plan.folder is not None:
-            self._plan.folder.mkdir(parents=True, exist_ok=True)
-            return self._plan.folder
-        self._scratch = tempfile.TemporaryDirectory(prefix="flipflow_liggghts_")
-        return FilePath(self._scratch.name)
 
     def _create(self, new: ParticleList) -> None:
         create(self._engine, new, self._created + 1)
@@ -175,11 +176,7 @@ class Liggghts:
 
     def close(self) -> None:
         del self._engine
-        self._clean()
-
-    def _clean(self) -> None:
-        if self._scratch is not None:
-            self._scratch.cleanup()
+        self._opened.close()
 
     def _summed(self, by_point: Array) -> Array:
         self._comm.Allreduce(MPI.IN_PLACE, by_point)

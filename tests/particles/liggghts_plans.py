@@ -77,12 +77,14 @@ def still(surface: TriangleSurface) -> Motion:
     return Motion(surface.position_m.copy(), np.zeros_like(surface.position_m))
 
 
-def travel(solver: Particles, motion_at: Any, intervals: range) -> list[Array]:
+def travel(
+    solver: Particles, motion_at: Any, intervals: range, length_s: float = INTERVAL_S
+) -> list[Array]:
     """Advance through ``intervals`` with the surface at ``motion_at(time_s)``; the total force on
     the surface in each."""
     forces = []
     for index in intervals:
-        interval = Interval(index, INTERVAL_S)
-        path = Path(motion_at(interval.start_s), motion_at(interval.end_s), INTERVAL_S)
+        interval = Interval(index, length_s)
+        path = Path(motion_at(interval.start_s), motion_at(interval.end_s), length_s)
         forces.append(solver.advance(interval, path).force_N.sum(axis=0))
     return forces

@@ -58,16 +58,15 @@ def test_oblique_impact_equals_the_stock_plane(opened, speed_x, tmp_path):
 
 @pytest.mark.parametrize("restitution", [0.2, 0.5, 0.9, 1.0])
 def test_restitution_as_set(opened, restitution):
-    # LIGGGHTS's damping gives e exactly for a Hertz contact that ends where its force changes
-    # sign; it goes on to zero overlap, hence up to 2 % less at small e
-    # (Tsuji et al. 1992, doi 10.1016/0032-5910(92)88030-L)
+    # damping after Tsuji et al. 1992, doi 10.1016/0032-5910(92)88030-L, chosen for constant e;
+    # the contact ends at zero overlap after a short pull: measured 0.6 % below e at e = 0.2
     solver = opened(impact((0.0, 0.0, -1.0), restitution=restitution))
     travel(solver, lambda t: still(flat()), range(8))
-    assert solver.arrays()["v"][0, 2] == pytest.approx(restitution, rel=0.02)
+    assert solver.arrays()["v"][0, 2] == pytest.approx(restitution, rel=0.01)
 
 
 @pytest.mark.parametrize(
-    ("youngs_Pa", "poisson", "density", "overlap_m", "force_N", "time_s"),
+    ("youngs_Pa", "poisson", "density", "overlap_m", "peak_N", "time_s"),
     [
         (70e9, 0.30, 2699.0, 49.717e-6, 11370.0, 731.7e-6),
         (40e9, 0.35, 1800.0, 52.123e-6, 7232.7, 767.1e-6),
@@ -75,32 +74,31 @@ def test_restitution_as_set(opened, restitution):
     ids=["aluminium alloy", "magnesium alloy"],
 )
 def test_elastic_impact_on_a_rigid_plane(
-    opened, youngs_Pa, poisson, density, overlap_m, force_N, time_s
+    opened, youngs_Pa, poisson, density, overlap_m, peak_N, time_s
 ):
     # Chung & Ooi 2011, doi 10.1007/s10035-011-0277-0, test 2: r = 0.1 m at 0.2 m/s, Hertz's
-    # closed form; the plane's E is 1e6 times larger instead of infinite; mean force of 2 us
-    # intervals, impact time between first and last interval with force
-    particles = spheres([0.0, 0.0, 0.1], (0.0, 0.0, -0.2), 0.2, density)
+    # closed form; the plane's E is 1e6 times larger instead of infinite.  Means over 2 us are
+    # 1e-5 below the peak, the published figures have five digits: 1e-4; the end to one interval.
+    rigid = GrainMaterial("rigid", youngs_Pa * 1e6, 0.3)
     plan = make_plan(
         flat(0.2, 10),
-        particles,
-        materials=(
-            GrainMaterial("alloy", youngs_Pa, poisson),
-            GrainMaterial("rigid", youngs_Pa * 1e6, 0.3),
-        ),
+        spheres([0.0, 0.0, 0.1], (0.0, 0.0, -0.2), 0.2, density),
+        materials=(GrainMaterial("alloy", youngs_Pa, poisson), rigid),
         domain_m=np.array([[-0.5] * 3, [0.5] * 3]),
         step_s=2e-7,
     )
-    solver = opened(plan)
-    forces, heights = [], []
-    for index in range(17):
-        forces += travel(solver, lambda t: still(plan.surface), range(index, index + 1))
-        heights.append(solver.arrays()["x"][0, 2])
-    assert -np.array(forces)[:, 2].max() <= 0
-    assert np.max(-np.array(forces)[:, 2]) == pytest.approx(force_N, rel=5e-3)
-    assert 0.1 - min(heights) == pytest.approx(overlap_m, rel=5e-3)
-    impulse = np.array(forces).sum(axis=0) * 5e-5
-    assert impulse[2] == pytest.approx(-2 * np.pi / 6 * 0.2**3 * density * 0.2, rel=1e-5)
+    solver, length_s = opened(plan), 2e-6
+    pushes_N, heights_m = [], []
+    for index in range(400):
+        once = range(index, index + 1)
+        (force_N,) = travel(solver, lambda t: still(plan.surface), once, length_s)
+        pushes_N.append(-force_N[2])
+        heights_m.append(solver.arrays()["x"][0, 2])
+    assert max(pushes_N) == pytest.approx(peak_N, rel=1e-4)
+    assert 0.1 - min(heights_m) == pytest.approx(overlap_m, rel=1e-4)
+    assert np.count_nonzero(pushes_N) * length_s == pytest.approx(time_s, abs=length_s)
+    momentum_N_s = np.pi / 6 * 0.2**3 * density * 0.2
+    assert sum(pushes_N) * length_s == pytest.approx(2 * momentum_N_s, rel=1e-5)
     assert solver.arrays()["v"][0, 2] == pytest.approx(0.2, rel=1e-5)
 
 

@@ -1,10 +1,12 @@
 """Errors of LIGGGHTS become Python exceptions, and the process lives on."""
 
 from contextlib import closing
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from orchestrator.geometry import TriangleSurface
 from orchestrator.plans import SolverFailed
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
@@ -27,6 +29,22 @@ def test_a_refused_input_names_the_reason():
     with pytest.raises(SolverFailed, match="coefficientRestitution"):
         liggghts.build(falling(restitution=1.5))
     assert works()
+
+
+def test_a_triangle_without_its_point_is_refused():
+    surface = flat()
+    surface.triangles[3, 1] = len(surface.position_m)
+    with pytest.raises(ValueError, match="triangle 3"):
+        liggghts.build(replace(falling(), surface=surface, folder=None))
+    assert works()
+
+
+def test_without_triangles_particles_fly_freely():
+    nothing = TriangleSurface(np.zeros((0, 3)), np.zeros((0, 3), np.int64), np.zeros(0, np.int64))
+    with closing(liggghts.build(replace(falling(), surface=nothing))) as solver:
+        solver.arrays()["v"][0, 2] = -1.0
+        travel(solver, lambda t: still(nothing), range(4))
+        assert solver.snapshot().position_m[0, 2] == pytest.approx(0.01 - 2e-4, rel=1e-12)
 
 
 def test_a_bad_command_is_an_exception():

@@ -52,7 +52,11 @@ void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
   std::vector<double> points(position_m.data(), position_m.data() + position_m.size());
   std::vector<flipflow::Triangle> corners(triangles.shape(0));
   for (size_t t = 0; t < corners.size(); ++t)
-    for (int k = 0; k < 3; ++k) corners[t][k] = triangles.at(t, k);
+    for (int k = 0; k < 3; ++k) {
+      corners[t][k] = triangles.at(t, k);
+      if (corners[t][k] < 0 || corners[t][k] >= position_m.shape(0))
+        throw py::value_error("triangle " + std::to_string(t) + " names a point that is not there");
+    }
   engine.surface().set_surface(flipflow::SurfacePath(std::move(points)), std::move(corners),
                                {type.data(), type.data() + type.size()}, largest_radius_m,
                                tangential_spring);

@@ -52,6 +52,8 @@ void TriangleGrid::each_cell(const Box &box, Visit visit) const {
 
 void TriangleGrid::build(const SurfacePath &surface, const std::vector<Triangle> &triangles,
                          double reach_m) {
+  std::fill_n(count_, 3, 0);
+  if (triangles.empty()) return;
   lay_out(surface.positions(), triangles.size(), reach_m);
   first_.assign(static_cast<size_t>(count_[0]) * count_[1] * count_[2] + 1, 0);
   std::vector<Box> boxes(triangles.size());
