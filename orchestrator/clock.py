@@ -9,8 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 
+@cache
 def exact(value_s: float) -> Fraction:
     """The decimal number a user wrote: 1e-4 is 1/10000 exactly."""
     return Fraction(repr(float(value_s)))
@@ -36,6 +38,7 @@ class Interval:
         return steps_in(self.length_s, largest_step_s)
 
 
+@cache
 def steps_in(length_s: float, largest_step_s: float) -> int:
     """The fewest whole steps of at most ``largest_step_s`` (> 0) that fill ``length_s``."""
     if largest_step_s <= 0:
