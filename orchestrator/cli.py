@@ -100,6 +100,20 @@ def list_cases(
         console.print(line)
 
 
+@app.command()
+def bench(
+    case: CasePath,
+    level: Level = None,
+    intervals: Annotated[int, typer.Option(help="sync intervals to time")] = 2000,
+    overrides: Overrides = None,
+) -> None:
+    """Time a case against its particles alone on a rigid, still surface."""
+    from orchestrator.bench import bench as timed
+    from orchestrator.levels import load
+
+    Console().print(timed(load(case, level, overrides or []), intervals))
+
+
 def main() -> None:
     """The entry point ``flipflow``."""
     app()
