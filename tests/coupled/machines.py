@@ -1,0 +1,76 @@
+"""Coupled machines for the tests of the whole chain: a case as text, opened, and run by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from orchestrator import coupling
+from orchestrator.build import build
+from orchestrator.clock import Interval
+from orchestrator.coupling import State
+from orchestrator.ledger import Ledger
+from orchestrator.levels import LoadedCase, load
+from orchestrator.machine import Machine
+from orchestrator.ports import ParticleSnapshot
+from orchestrator.stopwatch import Stopwatch
+
+
+@dataclass
+class Coupled:
+    """An open machine with its books, at a sync point."""
+
+    machine: Machine
+    interval_s: float
+    state: State
+    ledger: Ledger
+    done: int = 0
+
+    def advance(self, intervals: int) -> State:
+        """The state ``intervals`` later."""
+        for _ in range(intervals):
+            self.state = self.machine.scheme.advance(
+                self.machine.solvers, self._interval(), self.state
+            )
+            self.done += 1
+        return self.state
+
+    def _interval(self) -> Interval:
+        return Interval(self.done, self.interval_s)
+
+    def particles(self) -> ParticleSnapshot:
+        assert self.machine.solvers.particles is not None
+        return self.machine.solvers.particles.snapshot()
+
+    def momentum_residual(self) -> dict[str, float]:
+        return self.ledger.momentum_residual(
+            self.machine.scheme.pending(self.state, self._interval())
+        )
+
+    def energy_J(self, book: str = "") -> dict[str, float]:
+        """The ledger's terms, or those of one ``book`` ("stored", "lost", "created" ...)."""
+        return {
+            name: value for name, value in self.ledger.energy_J().items() if name.startswith(book)
+        }
+
+
+def written(folder: Path, case: str, overrides: Sequence[str] = ()) -> LoadedCase:
+    """The case of the text ``case`` with some keys changed, loaded but not checked."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "case.toml").write_text(case)
+    return load(folder, None, overrides)
+
+
+@contextmanager
+def opened(loaded: LoadedCase) -> Iterator[Coupled]:
+    """The machine of a case, before anything has moved."""
+    machine = build(loaded, loaded.folder, None, Stopwatch())
+    try:
+        interval_s = loaded.case.coupling.sync_interval_s
+        state = coupling.initial(machine.solvers)
+        pending = machine.scheme.pending(state, Interval(0, interval_s))
+        yield Coupled(machine, interval_s, state, Ledger(machine.members, pending))
+    finally:
+        machine.close()
