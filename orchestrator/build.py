@@ -1,16 +1,13 @@
-"""From a case to a machine of open solvers.
-
-Adapters are imported here, by name, when a case calls for them: what is absent costs nothing.
-"""
+"""From a case to a machine of open solvers."""
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
+from orchestrator import adapter
 from orchestrator.case import Case
 from orchestrator.coupling import SCHEMES, Solvers
 from orchestrator.geometry import TriangleSurface
@@ -36,7 +33,7 @@ from orchestrator.stopwatch import Stopwatch
 def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
     """Opens every solver the case calls for.  ``world``: MPI communicator or None.
 
-    Raises SolverMissing, SolverFailed, and ValueError for a step above a solver's limit.
+    Raises SolverMissing, SolverFailed, and CaseError where a solver refuses the case.
     """
     case = loaded.case
     panels = panel_pieces(case, folder, stopwatch)
@@ -79,8 +76,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
     def opened() -> Frames:
-        name = case.frames.solver.replace("-", "_")
-        return cast(Frames, import_module(f"adapters.frames.{name}").build(plan))
+        return cast(Frames, adapter.opened("frames", case.frames.solver, plan))
 
     return opened() if world is None else FramesOnFirstRank(world, opened)
 
@@ -92,7 +88,7 @@ def _particles(
     if plan is None:
         return None
     solver = case.particles.solver
-    opened = cast(Particles, import_module(f"adapters.particles.{solver}").build(plan))
+    opened = cast(Particles, adapter.opened("particles", solver, plan))
     return MeteredParticles(opened, f"particles ({solver})", stopwatch)
 
 

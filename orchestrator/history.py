@@ -21,7 +21,7 @@ class History:
     """Rows are gathered in memory and appended in blocks; ``flush`` writes what is there."""
 
     def __init__(self, path: Path) -> None:
-        self._file = h5py.File(path, "w")
+        self._file = h5py.File(path, "w", locking=False)  # may be read meanwhile
         self._rows: dict[str, list[dict[str, Array]]] = {}
         self._units: dict[str, str] = {}
 

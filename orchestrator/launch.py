@@ -7,6 +7,7 @@ missing, 4 a solver failed or the run became unstable or its results could not b
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,25 +25,33 @@ from orchestrator.run_folder import LOG, FolderUnusable
 from orchestrator.watch import Interrupted
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
+AT_ONCE = 128 + signal.SIGINT
 
 
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
     """Runs a case on every rank; returns the exit code."""
     world = ranks.communicator()
-    console = Console(stderr=True, quiet=not ranks.is_first(world), highlight=False)
+    first = ranks.is_first(world)
+    console = _console(quiet=not first)
     try:
         loaded = load(path, level, overrides)
         if found := mistakes(loaded):
             raise CaseError(found)
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
     except (CaseError, FolderUnusable) as error:
-        console.print(str(error), markup=False, soft_wrap=True)
-        return WRONG
-    console.print(f"running {loaded.name} {loaded.level} into {folder}", markup=False)
-    for line in [*warnings(loaded), *(f"left out: {why}" for why in loaded.left_out.values())]:
-        LOG.warning(line)
-        console.print(f"warning: {line}", markup=False, soft_wrap=True)
-    return _guarded(Run(loaded, folder, world, console), folder, world, console)
+        wrong = str(error)
+        return ranks.in_turn(world, lambda: _console().print(wrong), WRONG)
+    with run_folder.logging_to(folder, first):
+        LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
+        console.print(f"running {loaded.name} {loaded.level} into {folder}")
+        for line in [*warnings(loaded), *(f"left out: {why}" for why in loaded.left_out.values())]:
+            LOG.warning(line)
+            console.print(f"warning: {line}")
+        return _guarded(Run(loaded, folder, world, console), folder, world, console)
+
+
+def _console(quiet: bool = False) -> Console:
+    return Console(stderr=True, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
 
 
 def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
@@ -51,14 +60,18 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
         run.go()
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
+    except CaseError as error:
+        return _ended(run, WRONG, "refused", str(error), folder, world)
     except SolverMissing as error:
-        return _failed(run, MISSING, str(error), folder, world)
+        return _ended(run, MISSING, "refused", str(error), folder, world)
     except (SolverFailed, OSError, MemoryError) as error:
-        return _failed(run, FAILED, str(error), folder, world)
+        return _ended(run, FAILED, "failed", str(error), folder, world)
+    except KeyboardInterrupt:
+        return _ended(run, AT_ONCE, "interrupted", "stopped at once", folder, world)
     except Exception as error:
         LOG.exception("a mistake in flipflow")
         reason = f"a mistake in flipflow: {type(error).__name__}: {error}"
-        return _failed(run, BROKEN, reason, folder, world)
+        return _ended(run, BROKEN, "failed", reason, folder, world)
     else:
         code, status, reason = DONE, "done", ""
     if ranks.is_first(world):
@@ -66,19 +79,29 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     return code
 
 
-def _failed(run: Run, code: int, reason: str, folder: Path, world: Any) -> int:
-    """The first rank to fail speaks and ends all of them, wherever they wait."""
-    if not run_folder.claimed(folder / "failure.txt", reason):
+def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
+    """The first rank to fail speaks and ends all of them, wherever they wait.  What was refused
+    before anything was computed leaves no folder."""
+    if not run_folder.claimed(folder / "failure.txt", reason, world.rank if world else 0):
         time.sleep(10)  # the rank that speaks is about to end this one, too
     else:
         LOG.error(reason)
-        console = Console(stderr=True, highlight=False)
-        logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
-        console.print(f"{reason}\nlogs: {logs}", markup=False, soft_wrap=True)
-        run.finish("failed", reason)
-    if world is not None:
-        world.Abort(code)
-    return code
+        console = _console()
+        console.print(reason)
+        if status == "refused":
+            run_folder.discard(folder)
+        else:
+            _leave_usable(run, status, reason, folder, console)
+    return ranks.end_all(world, code)
+
+
+def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:
+    logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
+    console.print(f"logs: {logs}" if logs else f"{folder} has gone")
+    try:
+        run.finish(status, reason)
+    except OSError as error:
+        console.print(f"no summary: {error}")
 
 
 def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
@@ -87,7 +110,7 @@ def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
         console.print(summary.closing_table(figures))
         for line in summary.closing_lines(figures):
             LOG.info(line)
-            console.print(line, markup=False)
+            console.print(line)
     else:
-        console.print(figures["reason"], markup=False)
-    console.print(f"results in {folder}", markup=False)
+        console.print(figures["reason"])
+    console.print(f"results in {folder}")

@@ -29,16 +29,29 @@ from orchestrator.ports import (
 from orchestrator.stopwatch import Stopwatch
 
 
+class MemberFailed(SolverFailed):
+    """A failure that says which member failed, and when."""
+
+
 @contextmanager
-def named(member: str, interval: Interval) -> Iterator[None]:
-    """A failure inside says which member failed, and when."""
+def named(member: str, interval: Interval | None) -> Iterator[None]:
+    """A failure inside says which member failed, and when (None: at the start); said once, by
+    the innermost of nested members."""
     try:
         yield
+    except MemberFailed:
+        raise
     except (SolverFailed, BrokenRecord, FloatingPointError) as error:
-        raise SolverFailed(
-            f"{member} failed between t = {interval.start_s:.6g} s and "
-            f"{interval.end_s:.6g} s (sync interval {interval.index}): {error}"
-        ) from error
+        raise MemberFailed(f"{member} failed {_when(interval)}: {error}") from error
+
+
+def _when(interval: Interval | None) -> str:
+    if interval is None:
+        return "at t = 0 s"
+    return (
+        f"between t = {interval.start_s:.6g} s and {interval.end_s:.6g} s "
+        f"(sync interval {interval.index})"
+    )
 
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
@@ -54,7 +67,8 @@ class MeteredFrames:
         self.received_N_s: Array = np.zeros(3)
 
     def initial(self) -> Motion:
-        return self._frames.initial()
+        with named(self._name, None):
+            return self._frames.initial()
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
@@ -78,7 +92,8 @@ class MeteredPanel:
         self.given_N_s: Array = np.zeros(3)
 
     def initial(self) -> PanelState:
-        return self._panel.initial()
+        with named(self._name, None):
+            return self._panel.initial()
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         with self._stopwatch(self._part), named(self._name, interval):
@@ -102,7 +117,8 @@ class MeteredParticles:
         self.given_N_s: Array = np.zeros(3)
 
     def initial(self) -> Load:
-        return self._particles.initial()
+        with named(self._name, None):
+            return self._particles.initial()
 
     def advance(self, interval: Interval, path: Path) -> Load:
         with self._stopwatch("particles"), named(self._name, interval):

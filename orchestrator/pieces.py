@@ -14,6 +14,7 @@ from typing import cast
 
 import numpy as np
 
+from orchestrator import adapter
 from orchestrator.case import Case
 from orchestrator.deck import Wall, single_panels, to_world, walls
 from orchestrator.mapping import Mapped, grid
@@ -62,10 +63,10 @@ def _panel(case: Case, plan: PanelPlan, material: str, stopwatch: Stopwatch) -> 
     coordinates = np.vstack([touched.coordinates_m, *at.values()])
     solver = case.panel.solver
     # on every rank, also on those that will own no panel: PETSc starts up collectively
-    adapter = import_module(f"adapters.panel.{solver}")
+    adapter.imported("panel", solver)
 
     def opened() -> Panel:
-        own = cast(MeshedPanel, adapter.build(plan))
+        own = cast(MeshedPanel, adapter.opened("panel", solver, plan))
         metered = MeteredPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
         return Mapped(metered, own.interpolation(coordinates))
 

@@ -9,6 +9,7 @@ waiting for it in a collective call.
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
@@ -47,6 +48,23 @@ def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
     if isinstance(answer, Exception):
         raise answer
     return cast(Shared, answer)
+
+
+def end_all(world: Any, code: int) -> int:
+    """Ends every rank, wherever it waits, with the exit code ``code``; returns it where there is
+    only one."""
+    if world is not None:
+        world.Abort(code)
+    return code
+
+
+def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
+    """For what usually goes wrong on all ranks alike: the first speaks and ends all; another one
+    speaks only if nobody before it did."""
+    if world is not None:
+        time.sleep(2.0 * world.rank)
+    speak()
+    return end_all(world, code)
 
 
 class FramesOnFirstRank:

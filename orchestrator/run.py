@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,7 @@ from orchestrator.coupling import State, initial
 from orchestrator.ledger import Ledger
 from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine
+from orchestrator.metered import named
 from orchestrator.recorder import Recorder
 from orchestrator.run_folder import LOG, write_json
 from orchestrator.stopwatch import Stopwatch
@@ -39,24 +42,25 @@ class Run:
         self._done: dict[str, Any] = {"sync_intervals": 0, "simulated_s": 0.0, "particles": 0}
 
     def go(self) -> None:
-        """Runs to the end.  Raises SolverMissing, SolverFailed, OSError or Interrupted, with
-        everything written up to the last output time."""
-        with self._stopwatch("rest"):
+        """Runs to the end.  Raises CaseError or SolverMissing before anything is computed;
+        SolverFailed, OSError or Interrupted with everything written up to the last output time.
+        """
+        with self._stopwatch("rest"), Stop().listening() as stop:
             machine = build(self._loaded, self._folder, self._world, self._stopwatch)
             LOG.info("all solvers are open after %.1f s", time.perf_counter() - self._started)
             try:
-                self._coupled(machine)
+                self._coupled(machine, stop)
             finally:
                 machine.close()
 
-    def _coupled(self, machine: Machine) -> None:
+    def _coupled(self, machine: Machine, stop: Stop) -> None:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
         recorder = Recorder(self._folder, machine, ledger, state, self._world)
         interrupted = None
         try:
             self._record(recorder, state, 0)
-            state = self._loop(machine, recorder, state)
+            state = self._loop(machine, recorder, state, stop)
         except Interrupted as stopped:
             interrupted, state = stopped, stopped.state
         finally:
@@ -69,11 +73,11 @@ class Run:
         if interrupted:
             raise interrupted
 
-    def _loop(self, machine: Machine, recorder: Recorder, state: State) -> State:
-        stop = Stop()
-        with stop.listening(), Say(self._intervals, self._interval_s, self._console) as say:
+    def _loop(self, machine: Machine, recorder: Recorder, state: State, stop: Stop) -> State:
+        with Say(self._intervals, self._interval_s, self._console) as say:
             for interval in intervals(self._case.duration_s, self._interval_s):
-                state = machine.scheme.advance(machine.solvers, interval, state)
+                with named("the coupling", interval):
+                    state = machine.scheme.advance(machine.solvers, interval, state)
                 check_stable(state, interval.end_s)
                 self._record(recorder, state, interval.index + 1)
                 say.done(interval.index + 1)
@@ -83,7 +87,7 @@ class Run:
     def _record(self, recorder: Recorder, state: State, done: int) -> None:
         """Sync point ``done``; an output time every ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
-        with self._stopwatch("output"):
+        with self._stopwatch("output"), written(time_s):
             recorder.sync_point(time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 self._done["particles"] = recorder.output(time_s, state)
@@ -115,13 +119,21 @@ class Run:
             "particle_steps_per_s": rate,
             **self._done,
         }
-        history = self._folder / "history.h5"
         if figures["sync_intervals"]:
-            figures["probes"] = summary.probes(history, figures["cycle_s"])
+            figures["probes"] = summary.probes(self._folder / "history.h5", figures["cycle_s"])
         write_json(self._folder / "summary.json", figures)
         if self._case.output.pictures and figures["sync_intervals"]:
             draw(self._folder)
         return figures
+
+
+@contextmanager
+def written(time_s: float) -> Iterator[None]:
+    """An error of the disk inside says when it came."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"the results at t = {time_s:.6g} s cannot be written: {error}") from error
 
 
 def draw(folder: Path) -> None:

@@ -10,6 +10,9 @@ import shutil
 import socket
 import subprocess
 import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -28,29 +31,40 @@ class FolderUnusable(Exception):
 
 def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
     """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
-    that can be run again), the provenance and the log."""
+    that can be run again) and the provenance.  Raises FolderUnusable."""
     folder = make(out or fresh_name(Path("runs"), loaded.name))
+    try:
+        _fill(folder, loaded, world.size if world else 1)
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be written: {error.strerror}") from None
+    return folder
+
+
+def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
     table = loaded.case.model_dump(mode="json", exclude_none=True)
     (folder / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
     for surface in loaded.case.screen.surfaces.values():
         (folder / surface.stl).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(loaded.folder / surface.stl, folder / surface.stl)
-    write_json(folder / "provenance.json", provenance(world.size if world else 1))
-    log_to(folder)
-    LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
-    return folder
+    write_json(folder / "provenance.json", provenance(ranks))
 
 
-def claimed(path: Path, text: str) -> bool:
-    """Writes ``path`` if nobody did before; False for everybody but the first."""
+def claimed(path: Path, text: str, rank: int) -> bool:
+    """Writes ``path`` if nobody did before; False for everybody but the first.  Where nobody can
+    write, ranks that wait in turn for the lower ones to act are all first."""
     try:
         with path.open("x") as file:
             file.write(text + "\n")
     except FileExistsError:
         return False
     except OSError:  # a full disk must not silence the message
-        return True
+        time.sleep(2.0 * rank)
     return True
+
+
+def discard(folder: Path) -> None:
+    """Removes a run's folder in which nothing has been computed."""
+    shutil.rmtree(folder, ignore_errors=True)
 
 
 def make(folder: Path) -> Path:
@@ -75,14 +89,20 @@ def fresh_name(parent: Path, case: str) -> Path:
     return parent / f"{case}-{number}"
 
 
-def log_to(folder: Path) -> logging.Handler:
-    """``run.log`` with times; returns the handler so that it can be taken off again."""
-    handler = logging.FileHandler(folder / "run.log")
+@contextmanager
+def logging_to(folder: Path, first: bool) -> Iterator[None]:
+    """``run.log`` with times; of ranks other than the first it has errors only."""
+    handler = logging.FileHandler(folder / "run.log", delay=True)
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
-    LOG.setLevel(logging.INFO)
+    LOG.setLevel(logging.INFO if first else logging.ERROR)
     LOG.propagate = False  # the console has its own words
-    return handler
+    logging.raiseExceptions = False  # a log that cannot be written must not stop the run
+    try:
+        yield
+    finally:
+        LOG.removeHandler(handler)
+        handler.close()
 
 
 def provenance(ranks: int) -> dict[str, Any]:

@@ -31,7 +31,7 @@ class Interrupted(Exception):
 
 
 class Stop:
-    """Remembers SIGINT and SIGTERM until the next sync point."""
+    """Remembers SIGINT and SIGTERM until the next sync point; the second one does not wait."""
 
     def __init__(self) -> None:
         self.signal: int | None = None

@@ -1,0 +1,30 @@
+"""Adapters by name: imported when a case calls for them, so that what is absent costs nothing."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from orchestrator.case_errors import CaseError, Mistake
+from orchestrator.metered import named
+
+
+def imported(port: str, solver: str) -> ModuleType:
+    """The module adapters.<port>.<solver>.  Raises SolverMissing."""
+    return import_module(f"adapters.{port}.{solver.replace('-', '_')}")
+
+
+def opened(port: str, solver: str, plan: Any) -> Any:
+    """The open solver of ``plan``.
+
+    Raises SolverMissing, SolverFailed, and CaseError where the adapter refuses the plan with a
+    ValueError, for example a step above its limit.
+    """
+    build = imported(port, solver).build
+    try:
+        with named(f"{port} ({solver})", None):
+            return build(plan)
+    except ValueError as error:
+        refusal = Mistake((port,), f"{solver} cannot take this case", str(error))
+        raise CaseError([refusal]) from error
