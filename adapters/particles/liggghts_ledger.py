@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
 
 
+NAMES = ("kinetic", "gravitational", "contact_elastic")
+
+
 class Ledger:
     """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
 
@@ -67,11 +70,8 @@ class Ledger:
             momentum_kg_m_s=self._comm.allreduce(mine["rmass"] @ mine["v"]),
             outside_impulse_N_s=self._impulse_N_s.copy(),
             stored_J=stored_J,
-            lost_J={
-                "contact_dissipation": work_J + self._fed_J - self._removed_J - gained_J,
-                "removed": self._removed_J,
-            },
-            supplied_J={"feed": self._fed_J},
+            lost_J={"contact_dissipation": work_J + self._fed_J - self._removed_J - gained_J},
+            supplied_J={"feed": self._fed_J, "removal": -self._removed_J},
             received_J={"surface": work_J},
         )
 
@@ -84,7 +84,7 @@ class Ledger:
             self._e_star_Pa, self._g_star_Pa, self._tangential_spring
         )
         sums = self._comm.allreduce(np.array([kinetic_J, potential_J, elastic_J]))
-        return dict(zip(("kinetic", "gravitational", "elastic"), map(float, sums), strict=True))
+        return dict(zip(NAMES, map(float, sums), strict=True))
 
     def _motion_J(
         self, mass_kg: Array, x_m: Array, v_m_s: Array, spin_rad_s: Array, radius_m: Array

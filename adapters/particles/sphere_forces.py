@@ -45,6 +45,13 @@ class Forces:
         slip_m_s = self.touching.slip_m_s(velocity_m_s, spin_rad_s, self.surface_m_s)
         return replace(self, damping_W=-float(np.vdot(self.damping_N, slip_m_s)))
 
+    def spent_J(self, jump_m: Array) -> float:
+        """Work that dampers and tangential springs do when the surface points jump by ``jump_m``
+        (points, 3): neither notices, so it is stored nowhere."""
+        pairs = self.touching.pairs
+        unaware_N = self.damping_N - self.tangential_N_m[:, None] * self.shear_m
+        return float(np.vdot(unaware_N[pairs:], self.touching.at_contacts(jump_m)))
+
     def renumbered(self, row: Indices, spheres: int) -> Forces:
         """With sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
         kept, contacts = self.touching.renumbered(row)

@@ -54,6 +54,7 @@ class SpheresSolver:
     def advance(self, interval: Interval, path: Path) -> Load:
         counted("particles' surface", path.end, len(self._surface_m))
         self._feed(interval)
+        self._lost_J += self._now.spent_J(path.start.position_m - self._surface_m)
         self._surface_to(path.start.position_m, self._now)
         steps, start_s = interval.steps(self._plan.step_s), interval.start_s
         step_s = interval.length_s / steps

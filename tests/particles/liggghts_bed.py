@@ -96,7 +96,7 @@ def main() -> None:
             "stored": list(account.stored_J.values()),
             "work": account.received_J["surface"],
             "supplied": account.supplied_J["feed"],
-            "removed": account.lost_J["removed"],
+            "removed": account.supplied_J["removal"],
             "ids": snapshot.id.tolist(),
             "owned": owned,
         }

@@ -18,7 +18,7 @@ boundary        m m m           # grows with the particles: none can be lost uns
 hard_particles  yes
 region          box block -0.105 0.105 -0.105 0.105 -0.105 0.105 units box
 create_box      2 box
-neighbor        0.0005 bin
+neighbor        0.0015 bin
 neigh_modify    delay 0
 
 fix youngs      all property/global youngsModulus peratomtype 2000000000.0 30000000.0

@@ -14,6 +14,7 @@
 #include "integrate.h"
 #include "lammps.h"
 #include "modify.h"
+#include "neighbor.h"
 #include "update.h"
 
 namespace flipflow {
@@ -70,6 +71,10 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   for (std::string &word : words) arguments.push_back(word.data());
   const QuietErrors quiet;
   lammps_ = new LAMMPS(static_cast<int>(arguments.size()), arguments.data(), communicator);
+  // LIGGGHTS forgets the tangential spring of a pair that has parted only while the pair is within
+  // this factor of its contact distance; without it a pair that meets again before the next
+  // neighbour list starts with the old spring.
+  lammps_->neighbor->register_contact_dist_factor(1.05);
   (*(lammps_->modify->*style_table()))["wall/gran/flipflow"] = &create_surface;
 }
 
