@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from orchestrator.full_disk import Reserved
 from orchestrator.ports import Array
 
 ROWS_IN_MEMORY = 500
@@ -21,7 +22,8 @@ class History:
     """Rows are gathered in memory and appended in blocks; ``flush`` writes what is there."""
 
     def __init__(self, path: Path) -> None:
-        self._file = h5py.File(path, "w", locking=False)  # may be read meanwhile
+        self._disk = Reserved(path)
+        self._file = h5py.File(self._disk, "w")
         self._rows: dict[str, list[dict[str, Array]]] = {}
         self._units: dict[str, str] = {}
 
@@ -38,13 +40,17 @@ class History:
             self._append(group)
 
     def flush(self) -> None:
+        """Raises OSError when the disk is full; all that was added until then is kept."""
         for group in self._rows:
             self._append(group)
         self._file.flush()
+        self._disk.check()
 
     def close(self) -> None:
-        self.flush()
+        for group in self._rows:
+            self._append(group)
         self._file.close()
+        self._disk.close()
 
     def _append(self, group: str) -> None:
         rows, self._rows[group] = self._rows[group], []

@@ -65,7 +65,7 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     except SolverMissing as error:
         return _ended(run, MISSING, "refused", str(error), folder, world)
     except (SolverFailed, OSError, MemoryError) as error:
-        return _ended(run, FAILED, "failed", str(error), folder, world)
+        return _ended(run, FAILED, "failed", str(error) or "out of memory", folder, world)
     except KeyboardInterrupt:
         return _ended(run, AT_ONCE, "interrupted", "stopped at once", folder, world)
     except Exception as error:

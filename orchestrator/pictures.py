@@ -19,99 +19,110 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.colors import Normalize
 
+from orchestrator.rendering import deck
+
 AXES = "xyz"
-VIEW = (0.35, -1.0, 0.55)  # from the side and above
+COLUMNS = 4  # panels side by side in a picture
 
 
 def frame_motion(history: Any, cycle_s: float, path: Path) -> None:
     """Displacement of every frame's centre of mass over time, and its orbit in the last cycle."""
     names = list(history["frames"])
-    figure, axes = plt.subplots(
-        len(names), 2, figsize=(11, 3.2 * len(names)), width_ratios=(3, 1), squeeze=False
-    )
+    figure, axes = _axes(len(names), 2, (11, 3.2 * len(names)), width_ratios=(3, 1))
     for (series, orbit), name in zip(axes, names, strict=True):
         time = history[f"frames/{name}/time_s"][:]
         moved = 1e3 * history[f"frames/{name}/displacement_m"][:]
         for axis in range(3):
             series.plot(time, moved[:, axis], label=AXES[axis], lw=1)
-        last = time >= time[-1] - cycle_s
-        orbit.plot(moved[last, 0], moved[last, 2], lw=1)
-        series.set(xlabel="time / s", ylabel="displacement / mm", title=f"frame {name}")
+        last = moved[time >= time[-1] - cycle_s]
+        orbit.plot(last[:, 0], last[:, 2], lw=1)
+        orbit.plot(last[-1, 0], last[-1, 2], "o", ms=4, color="black", label="end")
+        series.set(xlabel="time / s", ylabel="displacement / mm")
+        series.set_title(f"frame {name}: centre of mass, world axes", loc="left")
         orbit.set(xlabel="x / mm", ylabel="z / mm", title="orbit, last cycle")
         orbit.axis("equal")
-        series.legend(loc="upper left", ncols=3)
+        for axis in (series, orbit):
+            axis.grid(alpha=0.3)
+        series.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False)
+        orbit.legend(loc="best", fontsize=8)
     _save(figure, path)
 
 
 def panel_shapes(history: Any, cycle_s: float, path: Path) -> None:
-    """Centre lines of all panels, side view, at eight moments of the last cycle."""
-    figure, axis = plt.subplots(figsize=(11, 4.5))
-    colours = plt.get_cmap("twilight_shifted")
-    for name in history["panels"]:
-        time = history[f"panels/{name}/time_s"][:]
-        for phase in np.arange(8) / 8:
-            moment = int(np.argmin(np.abs(time - (time[-1] - cycle_s * (1 - phase)))))
-            line = history[f"panels/{name}/centre_line_m"][moment]
-            axis.plot(line[:, 0], line[:, 2], color=colours(phase), lw=1.2)
-    axis.set(xlabel="x / m", ylabel="z / m", title="panels in the last cycle, coloured by phase")
-    axis.axis("equal")
+    """Centre lines at up to eight moments of the last cycle: height above the straight line
+    between the panel's ends at t = 0, enlarged against the length."""
+    names = list(history["panels"])
+    columns = min(COLUMNS, len(names))
+    rows = -(-len(names) // columns)
+    figure, axes = _axes(rows, columns, (11, 1 + 3.5 * rows), sharey=True)
+    colours = plt.get_cmap("hsv")
+    for axis, name in zip(axes.flat, names, strict=False):
+        time, lines = (history[f"panels/{name}/{what}"][:] for what in ("time_s", "centre_line_m"))
+        along, up = _chord(lines[0])
+        last = np.flatnonzero(time > time[-1] - 15 / 16 * cycle_s)  # each phase once
+        for moment in last[np.linspace(0, len(last) - 1, min(8, len(last))).astype(int)]:
+            line = 1e3 * (lines[moment] - lines[0][0])
+            phase = time[moment] / cycle_s % 1
+            axis.plot(line @ along, line @ up, color=colours(phase), lw=1.5)
+        axis.set(title=f"panel {name}", xlabel="along / mm")
+        axis.grid(alpha=0.3)
+    for axis in axes.flat[len(names) :]:
+        axis.axis("off")
+    for row in axes:
+        row[0].set_ylabel("height / mm, enlarged")
     scale = plt.cm.ScalarMappable(Normalize(0, 1), colours)
-    figure.colorbar(scale, ax=axis, label="phase of the cycle")
+    figure.colorbar(scale, ax=axes, label=f"part of the cycle of {cycle_s:.4g} s")
+    figure.suptitle("centre lines in the last cycle")
     _save(figure, path)
+
+
+def _chord(line: Any) -> tuple[Any, Any]:
+    """Unit vectors along a line of points from its first to its last, and up from it."""
+    along = (line[-1] - line[0]) / np.linalg.norm(line[-1] - line[0])
+    vertical = np.array([0.0, 0.0, 1.0]) if abs(along[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    up = vertical - (vertical @ along) * along
+    return along, up / np.linalg.norm(up)
 
 
 def energy(history: Any, path: Path) -> None:
-    """Every term of the ledger that ever reaches a thousandth of the largest."""
-    figure, axis = plt.subplots(figsize=(11, 4.5))
+    """The ledger in three parts of very different size: what went in and out, what is stored,
+    and what should be zero.  Terms below a thousandth of a part's largest are left out."""
+    figure, axes = _axes(3, 1, (11, 10), sharex=True)
     time = history["energy/time_s"][:]
     terms = {name: values[:] for name, values in history["energy"].items() if name != "time_s"}
-    largest = max(float(np.abs(values).max()) for values in terms.values()) or 1.0
-    for name, values in sorted(terms.items(), key=lambda term: -float(np.abs(term[1]).max())):
-        if np.abs(values).max() >= 1e-3 * largest:
-            axis.plot(time, values, lw=1, label=name.removesuffix("_J"))
-    axis.set(xlabel="time / s", ylabel="energy / J", title="energy ledger")
-    axis.legend(fontsize=7, ncols=2, loc="upper left")
+    parts = {
+        "supplied and lost since t = 0": ("supplied.", "lost."),
+        "change of what is stored since t = 0": ("stored.",),
+        "created by the coupling, and the members' own defects": ("created.", "defect."),
+    }
+    for axis, (title, books) in zip(axes.flat, parts.items(), strict=True):
+        part = {name: values for name, values in terms.items() if name.startswith(books)}
+        size = {name: float(np.abs(values).max()) for name, values in part.items()}
+        for name in sorted(part, key=lambda name: -size[name])[:10]:
+            if size[name] >= 1e-3 * max(size.values()):
+                label = name.removesuffix("_J").removeprefix("stored.")
+                axis.plot(time, part[name], lw=1.2, label=label)
+        axis.set_title(title, loc="left")
+        axis.set_ylabel("energy / J")
+        axis.grid(alpha=0.3)
+        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1, 0.5), frameon=False)
+    axis.set_xlabel("time / s")
     _save(figure, path)
 
 
-def deck(folder: Path, path: Path) -> None:
-    """The last surface with the particles on it, coloured by speed."""
-    import pyvista
-
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1280, 720))
-    surface = pyvista.read(_last(folder / "surface"))
-    plotter.add_mesh(surface, color="#c9a227", show_edges=True, edge_color="#8a7020", opacity=0.9)
-    if (folder / "particles").is_dir():
-        particles = pyvista.read(_last(folder / "particles"))
-        if particles.n_points:
-            sphere = pyvista.Sphere(radius=0.5, theta_resolution=14, phi_resolution=14)
-            balls = particles.glyph(scale="diameter_m", orient=False, geom=sphere)
-            plotter.add_mesh(
-                balls,
-                scalars="speed_m_s",
-                cmap="viridis",
-                scalar_bar_args={"title": "speed / (m/s)", "color": "black"},
-            )
-    plotter.set_background("white")
-    plotter.view_vector(VIEW, viewup=(0, 0, 1))
-    plotter.camera.zoom(1.3)
-    plotter.screenshot(path)
-    plotter.close()
-
-
-def _last(series: Path) -> Path:
-    return sorted(series.glob("*.vtu"))[-1]
+def _axes(rows: int, columns: int, figsize: tuple[float, float], **more: Any) -> Any:
+    return plt.subplots(rows, columns, figsize=figsize, squeeze=False, layout="constrained", **more)
 
 
 def _save(figure: Any, path: Path) -> None:
-    figure.tight_layout()
     figure.savefig(path, dpi=110)
     plt.close(figure)
 
 
 def draw(folder: Path) -> list[str]:
     """All pictures that the folder has data for; returns their names."""
-    cycle_s = json.loads((folder / "summary.json").read_text())["cycle_s"]
+    said = json.loads((folder / "summary.json").read_text())
+    cycle_s, end_s = said["cycle_s"], said["simulated_s"]
     with h5py.File(folder / "history.h5") as history:
         if "frames" in history:
             frame_motion(history, cycle_s, folder / "frame_motion.png")
@@ -119,8 +130,9 @@ def draw(folder: Path) -> list[str]:
             panel_shapes(history, cycle_s, folder / "panel_shapes.png")
         if "energy" in history:
             energy(history, folder / "energy.png")
-    if (folder / "surface").is_dir():
-        deck(folder, folder / "deck.png")
+            end_s = float(history["energy/time_s"][-1])
+    if any((folder / "surface").glob("*.vtu")):
+        deck(folder, end_s, folder / "deck.png")
     return sorted(picture.name for picture in folder.glob("*.png"))
 
 

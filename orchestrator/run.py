@@ -56,7 +56,8 @@ class Run:
     def _coupled(self, machine: Machine, stop: Stop) -> None:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
-        recorder = Recorder(self._folder, machine, ledger, state, self._world)
+        with written(0.0):
+            recorder = Recorder(self._folder, machine, ledger, state, self._world)
         interrupted = None
         try:
             self._record(recorder, state, 0)

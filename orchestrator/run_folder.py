@@ -36,6 +36,7 @@ def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
     try:
         _fill(folder, loaded, world.size if world else 1)
     except OSError as error:
+        discard(folder)
         raise FolderUnusable(f"{folder}: cannot be written: {error.strerror}") from None
     return folder
 

@@ -24,7 +24,11 @@ class Series:
 
     def add(self, time_s: float, mesh: meshio.Mesh) -> None:
         file = f"{self._name}/{self._name}_{len(self._files):05d}.vtu"
-        mesh.write(self._folder / file)
+        try:
+            mesh.write(self._folder / file)
+        except OSError:  # half a file would not open
+            (self._folder / file).unlink(missing_ok=True)
+            raise
         self._files.append((time_s, file))
         self._write_list()
 

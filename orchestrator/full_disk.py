@@ -1,0 +1,63 @@
+"""A file that outlives a full disk.
+
+HDF5 does not survive a write that fails: the file is lost and the process may crash when it
+ends.  So it writes through ``Reserved``, which keeps some room on the disk beside the file, gives
+that up for the write that found no room, and remembers the error for the next ``check``.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from pathlib import Path
+from typing import Any
+
+RESERVE_BYTES = 16 * 1024**2  # enough for the rows in memory, the file's tables and a summary
+
+
+class Reserved(io.RawIOBase):
+    """The new file ``path``, to read and write.  Raises OSError if there is no room at all."""
+
+    def __init__(self, path: Path) -> None:
+        self._reserve = path.with_name(f".{path.name}.reserve")
+        self._error: OSError | None = None
+        with self._reserve.open("wb") as reserve:
+            os.posix_fallocate(reserve.fileno(), 0, RESERVE_BYTES)
+        self._file = path.open("w+b", buffering=0)
+
+    def check(self) -> None:
+        """Raises the OSError of the first write that found no room."""
+        if self._error is not None:
+            raise self._error
+
+    def give_up_reserve(self) -> None:
+        """Room for what must still be written."""
+        self._reserve.unlink(missing_ok=True)
+
+    def write(self, data: Any) -> int:
+        try:
+            return self._file.write(data)
+        except OSError as error:
+            self._error = self._error or error
+        self.give_up_reserve()
+        try:
+            return self._file.write(data)
+        except OSError:  # the file is lost, but the process must be able to say so
+            return len(data)
+
+    def readinto(self, buffer: Any) -> int:
+        return self._file.readinto(buffer)
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        return self._file.truncate(size)
+
+    def close(self) -> None:
+        self.give_up_reserve()
+        self._file.close()
+        super().close()
