@@ -40,6 +40,11 @@ class Forces:
     def elastic_J(self) -> Array:
         return self.normal_J + self.tangential_J
 
+    def carried(self, velocity_m_s: Array) -> Forces:
+        """With the surface points at ``velocity_m_s`` (points, 3) from now on; the forces, which
+        the next half step takes, stay."""
+        return replace(self, surface_m_s=self.touching.at_contacts(velocity_m_s))
+
     def damped(self, velocity_m_s: Array, spin_rad_s: Array) -> Forces:
         """With the dampers' power at the velocities of the full step."""
         slip_m_s = self.touching.slip_m_s(velocity_m_s, spin_rad_s, self.surface_m_s)

@@ -54,8 +54,7 @@ class SpheresSolver:
     def advance(self, interval: Interval, path: Path) -> Load:
         counted("particles' surface", path.end, len(self._surface_m))
         self._feed(interval)
-        self._lost_J += self._now.spent_J(path.start.position_m - self._surface_m)
-        self._surface_to(path.start.position_m, self._now)
+        self._jump_to(path.start)
         steps, start_s = interval.steps(self._plan.step_s), interval.start_s
         step_s = interval.length_s / steps
         impulse_N_s = step_s / 2.0 * self._now.on_points_N
@@ -101,6 +100,14 @@ class SpheresSolver:
         self._now = self._now.damped(now.velocity_m_s, now.spin_rad_s)
         self._lost_J += self._now.friction_J
         self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
+
+    def _jump_to(self, surface: Motion) -> None:
+        """Book the coupling's correction of the surface's place and velocity at a sync point."""
+        self._lost_J += self._now.spent_J(surface.position_m - self._surface_m)
+        self._surface_to(surface.position_m, self._now)
+        now = self._spheres
+        moved = self._now.carried(surface.velocity_m_s)
+        self._now = moved.damped(now.velocity_m_s, now.spin_rad_s)
 
     def _kick(self, step_s: float) -> None:
         now = self._spheres
