@@ -42,4 +42,4 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
 
 def warnings(loaded: LoadedCase) -> list[str]:
     """What is allowed but doubtful, with numbers; for a case without mistakes."""
-    return list(steps.long_interval(loaded.case))
+    return [*steps.long_interval(loaded.case), *light_nodes.light_nodes(loaded.case)]
