@@ -7,7 +7,17 @@ together, then files, then what is computed from both.
 from __future__ import annotations
 
 from orchestrator.case_errors import Mistake
-from orchestrator.checks import feeds, machine, materials, names, plausible, start, steps, surfaces
+from orchestrator.checks import (
+    feeds,
+    light_nodes,
+    machine,
+    materials,
+    names,
+    plausible,
+    start,
+    steps,
+    surfaces,
+)
 from orchestrator.levels import LoadedCase
 
 OF_TABLES = (
