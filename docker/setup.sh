@@ -51,7 +51,7 @@ if [ "$(cat .venv/flipflow.stamp 2>/dev/null)" != "$stamp" ]; then
     say "installing flipflow and its pinned dependencies into .venv, building the LIGGGHTS bridge"
     log=$(mktemp)
     .venv/bin/pip install --disable-pip-version-check -q -c docker/constraints.txt -e '.[test]' >"$log" 2>&1 ||
-        fail "pip failed: $(grep -m1 -i 'error' "$log" || tail -n1 "$log") (whole log: $log)"
+        fail "pip failed: $(grep -m1 -E 'Could not|No matching|fatal error|Connection|^ERROR' "$log" || tail -n1 "$log") (whole log: $log)"
     rm -f "$log"
     echo "$stamp" >.venv/flipflow.stamp
 fi

@@ -48,7 +48,7 @@ def lightest_node_kg(case: Case, panel: Panel) -> float:
         _mobility(np.arange(1, m) * n / m).max(initial=0.75)
         for n, m in zip(cells, surface, strict=True)
     ]
-    return density * panel.thickness_m * cell_m2 / math.prod(mobility)
+    return float(density * panel.thickness_m * cell_m2 / math.prod(mobility))
 
 
 def _mobility(cells_from_edge: Array) -> Array:
