@@ -1,0 +1,53 @@
+"""Any solver of one port runs with any of the others, and momentum crosses to rounding."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.checks import mistakes
+from tests.coupled.machines import opened, written
+from tests.coupled.screen import BED, EXCITER, MACHINE
+
+pytestmark = pytest.mark.solver
+FRAMES = ("prescribed", "two-mass", "exudyn")
+PANELS = ("rigid", "strip", "sheet", "sheet implicit", "solid implicit")
+PARTICLES = ("none", "spheres", "liggghts")
+DRIVE = """
+[screen.frames.driving.drive]
+speed_rad_s = 150.0
+amplitude_m = [0.004, 0.0, 0.001]
+"""
+
+
+def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -> None:
+    solver, _, integrator = panel.partition(" ")
+    case = MACHINE + (DRIVE if frames == "prescribed" else EXCITER)
+    settings = [f"frames.solver={frames}", f"panel.solver={solver}"]
+    if integrator:
+        settings.append(f"panel.integrator={integrator}")
+    if particles != "none":
+        case += BED
+        settings.append(f"particles.solver={particles}")
+    loaded = written(folder, case, settings)
+    found = [str(mistake) for mistake in mistakes(loaded)]
+    assert found == [], found
+    with opened(loaded) as machine:
+        machine.advance(intervals)
+        residuals = machine.momentum_residual()
+        assert max(residuals.values()) < 1e-11, residuals
+        assert ("particles" in residuals) == (particles != "none")
+        assert machine.machine.members.frames.received_N_s.any()
+
+
+@pytest.mark.parametrize("particles", PARTICLES)
+@pytest.mark.parametrize("panel", PANELS)
+@pytest.mark.parametrize("frames", FRAMES)
+def test_any_combination_runs(tmp_path: Path, frames: str, panel: str, particles: str) -> None:
+    """Long enough for the bed to land (2 ms at 0.5 m/s)."""
+    run(tmp_path, frames, panel, particles, 60)
+
+
+def test_explicit_solid_panels_run(tmp_path: Path) -> None:
+    run(tmp_path, "exudyn", "solid", "liggghts", 60)
