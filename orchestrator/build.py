@@ -42,9 +42,10 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
     together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
     start = together.initial()
     surface = _surface(case, [*panels, *walls], together, start.surface.position_m)
-    plan = frames_plan(
-        case, together.mount.position_m, together.mount.frame, start.reaction.force_N
-    )
+    held_N = start.reaction.force_N
+    if not case.hand_over.panel_reaction:  # frames at rest do not hold what they do not feel
+        held_N = np.zeros_like(held_N)
+    plan = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
     members = Members(
         MeteredFrames(_frames(case, plan, world), f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(together, "panels", "mapping", stopwatch),
