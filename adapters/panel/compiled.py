@@ -7,6 +7,7 @@ run on another kind of processor, so each kind has a cache folder of its own.
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
 import platform
 import warnings
@@ -46,10 +47,15 @@ def _options() -> dict[str, Any]:
 
 @contextmanager
 def _compiling() -> Iterator[None]:
-    """The compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python reports."""
+    """Quietly: the compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python
+    reports, and logs its command lines."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResourceWarning)
-        yield
+        logging.disable(logging.INFO)
+        try:
+            yield
+        finally:
+            logging.disable(logging.NOTSET)
 
 
 def form(integral: Any) -> Any:
