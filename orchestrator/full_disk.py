@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -35,15 +36,21 @@ class Reserved(io.RawIOBase):
         self._reserve.unlink(missing_ok=True)
 
     def write(self, data: Any) -> int:
+        return self._anyhow(lambda: self._file.write(data), len(data))
+
+    def truncate(self, size: int | None = None) -> int:
+        return self._anyhow(lambda: self._file.truncate(size), size or 0)
+
+    def _anyhow(self, act: Callable[[], int], otherwise: int) -> int:
         try:
-            return self._file.write(data)
+            return act()
         except OSError as error:
             self._error = self._error or error
         self.give_up_reserve()
         try:
-            return self._file.write(data)
+            return act()
         except OSError:  # the file is lost, but the process must be able to say so
-            return len(data)
+            return otherwise
 
     def readinto(self, buffer: Any) -> int:
         return self._file.readinto(buffer)
@@ -53,9 +60,6 @@ class Reserved(io.RawIOBase):
 
     def tell(self) -> int:
         return self._file.tell()
-
-    def truncate(self, size: int | None = None) -> int:
-        return self._file.truncate(size)
 
     def close(self) -> None:
         self.give_up_reserve()

@@ -61,7 +61,10 @@ class History:
             where = f"{group}/{name}"
             if where not in self._file:
                 dataset = self._file.create_dataset(
-                    where, shape=(0, *block.shape[1:]), maxshape=(None, *block.shape[1:])
+                    where,
+                    shape=(0, *block.shape[1:]),
+                    maxshape=(None, *block.shape[1:]),
+                    dtype=np.float64,
                 )
                 dataset.attrs["unit"] = self._units.get(name, _unit(name))
             dataset = self._file[where]

@@ -19,8 +19,6 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.colors import Normalize
 
-from orchestrator.rendering import deck
-
 AXES = "xyz"
 COLUMNS = 4  # panels side by side in a picture
 
@@ -132,6 +130,8 @@ def draw(folder: Path) -> list[str]:
             energy(history, folder / "energy.png")
             end_s = float(history["energy/time_s"][-1])
     if any((folder / "surface").glob("*.vtu")):
+        from orchestrator.rendering import deck  # last: without a renderer the others are there
+
         deck(folder, end_s, folder / "deck.png")
     return sorted(picture.name for picture in folder.glob("*.png"))
 

@@ -1,0 +1,101 @@
+"""flipflow from outside: a process of its own, as a user starts it, and the folder it leaves."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+HANG_S = 240  # nothing here takes so long; a guard against processes that wait for ever
+QUICK = ("output.pictures=false",)
+MPIRUN = ("mpirun", "--allow-run-as-root", "--oversubscribe", "-n")
+
+
+def command(*words: str, before: str = "", ranks: int = 1) -> list[str]:
+    """``flipflow WORDS`` in a fresh process (or ``ranks`` of them under mpirun); ``before`` is
+    Python that is run first, to break something on purpose."""
+    main = f"{before}\nfrom orchestrator.cli import main\nmain()\n"
+    launcher = [*MPIRUN, str(ranks)] if ranks > 1 else []
+    return [*launcher, sys.executable, "-c", main, *words]
+
+
+def run_words(case: str, out: Path, sets: Sequence[str] = QUICK) -> list[str]:
+    """``run`` a case of this project at its draft level; a path is run without a level."""
+    place = [case] if "/" in case else [f"cases/{case}", "--level", "draft"]
+    return ["run", *place, "--out", str(out), *(word for key in sets for word in ("--set", key))]
+
+
+def flipflow(*words: str, before: str = "", ranks: int = 1) -> subprocess.CompletedProcess[str]:
+    """Runs to the end; the exit code and what was said."""
+    return subprocess.run(
+        command(*words, before=before, ranks=ranks),
+        cwd=ROOT,
+        env=_environment(),
+        capture_output=True,
+        text=True,
+        timeout=HANG_S,
+        check=False,
+    )
+
+
+def started(*words: str, before: str = "", ranks: int = 1) -> subprocess.Popen[str]:
+    """Starts and returns at once; what it says can be read at the end."""
+    return subprocess.Popen(
+        command(*words, before=before, ranks=ranks),
+        cwd=ROOT,
+        env=_environment(),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def _environment() -> dict[str, str]:
+    """One thread for each process, and the width of a terminal that does not wrap."""
+    return os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "100"}
+
+
+def wait_until(true: Callable[[], bool]) -> None:
+    end = time.monotonic() + HANG_S
+    while not true():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.05)
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return found
+
+
+def times(folder: Path, group: str) -> Any:
+    with h5py.File(folder / "history.h5") as history:
+        return history[f"{group}/time_s"][:]
+
+
+def left_usable(folder: Path, status: str) -> dict[str, Any]:
+    """What every run that started must leave: a summary with its status, and time series that
+    are whole up to the last output time.  Returns the summary."""
+    said = summary(folder)
+    assert said["status"] == status
+    with h5py.File(folder / "history.h5") as history:
+        for kind in history.values():
+            for group in kind.values() if "time_s" not in kind else [kind]:
+                lengths = {len(series) for series in group.values()}
+                assert len(lengths) == 1
+                assert (np.diff(group["time_s"][:]) > 0).all()
+    return said
+
+
+def said_plainly(done: subprocess.CompletedProcess[str]) -> None:
+    """No traceback, no warning of Python: words for a user."""
+    for foreign in ("Traceback", "Warning:", "Exception ignored", "Logging error"):
+        assert foreign not in done.stderr, done.stderr

@@ -1,0 +1,146 @@
+"""Every case of this project runs at its draft level, and its folder holds what the manual says."""
+
+from __future__ import annotations
+
+import subprocess
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import h5py
+import matplotlib.image
+import meshio
+import numpy as np
+import pytest
+
+from tests.runs.outside import ROOT, flipflow, left_usable, run_words, said_plainly, summary
+
+CASES = sorted(file.parent.name for file in (ROOT / "cases").glob("*/case.toml"))
+DURATION_S = {"quickstart": 0.1, "ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2}
+PICTURED = "quickstart"
+Done = tuple[str, Path, subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture(scope="module", params=CASES)
+def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """One run of each case at its draft level, shortened; with pictures of one of them."""
+    name = request.param
+    folder = tmp_path_factory.mktemp(name) / "run"
+    sets = [f"duration_s={DURATION_S.get(name, 0.1)}"]
+    sets += [] if name == PICTURED else ["output.pictures=false"]
+    return name, folder, flipflow(*run_words(name, folder, sets))
+
+
+def test_it_ends_well_and_says_where_the_time_went(case: Done) -> None:
+    _, folder, done = case
+    assert done.returncode == 0, done.stderr
+    said_plainly(done)
+    for said in ("where the time went", "momentum residual", f"results in {folder}"):
+        assert said in done.stderr
+    assert left_usable(folder, "done")["reason"] == ""
+
+
+def test_all_files_are_there(case: Done) -> None:
+    _, folder, _ = case
+    wanted = {"case.toml", "provenance.json", "run.log", "summary.json", "history.h5"}
+    wanted |= {"surface", "surface.pvd"}
+    if summary(folder)["particles"]:
+        wanted |= {"particles", "particles.pvd"}
+    found = {path.name for path in folder.iterdir()}
+    assert wanted <= found
+    assert not [name for name in found if name.startswith(".")], "left over from writing"
+
+
+def test_the_wall_time_is_accounted_for(case: Done) -> None:
+    _, folder, _ = case
+    said = summary(folder)
+    parts = said["wall_by_part_s"]
+    assert sum(parts.values()) == pytest.approx(said["wall_s"], rel=1e-9)
+    assert min(parts.values()) >= 0.0
+    assert parts["panel"] > 0.0
+
+
+def test_momentum_balances_to_rounding(case: Done) -> None:
+    """10 000 rounding errors of 1e-16 add up to less than 1e-11."""
+    _, folder, _ = case
+    assert 0.0 < summary(folder)["momentum_residual_relative"] < 1e-11
+
+
+def test_time_series_have_units_and_no_gap(case: Done) -> None:
+    _, folder, _ = case
+    said = summary(folder)
+    with h5py.File(folder / "history.h5") as history:
+        assert "energy" in history
+        every = [history["energy"], *history["probes"].values(), *history["forces"].values()]
+        for group in every:
+            time = group["time_s"][:]
+            assert time[0] == 0.0
+            assert time[-1] == pytest.approx(said["simulated_s"], rel=1e-12)
+            assert np.diff(time) == pytest.approx(np.diff(time).mean(), rel=1e-9)
+            for name, series in group.items():
+                assert len(series) == len(time), name
+                assert series.attrs["unit"], name
+                assert np.isfinite(series[:]).all(), name
+        for probe in history["probes"].values():
+            assert len(probe["time_s"]) == said["sync_intervals"] + 1
+            assert probe["position_m"].attrs["unit"] == "m"
+
+
+def test_paraview_finds_every_output_time(case: Done) -> None:
+    _, folder, _ = case
+    with h5py.File(folder / "history.h5") as history:
+        wanted = history["energy/time_s"][:]
+    for series in ("surface", "particles"):
+        if not (folder / f"{series}.pvd").exists():
+            assert summary(folder)["particles"] == 0
+            continue
+        listed = ElementTree.parse(folder / f"{series}.pvd").getroot().findall("*/DataSet")
+        assert [float(entry.get("timestep", "")) for entry in listed] == pytest.approx(wanted)
+        for entry in (listed[0], listed[-1]):
+            mesh = meshio.read(folder / entry.get("file", ""))
+            assert np.isfinite(mesh.points).all()
+            assert "velocity_m_s" in mesh.point_data
+        assert len(listed) == len(list((folder / series).iterdir()))
+
+
+def test_a_pvd_opens_in_vtk(case: Done) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    _, folder, _ = case
+    reader = pyvista.get_reader(folder / "surface.pvd")
+    reader.set_active_time_value(reader.time_values[-1])
+    assert reader.read()[0].n_cells > 0
+
+
+def test_pictures_are_not_blank(case: Done) -> None:
+    name, folder, _ = case
+    names = {"deck.png", "energy.png", "frame_motion.png", "panel_shapes.png"}
+    assert {path.name for path in folder.glob("*.png")} == (names if name == PICTURED else set())
+    for path in folder.glob("*.png"):
+        pixels = matplotlib.image.imread(path)[..., :3]
+        assert pixels.shape[0] > 400
+        inked = (np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1).mean()
+        assert 0.01 < inked < 0.9, path.name
+
+
+def test_the_resolved_case_gives_the_same_run_again(case: Done, tmp_path: Path) -> None:
+    name, folder, _ = case
+    checked = flipflow("check", str(folder))
+    assert checked.returncode == 0, checked.stderr
+    if name not in ("quickstart", "panel-cycle"):
+        return
+    again = tmp_path / "again"  # the level is in the resolved case
+    done = flipflow(*run_words(str(folder), again))
+    assert done.returncode == 0, done.stderr
+    with h5py.File(folder / "history.h5") as first, h5py.File(again / "history.h5") as second:
+        for path in ("probes", "energy", "forces"):
+            first[path].visititems(lambda key, _, path=path: _same(first[path], second[path], key))
+
+
+def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
+    """To rounding: sums of numpy's BLAS depend on where arrays happen to lie in memory, and a
+    tenth of a second of bouncing enlarges 1e-16 by less than a million."""
+    if isinstance(first[key], h5py.Dataset):
+        one, two = first[key][:], second[key][:]
+        if not key.startswith(("defect.", "created.")):  # small differences of large numbers
+            np.testing.assert_allclose(
+                two, one, rtol=0, atol=1e-10 * np.abs(one).max(), err_msg=key
+            )

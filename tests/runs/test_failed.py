@@ -1,0 +1,162 @@
+"""Exit code 4: a solver fails, the run becomes unstable, or its results cannot be written.  The
+message says which member, when and why, and the folder holds all up to then."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import h5py
+import pytest
+
+from tests.runs.outside import (
+    HANG_S,
+    QUICK,
+    flipflow,
+    left_usable,
+    run_words,
+    said_plainly,
+    started,
+    times,
+    wait_until,
+)
+
+# Python that breaks a solver from the inside at its third interval
+NAN_IN_PANEL = """
+from adapters.panel import strip
+advance = strip.{cls}.advance
+def poisoned(self, interval, clamps, load):
+    if interval.index == 2:
+        load.force_N[0] = float("nan")
+    return advance(self, interval, clamps, load)
+strip.{cls}.advance = poisoned
+"""
+NAN_FROM_FRAMES = """
+from adapters.frames import two_mass
+advance = two_mass.{cls}.advance
+def poisoned(self, interval, reaction):
+    motion = advance(self, interval, reaction)
+    if interval.index == 2:
+        motion.velocity_m_s[1, 2] = float("nan")
+        type(motion)(motion.position_m, motion.velocity_m_s)
+    return motion
+two_mass.{cls}.advance = poisoned
+"""
+LOSES_A_PARTICLE = """
+from adapters.particles.liggghts import Liggghts
+advance = Liggghts.advance
+def careless(self, interval, path):
+    if interval.index == 2:
+        self._engine.remove([0])
+    return advance(self, interval, path)
+Liggghts.advance = careless
+"""
+
+
+def failed(folder: Path, done: subprocess.CompletedProcess[str], *wanted: str) -> None:
+    assert done.returncode == 4, done.stderr
+    said_plainly(done)
+    reason, logs = done.stderr.strip().splitlines()[-2:]
+    for said in wanted:
+        assert said in reason
+    assert logs.startswith("logs: ")
+    assert str(folder / "run.log") in logs
+    assert reason in (folder / "run.log").read_text()
+    assert left_usable(folder, "failed")["reason"] == reason
+
+
+def test_a_nan_in_a_panel(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    before = NAN_IN_PANEL.format(cls="Strip")
+    done = flipflow(*run_words("quickstart", folder), before=before)
+    failed(folder, done, "panel deck-1 (strip) failed between t = 0.0002 s and 0.0003 s", "nan")
+    assert done.stderr.count("failed between") == 1
+    assert times(folder, "frames/driving")[-1] == pytest.approx(2e-4)
+
+
+def test_a_nan_from_the_frames(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    before = NAN_FROM_FRAMES.format(cls="TwoMassFrames")
+    done = flipflow(*run_words("empty-machine", folder), before=before)
+    failed(folder, done, "frames (two-mass) failed between t = 0.0004 s", "velocity_m_s: point 1")
+
+
+@pytest.mark.solver
+def test_liggghts_loses_a_particle(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    sets = [*QUICK, "particles.solver=liggghts"]
+    done = flipflow(*run_words("quickstart", folder, sets), before=LOSES_A_PARTICLE)
+    failed(folder, done, "particles (liggghts) failed between t = 0.0002 s", "99 of 100 are left")
+    assert str(folder / "log.liggghts") in done.stderr
+
+
+def test_particles_that_outrun_their_step(tmp_path: Path) -> None:
+    """A sync interval that is far too long: particles fall through the panel's way and meet."""
+    folder = tmp_path / "run"
+    sets = [*QUICK, "coupling.sync_interval_s=5e-3", "output.interval_s=0.01", "duration_s=0.3"]
+    done = flipflow(*run_words("quickstart", folder, sets))
+    failed(folder, done, "failed between t = ")
+    assert "warning: coupling.sync_interval_s = 0.005 s: the shortest impact" in done.stderr
+
+
+def test_a_frame_too_light_for_its_panels(tmp_path: Path) -> None:
+    """Panels of 0.3 kg each on a frame of 0.1 kg: no staggered scheme is stable when the load
+    comes from more mass than it acts on (Causin, P., Gerbeau, J.-F. and Nobile, F., Computer
+    Methods in Applied Mechanics and Engineering 194, 2005, 4506-4527)."""
+    folder = tmp_path / "run"
+    sets = [*QUICK, "screen.frames.driven.mass_kg=0.1"]
+    done = flipflow(*run_words("empty-machine", folder, sets))
+    failed(folder, done, "became unstable at t = ", "a point moves at ", "(limit 300 m/s)")
+
+
+def test_a_folder_that_vanishes(tmp_path: Path) -> None:
+    folder, gone = tmp_path / "run", tmp_path / "gone"
+    run = started(*run_words("quickstart", folder))
+    wait_until(lambda: (folder / "particles.pvd").exists())
+    folder.rename(gone)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 4, said
+    assert "Traceback" not in said
+    assert "cannot be written: [Errno 2] No such file or directory" in said
+    assert f"{folder} has gone" in said
+    with h5py.File(gone / "history.h5") as history:
+        assert len(history["energy/time_s"]) > 0
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """18 MB, of which 16 are kept in reserve."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=18m", "tmpfs", str(place)]
+    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("only root can mount a small disk")
+    yield place
+    subprocess.run(["umount", str(place)], check=True)
+
+
+def test_a_full_disk(small_disk: Path) -> None:
+    folder = small_disk / "run"
+    done = flipflow(*run_words("quickstart", folder, [*QUICK, "output.interval_s=1e-4"]))
+    failed(folder, done, "the results at t = ", "cannot be written: [Errno 28]")
+    series = sorted((folder / "surface").glob("*.vtu"))
+    assert len(series) > 10
+    assert all(file.read_text().rstrip().endswith("</VTKFile>") for file in series)
+    energy, probe = times(folder, "energy"), times(folder, "probes/middle-1")
+    assert energy[-1] == pytest.approx(probe[-1])
+
+
+def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
+    """A write that fails where no reserve helps: the series are lost, the process is not."""
+    folder = tmp_path / "run"
+    before = (
+        "import resource; from orchestrator import full_disk\n"
+        "full_disk.RESERVE_BYTES = 4096\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))"
+    )
+    done = flipflow(*run_words("quickstart", folder), before=before)
+    assert done.returncode == 4, done.stderr
+    said_plainly(done)
+    assert "cannot be written: [Errno 27] File too large" in done.stderr

@@ -1,0 +1,69 @@
+"""Exit codes 130 and 143: a run that is told to stop ends its sync interval and its books."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+
+from tests.runs.outside import HANG_S, QUICK, left_usable, run_words, started, times, wait_until
+
+LONG = [*QUICK, "duration_s=30"]
+# waits in the third interval until it is told to stop a second time
+STUCK = """
+import pathlib, time
+from adapters.frames import two_mass
+advance = two_mass.TwoMassFrames.advance
+def stuck(self, interval, reaction):
+    if interval.index == 2:
+        pathlib.Path({marker!r}).touch()
+        time.sleep(300)
+    return advance(self, interval, reaction)
+two_mass.TwoMassFrames.advance = stuck
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_it_ends_its_interval_and_its_books(tmp_path: Path, name: str) -> None:
+    folder, number = tmp_path / "run", getattr(signal, name)
+    run = started(*run_words("quickstart", folder, LONG))
+    wait_until(lambda: (folder / "particles.pvd").exists())
+    run.send_signal(number)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 128 + number, said
+    assert "Traceback" not in said
+    assert f"stopped by {name}\nresults in {folder}" in said
+    summary = left_usable(folder, "interrupted")
+    assert summary["reason"] == f"stopped by {name}"
+    assert 0 < summary["sync_intervals"] < 300_000
+    assert times(folder, "frames/driving")[-1] == pytest.approx(summary["simulated_s"])
+    assert summary["momentum_residual_relative"] < 1e-11
+    assert summary["energy_ledger_J"]
+    assert "WARNING" not in (folder / "run.log").read_text().split("open after")[1]
+
+
+def test_told_twice_it_does_not_wait(tmp_path: Path) -> None:
+    folder, marker = tmp_path / "run", tmp_path / "stuck"
+    before = STUCK.format(marker=str(marker))
+    run = started(*run_words("empty-machine", folder, LONG), before=before)
+    wait_until(marker.exists)
+    run.send_signal(signal.SIGINT)
+    with pytest.raises(TimeoutError):
+        _ends_within(run, 1.0)
+    run.send_signal(signal.SIGINT)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 130, said
+    assert "Traceback" not in said
+    summary = left_usable(folder, "interrupted")
+    assert (summary["reason"], summary["sync_intervals"]) == ("stopped at once", 2)
+
+
+def _ends_within(run: object, seconds: float) -> None:
+    import subprocess
+
+    assert isinstance(run, subprocess.Popen)
+    try:
+        run.wait(timeout=seconds)
+    except subprocess.TimeoutExpired:
+        raise TimeoutError from None

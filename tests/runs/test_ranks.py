@@ -1,0 +1,139 @@
+"""Two processes under mpirun: the same run, one voice, one end."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.runs.outside import (
+    HANG_S,
+    QUICK,
+    flipflow,
+    left_usable,
+    run_words,
+    said_plainly,
+    started,
+    wait_until,
+)
+
+pytestmark = [
+    pytest.mark.solver,
+    pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun"),
+]
+SHORT = [*QUICK, "duration_s=0.02"]
+# broken on one rank only: at the third interval, of the panel that this rank owns
+ONE_RANK_FAILS = """
+from mpi4py import MPI
+from adapters.panel import strip
+from orchestrator.plans import SolverFailed
+advance = strip.Strip.advance
+def broken(self, interval, clamps, load):
+    if interval.index == 2 and MPI.COMM_WORLD.rank == {rank}:
+        raise {error}
+    return advance(self, interval, clamps, load)
+strip.Strip.advance = broken
+"""
+ONE_RANK_LACKS_A_SOLVER = """
+import os, sys
+if os.environ["OMPI_COMM_WORLD_RANK"] == "1":
+    sys.modules["dolfinx"] = None
+"""
+
+
+def of(case_run: Path) -> list[int]:
+    """The ids of all processes that were started for this folder."""
+    found = subprocess.run(["pgrep", "-f", str(case_run)], capture_output=True, text=True)
+    return [int(word) for word in found.stdout.split()]
+
+
+def test_two_ranks_give_the_run_of_one(tmp_path: Path) -> None:
+    """The spheres and frames are solved on rank 0 or alike on both; sums may differ in the last
+    digits, which 0.02 s do not enlarge."""
+    alone, both = tmp_path / "alone", tmp_path / "both"
+    assert flipflow(*run_words("quickstart", alone, SHORT)).returncode == 0
+    done = flipflow(*run_words("quickstart", both, ["duration_s=0.02"]), ranks=2)
+    assert done.returncode == 0, done.stderr
+    said_plainly(done)
+    assert done.stderr.count("where the time went") == 1
+    assert done.stderr.count("warning: left out: panel.solver") == 1
+    assert left_usable(both, "done")["momentum_residual_relative"] < 1e-11
+    assert len(list(both.glob("*.png"))) == 4
+    with h5py.File(alone / "history.h5") as one, h5py.File(both / "history.h5") as two:
+        for name in ("probes/middle-1/position_m", "probes/middle-2/position_m"):
+            np.testing.assert_allclose(two[name][:], one[name][:], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        ("SolverFailed('on purpose')", 4, "on purpose"),
+        ("KeyError('no such thing')", 1, "a mistake in flipflow: KeyError: 'no such thing'"),
+    ],
+)
+def test_a_failure_on_one_rank_ends_both_with_one_message(
+    tmp_path: Path, rank: int, error: str, code: int, said: str
+) -> None:
+    folder = tmp_path / "run"
+    before = ONE_RANK_FAILS.format(rank=rank, error=error)
+    done = flipflow(*run_words("quickstart", folder, SHORT), before=before, ranks=2)
+    assert done.returncode == code, done.stderr
+    said_plainly(done)
+    assert done.stderr.count(said) == 1
+    assert said in (folder / "run.log").read_text()
+    assert said in left_usable(folder, "failed")["reason"]
+    assert of(folder) == []
+
+
+def test_a_wrong_case_is_said_once(tmp_path: Path) -> None:
+    done = flipflow(*run_words("quickstart", tmp_path / "run", ["duration_s=-1"]), ranks=2)
+    assert done.returncode == 2, done.stderr
+    said_plainly(done)
+    assert done.stderr.count("1 mistake in the case") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_exists_is_said_once(tmp_path: Path) -> None:
+    done = flipflow(*run_words("quickstart", tmp_path, SHORT), ranks=2)
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("exists already") == 1
+
+
+def test_a_solver_missing_on_one_rank(tmp_path: Path) -> None:
+    sets = [*SHORT, "panel.solver=sheet"]
+    words = run_words("empty-machine", tmp_path / "run", sets)
+    done = flipflow(*words, before=ONE_RANK_LACKS_A_SOLVER, ranks=2)
+    assert done.returncode == 3, done.stderr
+    assert done.stderr.count("python3-dolfinx") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_mpirun_passes_an_interruption_on(tmp_path: Path) -> None:
+    """Open MPI ends its processes by SIGTERM, then waits a second; its own exit code is 1."""
+    folder = tmp_path / "run"
+    run = started(*run_words("quickstart", folder, [*QUICK, "duration_s=30"]), ranks=2)
+    wait_until(lambda: (folder / "particles.pvd").exists())
+    run.send_signal(signal.SIGINT)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode != 0
+    assert "Traceback" not in said
+    wait_until(lambda: of(folder) == [])
+    assert left_usable(folder, "interrupted")["reason"] == "stopped by SIGTERM"
+
+
+def test_one_interrupted_rank_stops_both(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    run = started(*run_words("quickstart", folder, [*QUICK, "duration_s=30"]), ranks=2)
+    wait_until(lambda: (folder / "particles.pvd").exists())
+    os.kill(max(of(folder)), signal.SIGINT)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 130, said
+    assert said.count("stopped by SIGINT") == 1
+    assert left_usable(folder, "interrupted")["energy_ledger_J"]
