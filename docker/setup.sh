@@ -18,7 +18,7 @@ packages=(
     python3-dolfinx libopenblas0-serial                        # panels; OpenBLAS is 4 times faster in MUMPS
     liggghts libliggghts-dev                                   # particles
     python3-h5py python3-h5py-mpi                              # results
-    libgl1 libglx-mesa0 libxrender1                            # off-screen pictures
+    libegl1 libgl1 libxrender1                                 # off-screen pictures
 )
 missing=()
 for package in "${packages[@]}"; do
