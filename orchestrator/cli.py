@@ -25,9 +25,10 @@ Examples:
   mpirun -n 4 flipflow run cases/quickstart            on four processes
 
 Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
-not installed, 4 a solver failed or the run became unstable, 130 interrupted.
+not installed, 4 a solver failed or the run became unstable, 130 interrupted (143 by SIGTERM).
 
-Every key of a case is described in docs/case-format.md."""
+Every key of a case is described in docs/case-format.md, what a run leaves behind in
+docs/run-folder.md."""
 
 app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
 
@@ -55,7 +56,9 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
     """Run a case.
 
     The case is checked first; nothing is written if it is wrong.  The folder of the run holds
-    the log, time series, files for ParaView, pictures and summary.json.
+    the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
+
+    Ctrl-C ends the run at the next sync point with all results written; twice, at once.
     """
     from orchestrator.launch import run as launch
 

@@ -1,0 +1,69 @@
+"""What is said on the console: progress, help, and how soon."""
+
+from __future__ import annotations
+
+import os
+import pty
+import re
+import subprocess
+from pathlib import Path
+
+from tests.runs.outside import HANG_S, QUICK, ROOT, command, flipflow, run_words
+
+AT_ONCE = "from orchestrator import watch; watch.SAY_EVERY_S = 0.0"
+SHORT = [*QUICK, "duration_s=0.002"]
+LINE = r"t = 0\.0010 of 0\.002 s, 50 %, \d+ s spent, about \d+ s left"
+
+
+def test_progress_in_a_file_is_a_line_now_and_then(tmp_path: Path) -> None:
+    done = flipflow(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
+    assert re.search(LINE, done.stderr), done.stderr
+    assert re.search(LINE, (tmp_path / "run/run.log").read_text())
+    assert "\x1b[" not in done.stderr
+    assert done.stdout == ""
+
+
+def test_progress_on_a_terminal_is_a_bar(tmp_path: Path) -> None:
+    ours, theirs = pty.openpty()
+    words = command(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
+    run = subprocess.Popen(
+        words, cwd=ROOT, stderr=theirs, stdin=theirs, env=os.environ | {"TERM": "xterm-256color"}
+    )
+    os.close(theirs)
+    shown = _all_of(ours)
+    assert run.wait(timeout=HANG_S) == 0
+    assert "simulating" in shown
+    assert "100%" in shown
+    assert "s left" not in shown
+    assert re.search(LINE, (tmp_path / "run/run.log").read_text())
+
+
+def _all_of(terminal: int) -> str:
+    """What appears on a terminal until everybody has left it (Linux then says EIO)."""
+    shown = b""
+    try:
+        while part := os.read(terminal, 4096):
+            shown += part
+    except OSError:
+        pass
+    os.close(terminal)
+    return shown.decode()
+
+
+def test_help_names_every_exit_code_and_manual() -> None:
+    said = flipflow("--help").stdout
+    for code in ("0 done", "1 a mistake", "2 the case", "3 a solver", "4 a solver", "130", "143"):
+        assert code in said
+    for page in re.findall(r"docs/[\w-]+\.md", said):
+        assert (ROOT / page).is_file()
+    for word in ("run", "check", "list"):
+        assert flipflow(word, "--help").returncode == 0
+
+
+def test_list_and_check_load_no_solver() -> None:
+    """They stay quick because they load none of these; dolfinx alone takes seconds."""
+    blocked = "import sys\nfor name in ('dolfinx', 'exudyn', 'mpi4py', 'h5py', 'matplotlib.pyplot',"
+    blocked += " 'adapters.particles._liggghts'): sys.modules[name] = None"
+    assert flipflow("list", before=blocked).returncode == 0
+    done = flipflow("check", "cases/quickstart", "--level", "draft", before=blocked)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,91 @@
+"""docs/run-folder.md says what is in the folder: no more, no less."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+
+from tests.runs.outside import QUICK, ROOT, flipflow, run_words, summary
+
+MANUAL = (ROOT / "docs/run-folder.md").read_text()
+SOLVERS = ("frames.solver=exudyn", "particles.solver=liggghts", "panel.cells=[8, 3]")
+
+
+def documented(heading: str, column: int = 1) -> set[str]:
+    """The words in backticks in one column of the table under a heading."""
+    section = re.split(r"^#+ ", MANUAL.split(f"{heading}\n", 1)[1], maxsplit=1, flags=re.M)[0]
+    cells = [row.split("|")[column] for row in section.splitlines() if row.startswith("| `")]
+    return {word for cell in cells for word in re.findall(r"`([^`]+)`", cell)}
+
+
+LEDGER = documented("### `energy_ledger_J`")
+SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A short run with everything in it."""
+    folder = tmp_path_factory.mktemp("manual") / "run"
+    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02"]))
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def ledger_of(sets: tuple[str, ...], case: str, folder: Path) -> set[str]:
+    done = flipflow(*run_words(case, folder, [*QUICK, "duration_s=0.001", *sets]))
+    assert done.returncode == 0, done.stderr
+    return set(summary(folder)["energy_ledger_J"])
+
+
+def test_the_keys_of_the_summary(folder: Path) -> None:
+    said = summary(folder)
+    assert set(said) == documented("## `summary.json`")
+    assert set(said["wall_by_part_s"]) == documented("### `wall_by_part_s`")
+    assert set(said["energy_ledger_J"]) <= LEDGER
+    assert set(said["probes"]) == {"driving", "driven", "driven-end", "middle-1", "middle-2"}
+    for figures in said["probes"].values():
+        assert set(figures) == documented("### each of `probes`")
+
+
+def test_the_files(folder: Path) -> None:
+    named = {name.rstrip("/") for name in documented("# The folder of a run")}
+    elsewhere = {"<surface>.stl", "failure.txt"} | {n for n in named if "liggghts" in n}
+    found = {path.name for path in folder.iterdir()}
+    assert found == named - elsewhere | {"walls.stl"}
+
+
+def test_the_time_series(folder: Path) -> None:
+    wanted: dict[str, set[str]] = {}
+    for row in re.findall(r"^\| `([a-z]+)[^`]*` \| (.*?) \|", MANUAL, flags=re.M):
+        if row[0] in ("frames", "probes", "forces", "panels", "energy", "bed"):
+            wanted.setdefault(row[0], set()).update(re.findall(r"`([^`]+)`", row[1]))
+    with h5py.File(folder / "history.h5") as history:
+        assert set(history) == set(wanted)
+        for kind, group in history.items():
+            inner: list[Any] = [group] if "time_s" in group else list(group.values())
+            for one in inner:
+                names = set(one) - {"time_s"}
+                if kind == "energy":
+                    assert {name.removesuffix("_J") for name in names} <= LEDGER
+                else:
+                    assert names == wanted[kind]
+
+
+def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
+    """Together with the next, every documented term is one that a solver has."""
+    cheap = ledger_of((), "quickstart", tmp_path / "a")
+    moved = ledger_of((), "panel-cycle", tmp_path / "b")
+    assert cheap | moved == LEDGER - SOLID
+
+
+@pytest.mark.solver
+@pytest.mark.parametrize("panel", ["sheet", "solid"])
+def test_the_terms_of_the_real_solvers(tmp_path: Path, panel: str) -> None:
+    terms = ledger_of((*SOLVERS, f"panel.solver={panel}"), "quickstart", tmp_path / "run")
+    assert terms <= LEDGER
+    assert {"lost.particles.contact_dissipation", "supplied.frames.exciter"} <= terms
+    assert terms & SOLID == (SOLID if panel == "solid" else set())
