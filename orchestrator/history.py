@@ -25,11 +25,6 @@ class History:
         self._disk = Reserved(path)
         self._file = h5py.File(self._disk, "w")
         self._rows: dict[str, list[dict[str, Array]]] = {}
-        self._units: dict[str, str] = {}
-
-    def describe(self, units: Mapping[str, str]) -> None:
-        """Units by dataset name (without the group)."""
-        self._units |= units
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
         """One row at ``time_s``; the names of a group's values are the same in every row."""
@@ -66,7 +61,7 @@ class History:
                     maxshape=(None, *block.shape[1:]),
                     dtype=np.float64,
                 )
-                dataset.attrs["unit"] = self._units.get(name, _unit(name))
+                dataset.attrs["unit"] = _unit(name)
             dataset = self._file[where]
             dataset.resize(len(dataset) + len(block), axis=0)
             dataset[-len(block) :] = block

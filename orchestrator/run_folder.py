@@ -18,6 +18,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import h5py
 import tomli_w
 
 from orchestrator.levels import LoadedCase
@@ -31,22 +32,23 @@ class FolderUnusable(Exception):
 
 def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
     """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
-    that can be run again) and the provenance.  Raises FolderUnusable."""
+    that can be run again, with its surfaces beside it) and the provenance.  Raises
+    FolderUnusable."""
     folder = make(out or fresh_name(Path("runs"), loaded.name))
     try:
         _fill(folder, loaded, world.size if world else 1)
     except OSError as error:
         discard(folder)
-        raise FolderUnusable(f"{folder}: cannot be written: {error.strerror}") from None
+        raise FolderUnusable(f"{folder}: cannot be written: {error.strerror or error}") from None
     return folder
 
 
 def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
     table = loaded.case.model_dump(mode="json", exclude_none=True)
+    for name, surface in table["screen"]["surfaces"].items():
+        shutil.copyfile(loaded.folder / surface["stl"], folder / f"{name}.stl")
+        surface["stl"] = f"{name}.stl"
     (folder / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
-    for surface in loaded.case.screen.surfaces.values():
-        (folder / surface.stl).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(loaded.folder / surface.stl, folder / surface.stl)
     write_json(folder / "provenance.json", provenance(ranks))
 
 
@@ -108,7 +110,7 @@ def logging_to(folder: Path, first: bool) -> Iterator[None]:
 
 def provenance(ranks: int) -> dict[str, Any]:
     """Who ran what, where and with which versions."""
-    packages = ("flipflow", "numpy", "scipy", "h5py", "exudyn", "fenics-dolfinx", "mpi4py")
+    packages = ("flipflow", "numpy", "scipy", "pydantic", "exudyn", "fenics-dolfinx", "mpi4py")
     return {
         "command": sys.argv,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -117,7 +119,7 @@ def provenance(ranks: int) -> dict[str, Any]:
         "system": platform.platform(),
         "python": platform.python_version(),
         "ranks": ranks,
-        "versions": {name: _version(name) for name in packages},
+        "versions": {name: _version(name) for name in packages} | {"h5py": h5py.__version__},
         "commit": _commit(),
     }
 

@@ -16,6 +16,7 @@ from rich.table import Table
 from orchestrator.case import Case
 from orchestrator.ports import Array
 
+FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_s")
 PARTS = ("particles", "panel", "frames", "mapping", "output")
 
 
@@ -37,31 +38,31 @@ def probes(history_file: Path, cycle_s: float) -> dict[str, dict[str, Any]]:
 
     ``amplitude_m``: half the range over the last two cycles (or all of a shorter run);
     ``mean_m``: mean displacement over them; ``peak_m``: largest size of the displacement from
-    the place at t = 0 over the whole run; ``peak_speed_m_s`` likewise.
+    the place at t = 0 over the whole run; ``peak_speed_m_s`` likewise.  Of a particle the time
+    in which it is present is taken for the run; all are None if it never was.
     """
     with h5py.File(history_file) as history:
         found = {}
         for kind in ("frames", "probes"):
             for name, group in history.get(kind, {}).items():
-                moved = group["displacement_m"][:] if kind == "frames" else _moved(group)
-                found[name] = _figures(group["time_s"][:], moved, group["velocity_m_s"][:], cycle_s)
+                place = group["displacement_m" if kind == "frames" else "position_m"][:]
+                found[name] = _figures(group["time_s"][:], place, group["velocity_m_s"][:], cycle_s)
         return found
 
 
-def _moved(group: Any) -> Array:
-    position = group["position_m"][:]
-    moved: Array = position - position[0]
-    return moved
-
-
-def _figures(time: Array, moved: Array, velocity: Array, cycle_s: float) -> dict[str, Any]:
+def _figures(time: Array, place: Array, velocity: Array, cycle_s: float) -> dict[str, Any]:
+    there = np.isfinite(place).all(axis=1)
+    if not there.any():  # a particle that never came
+        return dict.fromkeys(FIGURES)
+    moved, time = place[there] - place[there][0], time[there]
     last = moved[time >= time[-1] - 2 * cycle_s]
-    return {
-        "amplitude_m": ((last.max(axis=0) - last.min(axis=0)) / 2).tolist(),
-        "mean_m": last.mean(axis=0).tolist(),
-        "peak_m": float(np.linalg.norm(moved, axis=1).max()),
-        "peak_speed_m_s": float(np.linalg.norm(velocity, axis=1).max()),
-    }
+    values = (
+        ((last.max(axis=0) - last.min(axis=0)) / 2).tolist(),
+        last.mean(axis=0).tolist(),
+        float(np.linalg.norm(moved, axis=1).max()),
+        float(np.linalg.norm(velocity[there], axis=1).max()),
+    )
+    return dict(zip(FIGURES, values, strict=True))
 
 
 def closing_table(summary: dict[str, Any]) -> Table:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -12,7 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
-from tests.runs.outside import ROOT, flipflow, left_usable, run_words, said_plainly, summary
+from tests.runs.outside import QUICK, ROOT, flipflow, left_usable, run_words, said_plainly, summary
 
 CASES = sorted(file.parent.name for file in (ROOT / "cases").glob("*/case.toml"))
 DURATION_S = {"quickstart": 0.1, "ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2}
@@ -144,3 +145,27 @@ def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
             np.testing.assert_allclose(
                 two, one, rtol=0, atol=1e-10 * np.abs(one).max(), err_msg=key
             )
+
+
+def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
+    """It flies up at 20 m/s through the top of the domain, 0.16 m above; the other never comes."""
+    sets = [*QUICK, "duration_s=0.05", "bed.particles.ball.velocity_m_s=[0, 0, 20]"]
+    sets += ["probes.nobody={particle=7}", "output.interval_s=0.005"]
+    done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
+    assert done.returncode == 0, done.stderr
+    said_plainly(done)
+    text = (tmp_path / "run/summary.json").read_text()
+    said = json.loads(text, parse_constant=pytest.fail)  # NaN is no JSON
+    assert said["particles"] == 0
+    assert 0.15 < said["probes"]["ball"]["peak_m"] < 0.2
+    assert set(said["probes"]["nobody"].values()) == {None}
+
+
+def test_surfaces_from_elsewhere_are_copied_into_the_folder(tmp_path: Path) -> None:
+    stl = ROOT / "cases/quickstart/walls.stl"
+    sets = [*QUICK, "duration_s=0.002", f"screen.surfaces.walls.stl={stl}"]
+    done = flipflow(*run_words("quickstart", tmp_path / "run", sets))
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "run/walls.stl").read_bytes() == stl.read_bytes()
+    assert 'stl = "walls.stl"' in (tmp_path / "run/case.toml").read_text()
+    assert flipflow("check", str(tmp_path / "run")).returncode == 0
