@@ -1,0 +1,63 @@
+"""The same coupled run by one process and by two under mpirun, each with a panel of its own."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.coupled.screen import CASE
+from tests.runs.outside import flipflow, left_usable, run_words
+
+SETTINGS = ["output.pictures=false", "output.interval_s=0.001", "probes.crosser.particle=4"]
+
+
+def ran(case: Path, out: Path, scheme: str, ranks: int) -> h5py.File:
+    words = run_words(str(case), out, [*SETTINGS, f"coupling.scheme={scheme}"])
+    done = flipflow(*words, ranks=ranks)
+    assert done.returncode == 0, done.stderr
+    assert left_usable(out, "done")["momentum_residual_relative"] < 1e-12
+    return h5py.File(out / "history.h5")
+
+
+def datasets(history: h5py.File) -> list[str]:
+    names: list[str] = []
+
+    def collect(name: str, item: h5py.Dataset | h5py.Group) -> None:
+        if isinstance(item, h5py.Dataset):
+            names.append(name)
+
+    history.visititems(collect)
+    return names
+
+
+@pytest.mark.solver
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
+@pytest.mark.parametrize("scheme", ["particles-first", "serial-staggered"])
+def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
+    """20 ms in which the bed lands and is thrown, astride the border between the ranks' domains (at
+    x = 0.25 m, in the middle of the second panel), which one particle crosses.
+
+    Loads, reactions, motions and every term of the energy ledger, at every time, relative to
+    each one's largest value: measured 2e-12 at most, and rounding for the first 15 ms; the sums
+    over ranks are taken in another order, which colliding particles then enlarge.
+    """
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "case.toml").write_text(CASE)
+    with (
+        ran(tmp_path / "case", tmp_path / "one", scheme, 1) as one,
+        ran(tmp_path / "case", tmp_path / "two", scheme, 2) as two,
+    ):
+        assert "2 by 1 by 1 MPI processor grid" in (tmp_path / "two/log.liggghts").read_text()
+        x_m = one["probes/crosser/position_m"][:, 0]
+        assert x_m[0] < 0.25 < x_m[-1]
+        names = datasets(one)
+        assert names == datasets(two)
+        for name in names:
+            wanted, found = one[name][:], two[name][:]
+            scale = max(float(np.abs(wanted).max()), 1e-4)  # in J: defects are small differences
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * scale, err_msg=name)
