@@ -74,8 +74,14 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
         return _ended(run, BROKEN, "failed", reason, folder, world)
     else:
         code, status, reason = DONE, "done", ""
-    if ranks.is_first(world):
+    if not ranks.is_first(world):
+        return code
+    try:
         _close(run.finish(status, reason), folder, console)
+    except OSError as error:
+        LOG.error("no summary: %s", error)
+        console.print(f"no summary: {error}\nall else is in {folder}")
+        return FAILED
     return code
 
 
@@ -83,7 +89,7 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
     """The first rank to fail speaks and ends all of them, wherever they wait.  What was refused
     before anything was computed leaves no folder."""
     if not run_folder.claimed(folder / "failure.txt", reason, world.rank if world else 0):
-        time.sleep(10)  # the rank that speaks is about to end this one, too
+        time.sleep(60)  # the rank that speaks ends this one, too, when it has written its summary
     else:
         LOG.error(reason)
         console = _console()

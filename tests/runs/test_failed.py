@@ -160,3 +160,29 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     assert done.returncode == 4, done.stderr
     said_plainly(done)
     assert "cannot be written: [Errno 27] File too large" in done.stderr
+
+
+def test_a_summary_that_cannot_be_written(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    before = (
+        "from orchestrator import run\n"
+        "def full(path, value): raise OSError(28, 'No space left on device')\n"
+        "run.write_json = full"
+    )
+    done = flipflow(*run_words("panel-cycle", folder, [*QUICK, "duration_s=0.01"]), before=before)
+    assert done.returncode == 4, done.stderr
+    said_plainly(done)
+    assert f"No space left on device\nall else is in {folder}" in done.stderr
+    assert times(folder, "energy")[-1] == pytest.approx(0.01)
+
+
+def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:
+    """Exit code 1; the traceback is for the log."""
+    folder = tmp_path / "run"
+    before = "from orchestrator import run\nrun.check_stable = lambda *_: {}['absent']"
+    done = flipflow(*run_words("panel-cycle", folder), before=before)
+    assert done.returncode == 1
+    said_plainly(done)
+    assert "a mistake in flipflow: KeyError: 'absent'" in done.stderr
+    assert "Traceback" in (folder / "run.log").read_text()
+    left_usable(folder, "failed")
