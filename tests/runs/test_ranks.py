@@ -20,6 +20,7 @@ from tests.runs.outside import (
     run_words,
     said_plainly,
     started,
+    summary,
     wait_until,
 )
 
@@ -68,6 +69,29 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path) -> None:
     with h5py.File(alone / "history.h5") as one, h5py.File(both / "history.h5") as two:
         for name in ("probes/middle-1/position_m", "probes/middle-2/position_m"):
             np.testing.assert_allclose(two[name][:], one[name][:], rtol=0, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_the_real_solvers_give_the_run_of_one(tmp_path: Path) -> None:
+    """A panel on each rank, particles decomposed over both, frames on the first.  Impulses and
+    energies to 1e-9 of the largest: only the order of sums differs."""
+    sets = [*QUICK, "duration_s=0.06", "output.interval_s=0.02", "panel.cells=[12, 4]"]
+    sets += ["frames.solver=exudyn", "panel.solver=sheet", "particles.solver=liggghts"]
+    alone, both = tmp_path / "alone", tmp_path / "both"
+    for folder, ranks in ((alone, 1), (both, 2)):
+        done = flipflow(*run_words("quickstart", folder, sets), ranks=ranks)
+        assert done.returncode == 0, done.stderr
+    one, two = summary(alone)["energy_ledger_J"], summary(both)["energy_ledger_J"]
+    assert two == pytest.approx(one, rel=0, abs=1e-9 * max(map(abs, one.values())))
+    assert one["lost.particles.contact_dissipation"] > 0.0
+    with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
+        for name in ("forces/deck-1/load_N", "forces/deck-2/load_N"):
+            impulse = first[name][:].cumsum(axis=0)
+            atol = 1e-9 * np.abs(impulse).max()
+            assert atol > 0.0
+            np.testing.assert_allclose(
+                second[name][:].cumsum(axis=0), impulse, rtol=0, atol=atol, err_msg=name
+            )
 
 
 @pytest.mark.parametrize("rank", [0, 1])
