@@ -145,7 +145,7 @@ def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Pat
     slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
     said = warnings(slow)[0]
     assert "fewer than 10" in said
-    assert warnings(loaded(tmp_path, ["coupling.sync_interval_s=5e-5"])) == []
+    assert warnings(loaded(tmp_path, ["coupling.sync_interval_s=2e-5"])) == []
 
 
 def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:
