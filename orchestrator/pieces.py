@@ -45,11 +45,11 @@ class Piece:
     centre_line: Indices = field(default_factory=_nothing(0))
 
 
-def panel_pieces(case: Case, folder: Path, stopwatch: Stopwatch) -> list[Piece]:
+def panel_pieces(case: Case, stopwatch: Stopwatch) -> list[Piece]:
     """One piece per panel, in the order of the case."""
     return [
         _panel(case, plan, single.table.material, stopwatch)
-        for plan, single in zip(panel_plans(case, folder), single_panels(case), strict=True)
+        for plan, single in zip(panel_plans(case), single_panels(case), strict=True)
     ]
 
 

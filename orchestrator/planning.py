@@ -33,8 +33,8 @@ from orchestrator.ports import Array
 from orchestrator.tables import screen as tables
 
 
-def panel_plans(case: Case, folder: Path | None = None) -> tuple[PanelPlan, ...]:
-    """One plan per panel, in the order of the case; logs go to ``folder``."""
+def panel_plans(case: Case) -> tuple[PanelPlan, ...]:
+    """One plan per panel, in the order of the case."""
     return tuple(
         PanelPlan(
             name=panel.name,
@@ -47,7 +47,6 @@ def panel_plans(case: Case, folder: Path | None = None) -> tuple[PanelPlan, ...]
             step_s=case.panel.step_s,
             integrator=case.panel.integrator,
             sync_interval_s=case.coupling.sync_interval_s,
-            log=folder / f"panel-{panel.name}.log" if folder else None,
         )
         for panel in single_panels(case)
     )
@@ -71,7 +70,6 @@ def frames_plan(
     points_m: Array,
     carrier: tuple[str, ...],
     reaction_N: Array,
-    folder: Path | None = None,
 ) -> FramesPlan:
     """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
     (n, 3) the panels' force on them at t = 0.
@@ -92,7 +90,6 @@ def frames_plan(
         drawn_at_rest=case.screen.drawn_at_rest,
         step_s=case.frames.step_s,
         sync_interval_s=case.coupling.sync_interval_s,
-        log=folder / "frames.log" if folder else None,
     )
 
 

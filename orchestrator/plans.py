@@ -66,7 +66,6 @@ class PanelPlan:
     step_s: float
     integrator: str
     sync_interval_s: float
-    log: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,6 @@ class FramesPlan:
     drawn_at_rest: bool
     step_s: float
     sync_interval_s: float
-    log: Path | None = None
 
 
 @dataclass(frozen=True)
