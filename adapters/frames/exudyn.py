@@ -8,7 +8,7 @@ the points' lever arms are those extrapolated to the middle of the interval.
 
 A machine drawn at rest has its bushings stretched so that they carry weight and initial
 reaction in the drawn position.  Equations and limits: docs/theory/frames.md.
-Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 553-596, doi 10.1007/s11044-023-09937-1.
+Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 533-561, doi 10.1007/s11044-023-09937-1.
 """
 
 from __future__ import annotations
