@@ -27,6 +27,7 @@ OF_TABLES = (
     materials.complete_contacts,
     materials.boxes_and_sizes,
     machine.frames_and_their_solver,
+    machine.drives,
     machine.bushings_and_exciters,
     machine.panels,
     machine.panel_solver,

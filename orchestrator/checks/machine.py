@@ -31,6 +31,23 @@ def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
                 yield Mistake((*key, "inertia_kg_m2"), "missing: frames.solver exudyn needs it")
 
 
+def drives(case: Case) -> Iterator[Mistake]:
+    """A drive without run-up must start from the place in which its frame is drawn."""
+    for name, frame in case.screen.frames.items():
+        drive = frame.drive
+        if drive is None or drive.run_up_s > 0:
+            continue
+        key: Key = ("screen", "frames", name, "drive")
+        for phase, unit, size, phase_rad in (
+            ("phase_rad", "m", drive.amplitude_m, drive.phase_rad),
+            ("rotation_phase_rad", "rad", drive.rotation_rad, drive.rotation_phase_rad),
+        ):
+            jump = float(np.abs(np.multiply(size, np.sin(phase_rad))).max())
+            if jump > 1e-9:
+                what = f"the frame would jump by {jump:.3g} {unit} at t = 0"
+                yield Mistake((*key, phase), what, "give run_up_s, or 0")
+
+
 def possible_inertia(case: Case) -> Iterator[Mistake]:
     """Principal moments are positive and none exceeds the sum of the others (it would take
     negative mass)."""

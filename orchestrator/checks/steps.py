@@ -16,7 +16,7 @@ from orchestrator.contact_times import (
 )
 from orchestrator.left_out import has_particles
 from orchestrator.planning import panel_plans
-from orchestrator.plans import SolverMissing
+from orchestrator.plans import SolverFailed, SolverMissing
 
 INTERVALS_PER_CONTACT = 10
 
@@ -38,7 +38,8 @@ def particle_step(case: Case) -> Iterator[Mistake]:
 
 def panel_step(case: Case) -> Iterator[Mistake]:
     """A step given for the panels against the solver's own limit, where it tells one.  A
-    solver that is not installed is not asked; missing_solvers says so."""
+    solver that is not installed is not asked: missing_solvers says so; nor is one that finds no
+    resting shape: the run says so."""
     if case.panel.step_s == 0:
         return
     try:
@@ -47,7 +48,10 @@ def panel_step(case: Case) -> Iterator[Mistake]:
         return
     if not hasattr(solver, "largest_step_s"):
         return
-    limit_s = min(solver.largest_step_s(plan) for plan in panel_plans(case))
+    try:
+        limit_s = min(solver.largest_step_s(plan) for plan in panel_plans(case))
+    except SolverFailed:
+        return
     if case.panel.step_s > limit_s:
         what = f"{case.panel.step_s:g} s is above the limit {limit_s:.3g} s of panel.solver "
         hint = f"take {0.9 * limit_s:.2g} s, or 0 for the solver's own"

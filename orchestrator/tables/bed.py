@@ -9,9 +9,9 @@ from pydantic import Field
 
 from orchestrator.tables.quantities import (
     Box,
-    Count,
     Name,
     NotNegative,
+    Particles,
     Positive,
     Table,
     Vector,
@@ -54,7 +54,7 @@ class Block(Table):
     """Lowest and highest corner."""
     axes: Literal["deck", "world"] = "deck"
     """Axes in which box and velocity are given."""
-    count: Count
+    count: Particles
     """How many particles."""
     sizes: Annotated[tuple[SizeClass, ...], Len(1)]
     """Size classes."""

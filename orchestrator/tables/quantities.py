@@ -27,14 +27,15 @@ Number = Annotated[float, Strict()]
 Positive = Annotated[float, Strict(), Gt(0)]
 NotNegative = Annotated[float, Strict(), Ge(0)]
 Share = Annotated[float, Strict(), Ge(0), Le(1)]
-Count = Annotated[int, Strict(), Gt(0)]
+Particles = Annotated[int, Strict(), Gt(0), Le(10_000_000)]  # what one machine can hold
+Few = Annotated[int, Strict(), Gt(0), Le(1000)]
 Whole = Annotated[int, Strict(), Ge(0)]
 Switch = Annotated[bool, Strict()]
 Vector = tuple[Number, Number, Number]
 NotNegativeVector = tuple[NotNegative, NotNegative, NotNegative]
 Vectors = Annotated[tuple[Vector, ...], Len(1)]
 Box = tuple[Vector, Vector]
-Cells = tuple[Count, Count]
+Cells = tuple[Few, Few]
 Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]+$")]
 
 GROUND = "ground"

@@ -12,7 +12,7 @@ from annotated_types import Len
 from pydantic import Field
 
 from orchestrator.tables.quantities import (
-    Count,
+    Few,
     Name,
     NotNegative,
     NotNegativeVector,
@@ -126,7 +126,7 @@ class Panel(Table):
     """Distance between the clamps less ``length_m``: positive is taut, negative slack."""
     span_m: Positive | None = None
     """Distance between the clamps' inner edges; instead of ``tension_m``."""
-    count: Count = 1
+    count: Few = 1
     """Number of panels in the row."""
     pitch_m: Positive | None = None
     """Distance from panel to panel of a row."""

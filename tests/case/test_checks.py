@@ -8,6 +8,7 @@ import pytest
 
 from orchestrator.checks import mistakes, warnings
 from orchestrator.levels import load
+from orchestrator.plans import PanelPlan, SolverFailed
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
 FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
@@ -42,6 +43,16 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ),
         ("screen.frames.driven.mass_kg=1", "inertia_kg_m2: missing: frames.solver exudyn"),
         ("screen.frames.driving.drive.speed_rad_s=78.5", "frames.solver exudyn knows no drives"),
+        (
+            "screen.frames.driving.drive={speed_rad_s=9, amplitude_m=[0.1, 0, 0], "
+            "phase_rad=[0.5, 0, 0]}",
+            "drive.phase_rad: the frame would jump by 0.0479 m at t = 0; give run_up_s, or 0",
+        ),
+        (
+            "screen.frames.driving.drive={speed_rad_s=9, rotation_rad=[0, 0.1, 0], "
+            "rotation_phase_rad=[0, 0.5, 0]}",
+            "drive.rotation_phase_rad: the frame would jump by 0.0479 rad",
+        ),
         ("screen.frames.driving.inertia_kg_m2=[1, 1, 3]", "no body has the principal moments"),
         ('screen.bushings.isolation.between=["driving", "driving"]', '"driving" twice'),
         ("screen.bushings.isolation.stiffness_N_m=[0, 0, 0]", "zero in every direction"),
@@ -62,13 +73,17 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (BLOCK.replace("smallest_m=0.01", "smallest_m=0.03"), "is larger than largest_m"),
         (BLOCK.replace("fraction=1", "fraction=0.5"), "add up to 0.5, not to 1"),
         (BLOCK.replace("[0.1, 0.1, 0.2]", "[0.1, 0.1, 0]"), "is not below"),
-        (BLOCK.replace("count=1", "count=1000000000"), "count: 1000000000 particles fill"),
+        (BLOCK.replace("count=1", "count=1000000"), "count: 1000000 particles fill"),
         (BLOCK.replace("count=1", "count=300"), "count: the box has room for"),
         (BLOCK.replace("0.1], [0.1, 0.1, 0.2", "-0.005], [0.1, 0.1, 0.005"), "inside panel deck"),
         (
             BLOCK.replace("0.1], [0.1, 0.1, 0.2", "1.2], [0.1, 0.1, 1.3"),
             "coal.box_m: particle 2 at",
         ),
+        # counts that no machine could hold
+        (BLOCK.replace("count=1", "count=1000000000"), "less than or equal to 10000000"),
+        ("screen.panels.deck.count=1000000000", "less than or equal to 1000 is wanted"),
+        ("panel.cells=[22, 100000]", "panel.cells.1: 100000 is wrong"),
         # feeds
         (FEED.replace("rate_kg_s=1", "rate_kg_s=10"), "the largest rate is 1.43 kg/s; a larger"),
         (FEED.replace("0, -1]", "0, 0]"), "the largest rate is 0 kg/s"),
@@ -121,6 +136,13 @@ def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
     )
 
 
+def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
+    drive = "screen.frames.driving.drive={speed_rad_s=9, amplitude_m=[0.1, 0, 0], run_up_s=1"
+    said = complaints(tmp_path, drive + ", phase_rad=[0.5, 0, 0]}")
+    assert said
+    assert not any("jump" in complaint for complaint in said)
+
+
 def test_feeds_may_not_share_a_box(tmp_path: Path) -> None:
     other = FEED.replace("chute", "second")
     assert 'second.box_m: overlaps the box of feed "chute"' in only_complaint(tmp_path, FEED, other)
@@ -171,3 +193,13 @@ def test_a_panel_step_above_the_solvers_limit_is_refused_with_the_limit(tmp_path
     assert "panel.step_s: 0.001 s is above the limit" in said
     assert "or 0 for the solver's own" in said
     assert not complaints(tmp_path, *strip, "panel.step_s=1e-6")
+
+
+def test_a_solver_without_a_resting_shape_is_not_asked_for_its_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def restless(plan: PanelPlan) -> float:
+        raise SolverFailed(f"panel {plan.name}: no resting shape")
+
+    monkeypatch.setattr("adapters.panel.strip.largest_step_s", restless)
+    assert not complaints(tmp_path, "panel.solver=strip", "panel.step_s=1e-3")
