@@ -48,6 +48,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
     if not found:
         found = [*steps.particle_step(case), *steps.panel_step(case)]
         found += start.particles_at_start(case, folder)
+        found += start.feeds_at_start(case, folder)
     return loaded.layers.named(found)
 
 

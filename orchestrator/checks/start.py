@@ -1,14 +1,15 @@
-"""Particles at t = 0: inside the domain, clear of each other and of every surface."""
+"""Particles and feeds at t = 0: inside the domain, clear of each other and of every surface."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from orchestrator.bed_sources import NoRoom, initial_particles
+from orchestrator.bed_sources import NoRoom, initial_particles, inlets
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
 from orchestrator.deck import single_panels, walls
@@ -31,13 +32,38 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
         return
     yield from _outside(case, particles)
     yield from _overlapping(case, particles)
+    for name, mesh in _surfaces(case, folder):
+        yield from _in_surface(case, particles, name, mesh)
+
+
+def feeds_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
+    """Feed boxes that a surface reaches into: what appeared there would be inside it."""
+    if not case.bed.feeds:
+        return
+    surfaces = list(_surfaces(case, folder))
+    for feed, inlet in inlets(case, material_numbers(case)).items():
+        low, high = inlet.box_m
+        rim_m = ALLOWED * (high - low)  # a box may stand against a wall
+        bounds = np.stack([low + rim_m, high - rim_m], axis=1).ravel()
+        for name, mesh in surfaces:
+            if mesh.clip_box(bounds, invert=False).n_cells:
+                yield Mistake(("bed", "feeds", feed, "box_m"), f"{name} reaches into it")
+
+
+def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Any]]:
+    """Panels and rigid surfaces by name, as PyVista meshes in the world."""
+    import pyvista  # here because its import takes longer than all other checks together
+
+    def mesh(position_m: Array, triangles: Indices) -> Any:
+        faces = np.column_stack([np.full(len(triangles), 3), triangles])
+        return pyvista.PolyData(position_m, faces)
+
     for panel in single_panels(case):
         flat = grid(panel.rectangle, (1, 1))
         mounted_m = panel.rectangle.mounted(flat.coordinates_m)
-        yield from _in_surface(case, particles, f"panel {panel.name}", mounted_m, flat.triangles)
+        yield f"panel {panel.name}", mesh(mounted_m, flat.triangles)
     for wall in walls(case, folder):
-        name = f"surface {wall.name}"
-        yield from _in_surface(case, particles, name, wall.position_m, wall.triangles)
+        yield f"surface {wall.name}", mesh(wall.position_m, wall.triangles)
 
 
 def _outside(case: Case, particles: ParticleList) -> Iterator[Mistake]:
@@ -66,14 +92,8 @@ def _overlapping(case: Case, particles: ParticleList) -> Iterator[Mistake]:
         yield Mistake(key, f"{name} overlaps {other} by {overlap_m:.3g} m{_more(found)}")
 
 
-def _in_surface(
-    case: Case, particles: ParticleList, surface: str, position_m: Array, triangles: Indices
-) -> Iterator[Mistake]:
-    """Particles whose centres are nearer to the triangles than their radius."""
-    import pyvista  # here because its import takes longer than all other checks together
-
-    faces = np.column_stack([np.full(len(triangles), 3), triangles])
-    mesh = pyvista.PolyData(position_m, faces)
+def _in_surface(case: Case, particles: ParticleList, surface: str, mesh: Any) -> Iterator[Mistake]:
+    """Particles whose centres are nearer to the mesh than their radius."""
     _, closest_m = mesh.find_closest_cell(particles.position_m, return_closest_point=True)
     distance_m = np.linalg.norm(particles.position_m - closest_m.reshape(-1, 3), axis=1)
     overlap_m = particles.diameter_m / 2 - distance_m

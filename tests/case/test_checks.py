@@ -89,6 +89,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (FEED.replace("0, -1]", "0, 0]"), "the largest rate is 0 kg/s"),
         (FEED.replace("sizes", "start_s=1, stop_s=0.5, sizes"), "0.5 s is not after start_s = 1"),
         (FEED.replace("0.1, 0.2]]", "0.1, 1.2]]"), "is not inside domain_m"),
+        (FEED.replace("0, 0.1]", "0, -0.1]"), "chute.box_m: panel deck reaches into it"),
         # sizes of values
         ("screen.panels.deck.thickness_m=4", "looks like mm: that is 0.004 in thickness_m"),
         ("materials.coal.density_kg_m3=1.43", "looks like g/cm3: that is 1430"),
@@ -147,6 +148,10 @@ def test_feeds_may_not_share_a_box(tmp_path: Path) -> None:
     other = FEED.replace("chute", "second")
     assert 'second.box_m: overlaps the box of feed "chute"' in only_complaint(tmp_path, FEED, other)
     assert not complaints(tmp_path, FEED)
+
+
+def test_a_feed_may_stand_on_a_panel(tmp_path: Path) -> None:
+    assert not complaints(tmp_path, FEED.replace("0, 0.1]", "0, 0]"))
 
 
 def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
