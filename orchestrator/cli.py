@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from rich.console import Console
+
+if TYPE_CHECKING:
+    from orchestrator.levels import LoadedCase
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
 
@@ -71,20 +74,10 @@ def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> N
 
     Exit code 0: it can be run; 2: it cannot, with every mistake in one message.
     """
-    from orchestrator.case_errors import CaseError
-    from orchestrator.checks import mistakes
-    from orchestrator.levels import load
     from orchestrator.overview import overview
 
     console = Console(highlight=False, markup=False, soft_wrap=True)
-    try:
-        loaded = load(case, level, overrides or [])
-        if found := mistakes(loaded):
-            raise CaseError(found)
-    except CaseError as error:
-        Console(stderr=True, highlight=False, markup=False, soft_wrap=True).print(str(error))
-        raise typer.Exit(2) from None
-    for line in overview(loaded):
+    for line in overview(_checked(case, level, overrides)):
         console.print(line)
 
 
@@ -96,8 +89,7 @@ def list_cases(
     from orchestrator.overview import case_lines
 
     if not folder.is_dir():
-        Console(stderr=True, highlight=False).print(f"{folder}: no such folder", markup=False)
-        raise typer.Exit(2)
+        _refuse(f"{folder}: no such folder", 2)
     console = Console(highlight=False, markup=False, soft_wrap=True)
     for line in case_lines(folder):
         console.print(line)
@@ -110,11 +102,40 @@ def bench(
     intervals: Annotated[int, typer.Option(help="sync intervals to time")] = 2000,
     overrides: Overrides = None,
 ) -> None:
-    """Time a case against its particles alone on a rigid, still surface."""
+    """Time a case against its particles alone on a rigid, still surface (one process)."""
     from orchestrator.bench import bench as timed
+    from orchestrator.left_out import has_particles
+    from orchestrator.plans import SolverFailed, SolverMissing
+
+    loaded = _checked(case, level, overrides)
+    if not has_particles(loaded.case):
+        _refuse("the case has no particles: there is nothing to compare", 2)
+    try:
+        Console().print(timed(loaded, intervals))
+    except SolverMissing as missing:
+        _refuse(str(missing), 3)
+    except SolverFailed as failed:
+        _refuse(str(failed), 4)
+
+
+def _checked(case: Path, level: str | None, overrides: list[str] | None) -> LoadedCase:
+    """The case, if it has no mistake; else all of them are said and the program ends."""
+    from orchestrator.case_errors import CaseError
+    from orchestrator.checks import mistakes
     from orchestrator.levels import load
 
-    Console().print(timed(load(case, level, overrides or []), intervals))
+    try:
+        loaded = load(case, level, overrides or [])
+        if found := mistakes(loaded):
+            raise CaseError(found)
+    except CaseError as error:
+        _refuse(str(error), 2)
+    return loaded
+
+
+def _refuse(why: str, code: int) -> NoReturn:
+    Console(stderr=True, highlight=False, markup=False, soft_wrap=True).print(why)
+    raise typer.Exit(code)
 
 
 def main() -> None:
