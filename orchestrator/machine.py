@@ -54,7 +54,7 @@ class Machine:
     probes: tuple[Probe, ...]
 
     def close(self) -> None:
-        """Closes every solver; harmless when called twice."""
+        """Closes every solver."""
         if self.solvers.particles is not None:
             self.solvers.particles.close()
         self.solvers.panel.close()

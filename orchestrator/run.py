@@ -38,6 +38,7 @@ class Run:
         self._interval_s = self._case.coupling.sync_interval_s
         self._intervals = steps_in(self._case.duration_s, self._interval_s)
         self._every = steps_in(self._case.output.interval_s, self._interval_s)
+        self._steps = steps_in(self._interval_s, particle_step_s(self._case))
         self._particle_steps = 0
         self._done: dict[str, Any] = {"sync_intervals": 0, "simulated_s": 0.0, "particles": 0}
 
@@ -92,9 +93,8 @@ class Run:
             recorder.sync_point(time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 self._done["particles"] = recorder.output(time_s, state)
-        if done and self._done["particles"]:
-            steps = self._interval(done).steps(particle_step_s(self._case))
-            self._particle_steps += steps * self._done["particles"]
+        if done:
+            self._particle_steps += self._steps * self._done["particles"]
         self._done |= {"sync_intervals": done, "simulated_s": time_s}
 
     def _interval(self, index: int) -> Interval:

@@ -50,6 +50,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "smallest_m": (2e-5, 0.5),
     "largest_m": (2e-5, 0.5),
     "velocity_m_s": (0.0, 50.0),
+    "spin_rad_s": (0.0, 1e6),
     "rate_kg_s": (1e-6, 1e3),
     "sync_interval_s": (1e-7, 0.02),
 }

@@ -5,9 +5,12 @@ These tables usually stand in a level (``levels/<level>.toml``).
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from orchestrator.tables.quantities import Cells, NotNegative, Positive, Share, Switch, Table
+from annotated_types import Gt, Le
+from pydantic import Strict
+
+from orchestrator.tables.quantities import Cells, NotNegative, Positive, Switch, Table
 
 
 class PanelSolver(Table):
@@ -41,7 +44,7 @@ class ParticlesSolver(Table):
     """spheres (a few, in NumPy), liggghts."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
-    rayleigh_fraction: Share = 0.15
+    rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.15
     """Share of the smallest particle's Rayleigh time; above 0.2 is refused."""
     largest_youngs_modulus_Pa: Positive | None = None
     """Stiffer materials are softened to this in contacts, which allows longer steps."""

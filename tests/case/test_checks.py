@@ -99,9 +99,11 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("bed.particles.ball.diameter_m=20", "looks like mm: that is 0.02"),
         ("screen.exciters.shaft.speed_rad_s=1500", "looks like rpm: that is 157.08"),
         ("duration_s=2e4", "looks like ms: that is 20"),
+        ("bed.particles.ball.spin_rad_s=[0, 1e300, 0]", "1e+300 is out of the range"),
         # times
         ("duration_s=1e-5", "is shorter than coupling.sync_interval_s"),
         ("output.interval_s=1e-6", "is shorter than coupling.sync_interval_s"),
+        ("particles.rayleigh_fraction=0.0", "greater than 0 is wanted"),
         ("particles.step_s=2e-4", "particles.step_s: a step of 0.0002 s is 0.31 of the"),
         # the start
         ("bed.particles.ball.position_m=[0.15, 0.1, 0.009]", '"ball" is 0.001 m inside panel deck'),
