@@ -5,7 +5,7 @@ A scheme is one short function from the state at a sync point to the state at th
 ``particles_first`` (the default): every member acts on the *extrapolated* motion of the heavier
 one above it and hands its mean load of the *same* interval up: particles, then panels, then
 frames.  Momentum is exact at every interface; the energy created in an elastic contact falls
-with the third power of the interval.
+with the third power of the interval between two rigid bodies, with the second on a panel.
 
 ``serial_staggered``: the conventional order (Farhat, C. and Lesoinne, M., Computer Methods in
 Applied Mechanics and Engineering 182, 2000, 499-515, doi 10.1016/S0045-7825(99)00206-6):
