@@ -39,7 +39,7 @@ class Engine:
 
     def remove(self, local: list[int]) -> None: ...
     def overlaps(self, position_m: Array, diameter_m: Array) -> list[bool]:
-        """Which places overlap a particle of this rank."""
+        """Which places overlap the surface, where it is now, or a particle of this rank."""
 
     def store_history(self) -> None:
         """To be called before ``create`` and ``remove`` once the first step was made."""

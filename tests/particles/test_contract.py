@@ -275,6 +275,15 @@ def test_feed_is_booked_and_finds_room_or_not(build: Build) -> None:
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)
 
 
+def test_a_feed_finds_no_room_where_the_surface_is(build: Build) -> None:
+    """One sphere in the middle of a facet, one 4 mm above (radius 5 mm), one 6 mm above."""
+    given = particles([[0.001, 0.002, 0], [0.02, 0, 0.004], [0, 0.02, 0.006]])
+    feed = OnceAt(0, given)
+    run = build(plan(plate(0.05, 2), EMPTY, feed=feed, gravity_m_s2=WEIGHTLESS))
+    run.advance(1)
+    assert feed.accepted == [False, False, True]
+
+
 def test_a_feed_can_start_with_no_particles_at_all(build: Build) -> None:
     feed = OnceAt(1, particles([0, 0, 0.0055], [0, 0, -0.5]))
     run = build(plan(plate(0.02, 3), EMPTY, feed=feed))

@@ -119,25 +119,6 @@ def test_particles_come_and_go():
     )
 
 
-def test_a_fed_particle_feels_the_surface_at_once():
-    # a particle fed with 10 um of overlap: its first impulse starts with the full force
-    class Once:
-        def due(self, interval):
-            return (
-                spheres([1e-3, 2e-3, 2.49e-3]) if interval.index == 1 else spheres(np.zeros((0, 3)))
-            )
-
-        def settle(self, accepted):
-            assert accepted.all()
-
-    at_start = make_plan(flat(), spheres([[1e-3, 2e-3, 2.49e-3], [0.0, 0.0, 0.05]]))
-    fed = make_plan(flat(), spheres([0.0, 0.0, 0.05]), feed=Once())
-    with closing(liggghts.build(at_start)) as one, closing(liggghts.build(fed)) as two:
-        expected = travel(one, lambda t: still(at_start.surface), range(2))
-        forces = travel(two, lambda t: still(at_start.surface), range(3))
-    np.testing.assert_allclose(forces[1:], expected, rtol=1e-9, atol=1e-12)
-
-
 def test_removal_keeps_the_others_contact_history():
     # two stuck pairs sheared under load; a third pair leaves: nothing may change for them
     def run(with_leaver):

@@ -67,4 +67,13 @@ void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 p
   if (found.size() > 1) one_per_smooth_patch(found, triangles_);
 }
 
+bool ContactSearch::reached(const SurfacePath &surface, Vec3 place, double reach_m) const {
+  return std::any_of(triangles_.begin(), triangles_.end(), [&](const Triangle &t) {
+    const Vec3 a = surface.position(t[0]), b = surface.position(t[1]), c = surface.position(t[2]);
+    const ClosestPoint near = closest_point(place, a, b, c);
+    const Vec3 apart = near.weight[0] * a + near.weight[1] * b + near.weight[2] * c - place;
+    return dot(apart, apart) < reach_m * reach_m;
+  });
+}
+
 }  // namespace flipflow

@@ -38,6 +38,9 @@ class ContactSearch {
   void search(const SurfacePath &surface, const Spheres &spheres, double factor, double skin_m,
               bool neighbours_listed_now);
 
+  // Does any triangle come nearer to a place than `reach_m`?  Looks at all of them.
+  bool reached(const SurfacePath &surface, Vec3 place, double reach_m) const;
+
   const std::vector<Near> &near() const { return near_; }
 
   // The contacts of a sphere at `position_m`, one per smooth patch.

@@ -131,11 +131,12 @@ void Engine::remove(std::vector<int> local) {
 }
 
 std::vector<bool> Engine::overlaps(const double *position_m, const double *diameter_m,
-                                   int count) const {
+                                   int count) {
   const Atom &atom = *lammps_->atom;
   std::vector<bool> found(count, false);
   for (int k = 0; k < count; ++k) {
     const Vec3 x = from(position_m + 3 * k);
+    found[k] = surface().reached(x, 0.5 * diameter_m[k]);
     for (int i = 0; i < atom.nlocal && !found[k]; ++i) {
       const double reach = 0.5 * diameter_m[k] + atom.radius[i];
       const Vec3 apart = from(atom.x[i]) - x;

@@ -33,8 +33,8 @@ class Engine {
   void create(const Particles &particles, int first_id);
   void remove(std::vector<int> local);  // by local number
 
-  // Which of the places would overlap one of this rank's particles.
-  std::vector<bool> overlaps(const double *position_m, const double *diameter_m, int count) const;
+  // Which of the places would overlap the surface or one of this rank's particles.
+  std::vector<bool> overlaps(const double *position_m, const double *diameter_m, int count);
 
   // Contact history goes from the neighbour list to the particles: before create and remove.
   void store_history();

@@ -33,6 +33,11 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void begin_sums(double step_s) { load_.begin(surface_, step_s); }
   void end_sums(double step_s) { load_.end(step_s); }
 
+  // Is the surface, where it is now, nearer to a place than `reach_m`?
+  bool reached(Vec3 place, double reach_m) const {
+    return search_.reached(surface_, place, reach_m);
+  }
+
   const SurfaceLoad &load() const { return load_; }
   double elastic_energy_J() const { return elastic_; }  // in surface contacts, last evaluation
   int contacts() const { return contacts_; }            // last evaluation

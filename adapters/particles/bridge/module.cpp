@@ -100,7 +100,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("create", &create_particles)
       .def("remove", &Engine::remove)
       .def("overlaps",
-           [](const Engine &engine, Doubles position_m, Doubles diameter_m) {
+           [](Engine &engine, Doubles position_m, Doubles diameter_m) {
              return engine.overlaps(position_m.data(), diameter_m.data(),
                                     static_cast<int>(diameter_m.size()));
            })
