@@ -36,8 +36,8 @@ class Runner:
         self._interval_s = loaded.case.coupling.sync_interval_s
         self._done = 0
         self.wall_s = 0.0
-        particles = self._machine.solvers.particles
-        self.particles = len(particles.snapshot().id) if particles else 0
+        self._steps = Interval(0, self._interval_s).steps(particle_step_s(loaded.case))
+        self.particle_steps = 0
 
     def block(self) -> None:
         started = time.perf_counter()
@@ -46,6 +46,12 @@ class Runner:
             self._state = self._machine.scheme.advance(self._machine.solvers, interval, self._state)
         self._done += BLOCK
         self.wall_s += time.perf_counter() - started
+        self.particle_steps += BLOCK * self._steps * self.particles()
+
+    def particles(self) -> int:
+        """How many there are now."""
+        particles = self._machine.solvers.particles
+        return len(particles.snapshot().id) if particles else 0
 
     def close(self) -> None:
         self._machine.close()
@@ -73,23 +79,27 @@ def bench(loaded: LoadedCase, intervals: int) -> Table:
         for _ in range(max(1, intervals // BLOCK)):
             coupled.block()
             alone.block()
+        table = compared(loaded.name, coupled, alone)
         coupled.close()
         alone.close()
-    case = loaded.case
-    steps = Interval(0, case.coupling.sync_interval_s).steps(particle_step_s(case))
-    particle_steps = coupled.particles * steps * max(1, intervals // BLOCK) * BLOCK
+    return table
+
+
+def compared(name: str, coupled: Runner, alone: Runner) -> Table:
+    """Times, their ratio to the particles alone, and particle-steps per second."""
     still_s = alone.stopwatch.wall_s["particles"]
-    table = Table(title=f"{loaded.name}: {coupled.particles} particles", title_justify="left")
+    parts_s = coupled.stopwatch.wall_s
+    table = Table(title=f"{name}: {coupled.particles()} particles", title_justify="left")
     for column in ("", "wall / s", "against still", "particle-steps / s"):
         table.add_column(column, justify="left" if column == "" else "right")
 
-    def row(name: str, wall_s: float, rate: bool) -> None:
-        speed = f"{particle_steps / wall_s:.3g}" if rate else ""
-        table.add_row(name, f"{wall_s:.2f}", f"{wall_s / still_s:.2f}", speed)
+    def row(what: str, wall_s: float, particle_steps: int = 0) -> None:
+        speed = f"{particle_steps / wall_s:.3g}" if particle_steps else ""
+        table.add_row(what, f"{wall_s:.2f}", f"{wall_s / still_s:.2f}", speed)
 
-    row("particles alone, rigid still surface", still_s, True)
-    row("particles in the coupled run", coupled.stopwatch.wall_s["particles"], True)
+    row("particles alone, rigid still surface", still_s, alone.particle_steps)
+    row("particles in the coupled run", parts_s["particles"], coupled.particle_steps)
     for part in ("panel", "frames", "mapping"):
-        row(part, coupled.stopwatch.wall_s.get(part, 0.0), False)
-    row("coupled run, without output", coupled.wall_s, True)
+        row(part, parts_s.get(part, 0.0))
+    row("coupled run, without output", coupled.wall_s, coupled.particle_steps)
     return table

@@ -41,6 +41,9 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     except (CaseError, FolderUnusable) as error:
         wrong = str(error)
         return ranks.in_turn(world, lambda: _console().print(wrong), WRONG)
+    except Exception as error:
+        broken = f"a mistake in flipflow: {type(error).__name__}: {error}"
+        return ranks.in_turn(world, lambda: _console().print(broken), BROKEN)
     with run_folder.logging_to(folder, first):
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         console.print(f"running {loaded.name} {loaded.level} into {folder}")

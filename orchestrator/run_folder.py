@@ -119,7 +119,11 @@ def provenance(ranks: int) -> dict[str, Any]:
         "system": platform.platform(),
         "python": platform.python_version(),
         "ranks": ranks,
-        "versions": {name: _version(name) for name in packages} | {"h5py": h5py.__version__},
+        "versions": {
+            **{name: _version(name) for name in packages},
+            "h5py": h5py.__version__,
+            "libliggghts3": _debian_version("libliggghts3"),
+        },
         "commit": _commit(),
     }
 
@@ -138,6 +142,14 @@ def _version(package: str) -> str | None:
         return None
 
 
+def _debian_version(package: str) -> str | None:
+    """LIGGGHTS does not tell its own version; Debian knows it."""
+    try:
+        return _said("dpkg-query", "-W", "-f", "${Version}", package)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
 def _commit() -> str | None:
     """The commit of the checkout that this program runs from, with "+" for local changes."""
     here = Path(__file__).parent
@@ -149,7 +161,9 @@ def _commit() -> str | None:
 
 
 def _git(folder: Path, *words: str) -> str:
-    done = subprocess.run(
-        ["git", "-C", str(folder), *words], capture_output=True, text=True, check=True
-    )
-    return done.stdout.strip()
+    return _said("git", "-C", str(folder), *words)
+
+
+def _said(*command: str) -> str:
+    """What a command prints.  Raises OSError or CalledProcessError."""
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
