@@ -57,6 +57,13 @@ A case is a folder: `case.toml` says what (physics), `levels/<level>.toml` say h
 and numerics), and STL files lie beside. `flipflow check <folder>` finds every mistake before
 anything starts and says what is in the case.
 
+Good examples to start from: `cases/ball-on-panel` (small), `cases/panel-cycle` (a frame moved by a
+`drive`, which needs `frames.solver = "prescribed"`), `cases/quickstart` (everything).
+
+Mind the axes: everything in `[screen]`, STL files, probe points and blocks are in deck axes;
+`domain_m`, single particles and feeds are in world axes.
+With `inclination_deg = 0` both are the same.
+
 This page is made from the tables of the program (`python -m orchestrator.case_reference`); a test
 keeps it true.
 

@@ -89,7 +89,9 @@ def list_cases(
     from orchestrator.overview import case_lines
 
     if not folder.is_dir():
-        _refuse(f"{folder}: no such folder", 2)
+        _refuse(
+            f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER", 2
+        )
     console = Console(highlight=False, markup=False, soft_wrap=True)
     for line in case_lines(folder):
         console.print(line)

@@ -121,5 +121,7 @@ def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
             LOG.info(line)
             console.print(line)
     else:
-        console.print(figures["reason"])
+        line = f"{figures['reason']} at t = {figures['simulated_s']:g} s"
+        LOG.info(line)
+        console.print(line)
     console.print(f"results in {folder}")

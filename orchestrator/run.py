@@ -46,6 +46,7 @@ class Run:
         """Runs to the end.  Raises CaseError or SolverMissing before anything is computed;
         SolverFailed, OSError or Interrupted with everything written up to the last output time.
         """
+        self._console.print("opening the solvers")
         with self._stopwatch("rest"), Stop().listening() as stop:
             machine = build(self._loaded, self._folder, self._world, self._stopwatch)
             LOG.info("all solvers are open after %.1f s", time.perf_counter() - self._started)

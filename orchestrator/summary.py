@@ -80,21 +80,31 @@ def closing_table(summary: dict[str, Any]) -> Table:
     return table
 
 
+LARGEST_SHARE_CREATED = 0.01  # of the energy supplied and lost; above it the run says so
+
+
 def closing_lines(summary: dict[str, Any]) -> list[str]:
-    """The run's own figures of quality, in words."""
+    """The run's own figures of quality, in words; a warning where they are bad."""
     ledger = summary["energy_ledger_J"]
     created = sum(value for name, value in ledger.items() if name.startswith("created."))
-    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith("supplied."))
-    share = f" ({100 * created / turned_over:+.2f} % of the energy supplied)" if turned_over else ""
+    books = ("supplied.", "lost.")
+    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith(books))
+    share = created / turned_over if turned_over else 0.0
     lines = [
         f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
         f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
-        f"energy created by the coupling {created:+.3g} J{share}",
+        f"energy created by the coupling {created:+.3g} J "
+        f"({share:+.1e} of the energy supplied and lost)",
     ]
     if summary["particles"]:
         lines.insert(
             1,
             f"{summary['particles']} particles, "
             f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
+        )
+    if abs(share) > LARGEST_SHARE_CREATED:
+        lines.append(
+            f"WARNING: the coupling created more than {100 * LARGEST_SHARE_CREATED:g} % of the "
+            "energy supplied and lost: do not trust this run; shorten coupling.sync_interval_s"
         )
     return lines

@@ -34,7 +34,9 @@ def test_it_ends_its_interval_and_its_books(tmp_path: Path, name: str) -> None:
     said = run.communicate(timeout=HANG_S)[1]
     assert run.returncode == 128 + number, said
     assert "Traceback" not in said
-    assert f"stopped by {name}\nresults in {folder}" in said
+    assert f"stopped by {name} at t = " in said
+    assert said.endswith(f"results in {folder}\n")
+    assert f"stopped by {name} at t = " in (folder / "run.log").read_text()
     summary = left_usable(folder, "interrupted")
     assert summary["reason"] == f"stopped by {name}"
     assert 0 < summary["sync_intervals"] < 300_000
