@@ -133,6 +133,7 @@ def _exciters(case: Case) -> list[Exciter]:
             speed_rad_s=exciter.speed_rad_s,
             run_up_s=exciter.run_up_s,
             phase_rad=exciter.phase_rad,
+            start_s=exciter.start_s,
         )
         for exciter in case.screen.exciters.values()
     ]

@@ -99,10 +99,11 @@ class Bushing:
 class Exciter:
     """A rotating unbalance: force of size  mass_moment * speed^2  turning about ``axis``.
 
-    The angle runs up smoothly: speed(t) = speed_rad_s * (1 - cos(pi t / run_up_s)) / 2 until
-    ``run_up_s``, then constant; at angle = ``phase_rad`` the force points along ``start``
-    (a unit vector normal to ``axis``; positive rotation about ``axis``).  The force is the
-    unbalance's inertia force: mass_moment * (speed^2 radial - d(speed)/dt tangential).
+    It stands still until ``start_s``.  Then the angle runs up smoothly: with t from there,
+    speed(t) = speed_rad_s * (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``, then constant; at
+    angle = ``phase_rad`` the force points along ``start`` (a unit vector normal to ``axis``;
+    positive rotation about ``axis``).  The force is the unbalance's inertia force:
+    mass_moment * (speed^2 radial - d(speed)/dt tangential).
     """
 
     body: str
@@ -113,6 +114,7 @@ class Exciter:
     speed_rad_s: float
     run_up_s: float
     phase_rad: float = 0.0
+    start_s: float = 0.0
 
 
 @dataclass(frozen=True)

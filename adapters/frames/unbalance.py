@@ -1,4 +1,4 @@
-"""The force of a rotating unbalance whose speed runs up smoothly."""
+"""The force of a rotating unbalance that starts when told and runs up smoothly."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ class Unbalance:
     def _turning(self, time_s: Array) -> tuple[Array, Array, Array]:
         """Angle in rad, speed in rad/s, angular acceleration in rad/s^2."""
         full, run_up_s = self._exciter.speed_rad_s, self._exciter.run_up_s
-        phase = self._exciter.phase_rad
+        phase, since_s = self._exciter.phase_rad, time_s - self._exciter.start_s
+        turns, since_s = since_s >= 0, np.maximum(since_s, 0.0)
         if run_up_s <= 0:
-            still = np.zeros_like(time_s)
-            return full * time_s + phase, full + still, still
+            return full * since_s + phase, full * turns, np.zeros_like(since_s)
         rate = math.pi / run_up_s
-        rising = np.minimum(time_s, run_up_s)
-        angle = full / 2 * (rising - np.sin(rate * rising) / rate) + full * (time_s - rising)
+        rising = np.minimum(since_s, run_up_s)
+        angle = full / 2 * (rising - np.sin(rate * rising) / rate) + full * (since_s - rising)
         speed = full / 2 * (1 - np.cos(rate * rising))
-        growth = np.where(time_s < run_up_s, full / 2 * rate * np.sin(rate * rising), 0.0)
+        growth = np.where(since_s < run_up_s, full / 2 * rate * np.sin(rate * rising), 0.0)
         return angle + phase, speed, growth

@@ -93,8 +93,10 @@ class Exciter(Table):
     """Direction in which the force points at angle ``phase_rad``; normal to ``axis``."""
     phase_rad: Number = 0.0
     """Angle at t = 0."""
+    start_s: NotNegative = 0.0
+    """When it starts; until then it stands still, and what was dropped can settle."""
     run_up_s: NotNegative = 0.0
-    """Time to reach full speed."""
+    """Time to reach full speed, from ``start_s``."""
 
 
 class Panel(Table):

@@ -107,6 +107,21 @@ def test_run_up_does_not_depend_on_the_step() -> None:
     assert ends[0] == pytest.approx(ends[1], abs=1e-11)
 
 
+@pytest.mark.parametrize("run_up_s", [0.0, 0.1])
+def test_an_exciter_that_starts_later_does_the_same_later(run_up_s: float) -> None:
+    """Nothing moves before 0.1 s, and from then on all is as if it had started at once."""
+    late = build(two_bodies((exciter(run_up_s=run_up_s, start_s=0.1, phase_rad=0.7),)))
+    soon = build(two_bodies((exciter(run_up_s=run_up_s, phase_rad=0.7),)))
+    for index in range(5):
+        motion = late.advance(Interval(index, 0.02), Load.zero(4))
+        assert motion.position_m == pytest.approx(POINTS_M, abs=1e-14)
+    for index in range(5, 20):
+        motion = late.advance(Interval(index, 0.02), Load.zero(4))
+        expected = soon.advance(Interval(index - 5, 0.02), Load.zero(4))
+        assert np.abs(expected.position_m - POINTS_M).max() > 1e-6
+        assert motion.position_m == pytest.approx(expected.position_m, abs=1e-13)
+
+
 def test_a_bushing_loses_pi_c_w_X2_per_cycle() -> None:
     plan = two_bodies((exciter(),), loss_factor=2.0)
     frames = build(plan)
