@@ -13,7 +13,7 @@ from orchestrator import stl
 from orchestrator.case import Case
 from orchestrator.geometry import Rectangle
 from orchestrator.ports import Array, Indices
-from orchestrator.tables.screen import Panel
+from orchestrator.tables.screen import Panel, Surface
 
 
 def axes(case: Case) -> Array:
@@ -89,10 +89,24 @@ class Wall:
 
 
 def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
-    """The rigid surfaces of the case, read from its folder.  Raises stl.Unreadable."""
+    """The rigid surfaces of the case: plates, and files in its folder.  Raises stl.Unreadable."""
     found = []
     for name, surface in case.screen.surfaces.items():
-        facets = stl.read(folder / surface.stl)
-        position_m = to_world(case, facets.position_m)
-        found.append(Wall(name, surface.frame, surface.material, position_m, facets.triangles))
+        corners_m, triangles = _triangles(surface, folder)
+        position_m = to_world(case, corners_m)
+        found.append(Wall(name, surface.frame, surface.material, position_m, triangles))
     return tuple(found)
+
+
+def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
+    """Corners (n, 3) in deck axes and triangles (m, 3)."""
+    if surface.stl is not None:
+        facets = stl.read(folder / surface.stl)
+        return facets.position_m, facets.triangles
+    return plate_corners_m(surface), np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int64)
+
+
+def plate_corners_m(surface: Surface) -> Array:
+    """(4, 3) of a plate, in deck axes."""
+    corner, (one, two) = np.array(surface.corner_m), np.array(surface.edges_m)
+    return np.array([corner, corner + one, corner + one + two, corner + two])

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from orchestrator.case import Case
 from orchestrator.case_errors import CaseError, Mistake, did_you_mean, from_validation, shown
+from orchestrator.deck_layout import laid_out
 from orchestrator.left_out import dropped, left_out
 from orchestrator.overlays import Layers, changed, parsed
 
@@ -104,11 +105,13 @@ def read_toml(file: Path) -> dict[str, Any]:
 
 
 def validated(layers: Layers) -> Case:
-    """Raises CaseError with every mistake found."""
+    """With decks laid out.  Raises CaseError with every mistake found."""
     try:
-        return Case.model_validate(layers.merged)
+        return laid_out(Case.model_validate(layers.merged))
     except ValidationError as error:
         raise CaseError(layers.named(from_validation(error, Case))) from None
+    except CaseError as error:
+        raise CaseError(layers.named(error.mistakes)) from None
 
 
 def _lay_level(layers: Layers, folder: Path, level: str) -> None:
@@ -123,8 +126,8 @@ def _lay_level(layers: Layers, folder: Path, level: str) -> None:
         what = f"{shown(without)} is wrong, a list of names is wanted"
         raise CaseError([Mistake(("without",), what, file=source)])
     try:
-        needed = dropped(Case.model_validate(bare), Case.model_validate(layers.merged))
-    except ValidationError:
+        needed = dropped(*(laid_out(Case.model_validate(c)) for c in (bare, layers.merged)))
+    except (ValidationError, CaseError):
         return  # load validates again and says what is wrong
     mistakes = [
         Mistake(("without",), f'"{name}" must be named: the level leaves it out', why, source)

@@ -46,8 +46,9 @@ def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
 def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
     table = loaded.case.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
-        shutil.copyfile(loaded.folder / surface["stl"], folder / f"{name}.stl")
-        surface["stl"] = f"{name}.stl"
+        if "stl" in surface:
+            shutil.copyfile(loaded.folder / surface["stl"], folder / f"{name}.stl")
+            surface["stl"] = f"{name}.stl"
     (folder / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
     write_json(folder / "provenance.json", provenance(ranks))
 

@@ -18,6 +18,7 @@ from orchestrator.checks import (
     steps,
     surfaces,
 )
+from orchestrator.deck_layout import as_given
 from orchestrator.levels import LoadedCase
 
 OF_TABLES = (
@@ -32,6 +33,7 @@ OF_TABLES = (
     machine.panels,
     machine.panel_solver,
     machine.probes,
+    surfaces.plates,
     plausible.wrong_sizes,
     steps.whole_times,
 )
@@ -49,7 +51,8 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found = [*steps.particle_step(case), *steps.panel_step(case)]
         found += start.particles_at_start(case, folder)
         found += start.feeds_at_start(case, folder)
-    return loaded.layers.named(found)
+    decks = loaded.layers.merged["screen"].get("decks", {})
+    return loaded.layers.named([as_given(mistake, decks) for mistake in found])
 
 
 def warnings(loaded: LoadedCase) -> list[str]:

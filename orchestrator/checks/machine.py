@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
 from orchestrator.deck import axes
+from orchestrator.left_out import has_particles
 from orchestrator.tables.quantities import GROUND
 from orchestrator.tables.screen import Panel
 
@@ -116,6 +117,8 @@ def panel_solver(case: Case) -> Iterator[Mistake]:
 
 def panels(case: Case) -> Iterator[Mistake]:
     """One of tension and span, a pitch for a row, and directions that span a rectangle."""
+    if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
+        yield Mistake(("screen", "panels"), "missing: there is nothing for particles to touch")
     for name, panel in case.screen.panels.items():
         key: Key = ("screen", "panels", name)
         yield from _one_span(key, panel)

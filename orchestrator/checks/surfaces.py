@@ -1,4 +1,4 @@
-"""STL files: there, readable, whole, consistently oriented, and inside the domain."""
+"""STL files: there, readable, whole, consistently oriented, and inside the domain; plates."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ import numpy as np
 from orchestrator import stl
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import single_panels, to_world
+from orchestrator.deck import plate_corners_m, single_panels, to_world
 from orchestrator.ports import Array, Indices
 
 
 def stl_files(case: Case, folder: Path) -> Iterator[Mistake]:
     """All that is wrong with the files of ``[screen.surfaces]``."""
     for name, surface in case.screen.surfaces.items():
+        if surface.stl is None:
+            continue
         key: Key = ("screen", "surfaces", name, "stl")
         try:
             facets = stl.read(folder / surface.stl)
@@ -33,8 +35,30 @@ def stl_files(case: Case, folder: Path) -> Iterator[Mistake]:
             yield Mistake(key, f'"{surface.stl}": {outside}', millimetres or "enlarge domain_m")
 
 
+def plates(case: Case) -> Iterator[Mistake]:
+    """Each surface is a file or a plate, and a plate has an area."""
+    for name, surface in case.screen.surfaces.items():
+        key: Key = ("screen", "surfaces", name)
+        given = [surface.corner_m is not None, surface.edges_m is not None]
+        if surface.stl is not None and any(given):
+            yield Mistake(key, "is a file and a plate", "give stl, or corner_m and edges_m")
+        elif surface.stl is None and not all(given):
+            yield Mistake(key, "is no surface", "give stl, or corner_m and edges_m")
+        elif surface.edges_m is not None:
+            one, two = np.array(surface.edges_m)
+            area_m2, size_m2 = np.linalg.norm(np.cross(one, two)), max(one @ one, two @ two)
+            if not area_m2 > 1e-9 * size_m2:
+                yield Mistake((*key, "edges_m"), "span no area", "give two edges at an angle")
+
+
 def panels_inside(case: Case) -> Iterator[Mistake]:
-    """Panels with corners outside the domain."""
+    """Panels and plates with corners outside the domain."""
+    for name, surface in case.screen.surfaces.items():
+        if surface.edges_m is not None:
+            outside = _outside(case, to_world(case, plate_corners_m(surface)))
+            if outside:
+                plate: Key = ("screen", "surfaces", name, "corner_m")
+                yield Mistake(plate, f"surface {name}: {outside}", "enlarge domain_m")
     for panel in single_panels(case):
         r = panel.rectangle
         s = np.array([-r.clamp_m, r.length_m + r.clamp_m])

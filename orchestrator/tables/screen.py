@@ -6,11 +6,9 @@ deck and up.  ``inclination_deg`` turns them about y into the world's axes.
 
 from __future__ import annotations
 
-from typing import Annotated
-
-from annotated_types import Len
 from pydantic import Field
 
+from orchestrator.tables.deck import Deck
 from orchestrator.tables.quantities import (
     Few,
     Name,
@@ -135,10 +133,15 @@ class Panel(Table):
 
 
 class Surface(Table):
-    """A rigid surface that particles touch from both sides: a side wall, a chute."""
+    """A rigid surface that particles touch from both sides: a side wall, a chute.  Either an STL
+    file, or a plate: a corner and two edges that start there."""
 
-    stl: str
+    stl: str | None = None
     """STL file in the case's folder, in m and deck axes."""
+    corner_m: Vector | None = None
+    """A corner of the plate; with ``edges_m``."""
+    edges_m: tuple[Vector, Vector] | None = None
+    """The plate's edges from there; the first x the second points to its upper side."""
     frame: str
     """The frame that carries it, or "ground"."""
     material: str
@@ -159,7 +162,9 @@ class Screen(Table):
     """Bushings by name."""
     exciters: dict[Name, Exciter] = Field(default_factory=dict)
     """Exciters by name."""
-    panels: Annotated[dict[Name, Panel], Len(1)]
+    decks: dict[Name, Deck] = Field(default_factory=dict)
+    """Decks by name: each stands for panels and surfaces."""
+    panels: dict[Name, Panel] = Field(default_factory=dict)
     """Panels, or rows of panels, by name."""
     surfaces: dict[Name, Surface] = Field(default_factory=dict)
     """Rigid surfaces by name."""

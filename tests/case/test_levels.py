@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case_errors import CaseError
+from orchestrator.checks import mistakes
 from orchestrator.levels import load
 from tests.case.cases import CASE, LEVEL, complaints, loaded, only_complaint, written
 
@@ -126,9 +127,12 @@ def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, said
     assert any(said in complaint for complaint in complaints(tmp_path, override))
 
 
-def test_a_case_without_panels_is_refused(tmp_path: Path) -> None:
-    none = CASE.replace("[screen.panels.deck]", "[screen.panels]\n[screen.surfaces.deck]")
-    assert "screen.panels: {} is wrong" in refused(written(tmp_path, none))
+def test_particles_need_something_to_touch(tmp_path: Path) -> None:
+    bare = CASE.partition("[screen.panels.deck]")[0]
+    ball = "[bed.particles.ball]\nposition_m = [0, 0, 0]\ndiameter_m = 0.02\nmaterial = 'coal'\n"
+    assert mistakes(load(written(tmp_path, bare))) == []
+    (complaint,) = mistakes(load(written(tmp_path, bare + ball)))
+    assert "screen.panels: missing: there is nothing for particles to touch" in str(complaint)
 
 
 def test_files_that_are_no_case_are_mistakes_of_the_user(tmp_path: Path) -> None:
