@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 
 from orchestrator import adapter
+from orchestrator.bushing_forces import BushingForces
 from orchestrator.case import Case
 from orchestrator.coupling import SCHEMES, Solvers
 from orchestrator.geometry import TriangleSurface
@@ -23,11 +24,13 @@ from orchestrator.machine import Machine, PanelPoints, Probe
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
 from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
-from orchestrator.planning import frames_plan, material_numbers, particles_plan
+from orchestrator.planning import bushings, frames_plan, material_numbers, particles_plan
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array, Frames, Panel, Particles
 from orchestrator.ranks import FramesOnFirstRank
 from orchestrator.stopwatch import Stopwatch
+
+NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
 
 
 def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
@@ -46,6 +49,10 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
     if not case.hand_over.panel_reaction:  # frames at rest do not hold what they do not feel
         held_N = np.zeros_like(held_N)
     plan = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
+    centres = {
+        piece.name: together.clamps[len(panels) + len(walls) + number].start
+        for number, piece in enumerate(frames)
+    }
     members = Members(
         MeteredFrames(_frames(case, plan, world), f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(together, "panels", "mapping", stopwatch),
@@ -67,11 +74,9 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
             )
             for number, piece in enumerate(panels)
         ),
-        centres={
-            piece.name: together.clamps[len(panels) + len(walls) + number].start
-            for number, piece in enumerate(frames)
-        },
+        centres=centres,
         probes=_probes(case, pieces, together),
+        bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
     )
 
 
@@ -119,12 +124,15 @@ def _surface(
         position_m,
         np.concatenate(
             [
-                piece.triangles + points.start
-                for piece, points in zip(touched, together.surface, strict=False)
+                NONE.reshape(0, 3),
+                *(
+                    piece.triangles + points.start
+                    for piece, points in zip(touched, together.surface, strict=False)
+                ),
             ]
         ),
         np.concatenate(
-            [np.full(len(piece.triangles), number[piece.material]) for piece in touched]
+            [NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]
         ),
     )
 
@@ -132,8 +140,11 @@ def _surface(
 def _panel_of_triangle(touched: list[Piece], panels: int) -> Any:
     return np.concatenate(
         [
-            np.full(len(piece.triangles), number if number < panels else -1)
-            for number, piece in enumerate(touched)
+            NONE,
+            *(
+                np.full(len(piece.triangles), number if number < panels else -1)
+                for number, piece in enumerate(touched)
+            ),
         ]
     )
 

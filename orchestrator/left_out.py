@@ -14,7 +14,9 @@ PANEL = {
     "solid": {},
 }
 FRAMES = {
-    "prescribed": {"frame-dynamics": "frames.solver prescribed: masses, bushings, exciters"},
+    "prescribed": {
+        "frame-dynamics": "frames.solver prescribed: nothing acts on the frames' motion"
+    },
     "two-mass": {"frame-rotation": "frames.solver two-mass: frames translate only"},
     "exudyn": {},
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from orchestrator.bushing_forces import BushingForces
 from orchestrator.coupling import Scheme, Solvers
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
@@ -39,7 +40,8 @@ class Probe:
 class Machine:
     """All that the run, its records and its reports need to know.
 
-    ``centres``: frame name -> number of its centre of mass among the carried points.
+    ``centres``: frame name -> number of its centre of mass among the carried points; the next three
+    are the ends of the arms that tell its rotation (``pieces.frame_pieces``).
     ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
     """
 
@@ -52,6 +54,7 @@ class Machine:
     panels: tuple[PanelPoints, ...]
     centres: dict[str, int]
     probes: tuple[Probe, ...]
+    bushings: BushingForces
 
     def close(self) -> None:
         """Closes every solver."""

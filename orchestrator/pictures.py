@@ -18,6 +18,7 @@ import numpy as np
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.colors import Normalize
+from scipy.integrate import trapezoid
 
 AXES = "xyz"
 COLUMNS = 4  # panels side by side in a picture
@@ -82,6 +83,34 @@ def _chord(line: Any) -> tuple[Any, Any]:
     return along, up / np.linalg.norm(up)
 
 
+def bushing_loops(history: Any, cycle_s: float, path: Path) -> None:
+    """Force against deformation of every bushing in the last cycle, along the axis in which it is
+    deformed most; the area is the energy lost in the cycle."""
+    names = list(history["bushings"])
+    columns = min(COLUMNS, len(names))
+    rows = -(-len(names) // columns)
+    figure, axes = _axes(rows, columns, (11, 1 + 3.2 * rows), sharex=True, sharey=True)
+    for axis, name in zip(axes.flat, names, strict=False):
+        time, deformed, force = (
+            history[f"bushings/{name}/{what}"][:] for what in ("time_s", "deformation_m", "force_N")
+        )
+        last = time >= time[-1] - cycle_s
+        along = int(np.ptp(deformed[last], axis=0).argmax())
+        x, y = 1e3 * deformed[last, along], 1e-3 * force[last, along]
+        axis.plot(x, y, lw=1.2)
+        lost_J = abs(trapezoid(y, x))
+        axis.set_title(f"{name}, its {AXES[along]} axis: {lost_J:.3g} J", loc="left", fontsize=9)
+        axis.grid(alpha=0.3)
+    for axis in axes.flat[len(names) :]:
+        axis.axis("off")
+    for axis in axes[-1]:
+        axis.set_xlabel("deformation / mm")
+    for row in axes:
+        row[0].set_ylabel("force / kN")
+    figure.suptitle("bushings in the last cycle, and the energy that each loses in it")
+    _save(figure, path)
+
+
 def energy(history: Any, path: Path) -> None:
     """The ledger in three parts of very different size: what went in and out, what is stored,
     and what should be zero.  Terms below a thousandth of a part's largest are left out."""
@@ -126,6 +155,8 @@ def draw(folder: Path) -> list[str]:
             frame_motion(history, cycle_s, folder / "frame_motion.png")
         if "panels" in history:
             panel_shapes(history, cycle_s, folder / "panel_shapes.png")
+        if "bushings" in history:
+            bushing_loops(history, cycle_s, folder / "bushing_loops.png")
         if "energy" in history:
             energy(history, folder / "energy.png")
             end_s = float(history["energy/time_s"][-1])

@@ -92,18 +92,22 @@ def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:
 
 
 def frame_pieces(case: Case) -> list[Piece]:
-    """One piece per frame: its centre of mass (under the frame's name) and its probes."""
+    """One piece per frame: its centre of mass (under the frame's name), the ends of three arms of
+    1 m from there along the world's axes, which tell its rotation, and its probes."""
     return [_looked_at(case, name) for name in case.screen.frames]
 
 
 def _looked_at(case: Case, frame: str) -> Piece:
-    places = {frame: case.screen.frames[frame].center_of_mass_m} | {
+    probes = {
         name: probe.point_m
         for name, probe in case.probes.items()
         if probe.frame == frame and probe.point_m is not None
     }
-    position_m = to_world(case, np.array(list(places.values())))
-    return Piece(frame, carried(position_m, frame), {n: i for i, n in enumerate(places)})
+    centre_m = to_world(case, case.screen.frames[frame].center_of_mass_m)
+    probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
+    position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
+    points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}
+    return Piece(frame, carried(position_m, frame), points)
 
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:

@@ -80,7 +80,7 @@ def frames_plan(
     frames = case.screen.frames
     return FramesPlan(
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
-        bushings=() if prescribed else tuple(_bushings(case)),
+        bushings=() if prescribed else tuple(bushings(case)),
         exciters=() if prescribed else tuple(_exciters(case)),
         drives=tuple(_drives(case)) if prescribed else (),
         gravity_m_s2=np.array(case.gravity_m_s2),
@@ -107,7 +107,8 @@ def _body(case: Case, name: str, frame: tables.Frame) -> Body:
     )
 
 
-def _bushings(case: Case) -> list[Bushing]:
+def bushings(case: Case) -> list[Bushing]:
+    """One by one, in world axes."""
     return [
         Bushing(
             name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",

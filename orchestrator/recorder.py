@@ -1,7 +1,8 @@
 """What a run writes while it goes on: time series, and snapshots for ParaView.
 
-Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion) and ``forces/<panel>``
-at every sync point; ``panels/<name>`` (centre line), ``energy`` and ``bed`` at every output time.
+Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion),
+``forces/<panel>`` and ``bushings/<name>`` at every sync point; ``panels/<name>`` (centre line),
+``energy`` and ``bed`` at every output time.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ class Recorder:
         self._follows = any(probe.on == "particle" for probe in machine.probes)
         if self._writes:
             self._history = History(folder / "history.h5")
-            self._surface = Series(folder, "surface")
+            if len(machine.surface.triangles):
+                self._surface = Series(folder, "surface")
             if machine.solvers.particles is not None:
                 self._particles = Series(folder, "particles")
 
@@ -46,6 +48,10 @@ class Recorder:
             position, velocity = _at(probe, state, followed)
             values = {"position_m": position, "velocity_m_s": velocity}
             self._history.add(f"probes/{probe.name}", time_s, values)
+        stretched = self._machine.bushings.at(state.clamps)
+        for name, *row in zip(self._machine.bushings.names, *stretched, strict=True):
+            values = dict(zip(("deformation_m", "force_N"), row, strict=True))
+            self._history.add(f"bushings/{name}", time_s, values)
         for panel in self._machine.panels:
             values = {
                 "load_N": state.load.force_N[panel.surface].sum(axis=0),
@@ -66,10 +72,10 @@ class Recorder:
         for panel in self._machine.panels:
             line = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
-        mesh = surface_mesh(
-            surface, self._machine.surface.triangles, self._machine.panel_of_triangle
-        )
-        self._surface.add(time_s, mesh)
+        triangles = self._machine.surface.triangles
+        if len(triangles):
+            mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle)
+            self._surface.add(time_s, mesh)
         if particles is not None:
             self._history.add("bed", time_s, _bed(particles))
             self._particles.add(time_s, particle_mesh(particles))

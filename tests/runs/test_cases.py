@@ -16,8 +16,9 @@ import pytest
 from tests.runs.outside import QUICK, ROOT, flipflow, left_usable, run_words, said_plainly, summary
 
 CASES = sorted(file.parent.name for file in (ROOT / "cases").glob("*/case.toml"))
-DURATION_S = {"quickstart": 0.1, "ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2}
+DURATION_S = {"ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2}
 PICTURED = "quickstart"
+WITHOUT_PANELS = ("bushing-hysteresis",)  # nothing moves but what is prescribed to
 Done = tuple[str, Path, subprocess.CompletedProcess[str]]
 
 
@@ -41,9 +42,9 @@ def test_it_ends_well_and_says_where_the_time_went(case: Done) -> None:
 
 
 def test_all_files_are_there(case: Done) -> None:
-    _, folder, _ = case
+    name, folder, _ = case
     wanted = {"case.toml", "provenance.json", "run.log", "summary.json", "history.h5"}
-    wanted |= {"surface", "surface.pvd"}
+    wanted |= {"surface", "surface.pvd"} if name not in WITHOUT_PANELS else set()
     if summary(folder)["particles"]:
         wanted |= {"particles", "particles.pvd"}
     found = {path.name for path in folder.iterdir()}
@@ -52,18 +53,20 @@ def test_all_files_are_there(case: Done) -> None:
 
 
 def test_the_wall_time_is_accounted_for(case: Done) -> None:
-    _, folder, _ = case
+    name, folder, _ = case
     said = summary(folder)
     parts = said["wall_by_part_s"]
     assert sum(parts.values()) == pytest.approx(said["wall_s"], rel=1e-9)
     assert min(parts.values()) >= 0.0
-    assert parts["panel"] > 0.0
+    assert parts["panel"] > 0.0 or name in WITHOUT_PANELS
 
 
 def test_momentum_balances_to_rounding(case: Done) -> None:
     """10 000 rounding errors of 1e-16 add up to less than 1e-11."""
-    _, folder, _ = case
-    assert 0.0 < summary(folder)["momentum_residual_relative"] < 1e-11
+    name, folder, _ = case
+    residual = summary(folder)["momentum_residual_relative"]
+    assert residual < 1e-11
+    assert residual > 0.0 or name in WITHOUT_PANELS
 
 
 def test_time_series_have_units_and_no_gap(case: Done) -> None:
@@ -71,7 +74,9 @@ def test_time_series_have_units_and_no_gap(case: Done) -> None:
     said = summary(folder)
     with h5py.File(folder / "history.h5") as history:
         assert "energy" in history
-        every = [history["energy"], *history["probes"].values(), *history["forces"].values()]
+        every = [history["energy"]]
+        for kind in ("frames", "probes", "forces", "bushings"):
+            every += history.get(kind, {}).values()
         for group in every:
             time = group["time_s"][:]
             assert time[0] == 0.0
@@ -81,18 +86,19 @@ def test_time_series_have_units_and_no_gap(case: Done) -> None:
                 assert len(series) == len(time), name
                 assert series.attrs["unit"], name
                 assert np.isfinite(series[:]).all(), name
-        for probe in history["probes"].values():
+        for probe in history.get("probes", {}).values():
             assert len(probe["time_s"]) == said["sync_intervals"] + 1
             assert probe["position_m"].attrs["unit"] == "m"
 
 
 def test_paraview_finds_every_output_time(case: Done) -> None:
-    _, folder, _ = case
+    name, folder, _ = case
     with h5py.File(folder / "history.h5") as history:
         wanted = history["energy/time_s"][:]
     for series in ("surface", "particles"):
         if not (folder / f"{series}.pvd").exists():
             assert summary(folder)["particles"] == 0
+            assert series == "particles" or name in WITHOUT_PANELS
             continue
         listed = ElementTree.parse(folder / f"{series}.pvd").getroot().findall("*/DataSet")
         assert [float(entry.get("timestep", "")) for entry in listed] == pytest.approx(wanted)
@@ -105,7 +111,9 @@ def test_paraview_finds_every_output_time(case: Done) -> None:
 
 def test_a_pvd_opens_in_vtk(case: Done) -> None:
     pyvista = pytest.importorskip("pyvista")
-    _, folder, _ = case
+    name, folder, _ = case
+    if name in WITHOUT_PANELS:
+        return
     reader = pyvista.get_reader(folder / "surface.pvd")
     reader.set_active_time_value(reader.time_values[-1])
     assert reader.read()[0].n_cells > 0
@@ -113,7 +121,7 @@ def test_a_pvd_opens_in_vtk(case: Done) -> None:
 
 def test_pictures_are_not_blank(case: Done) -> None:
     name, folder, _ = case
-    names = {"deck.png", "energy.png", "frame_motion.png", "panel_shapes.png"}
+    names = {"bushing_loops.png", "deck.png", "energy.png", "frame_motion.png", "panel_shapes.png"}
     assert {path.name for path in folder.glob("*.png")} == (names if name == PICTURED else set())
     for path in folder.glob("*.png"):
         pixels = matplotlib.image.imread(path)[..., :3]

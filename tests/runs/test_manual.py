@@ -61,7 +61,7 @@ def test_the_files(folder: Path) -> None:
 def test_the_time_series(folder: Path) -> None:
     wanted: dict[str, set[str]] = {}
     for row in re.findall(r"^\| `([a-z]+)[^`]*` \| (.*?) \|", MANUAL, flags=re.M):
-        if row[0] in ("frames", "probes", "forces", "panels", "energy", "bed"):
+        if row[0] in ("frames", "probes", "forces", "bushings", "panels", "energy", "bed"):
             wanted.setdefault(row[0], set()).update(re.findall(r"`([^`]+)`", row[1]))
     with h5py.File(folder / "history.h5") as history:
         assert set(history) == set(wanted)

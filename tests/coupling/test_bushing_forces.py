@@ -1,0 +1,73 @@
+"""Bushings' deformations from the points that the frames carry."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from orchestrator.bushing_forces import BushingForces
+from orchestrator.plans import Bushing
+from orchestrator.ports import Array, Motion
+
+CENTRES = {"driving": 0, "driven": 5}
+CENTRE_M = np.array([[1.0, 0.2, -0.3], [0.8, 0.3, 0.1]])
+PROBE_M = np.array([[9.0, 9.0, 9.0]])
+PLACE_M = np.array([0.4, -0.1, 0.2])
+AXES = Rotation.from_euler("xyz", [10, 20, 30], degrees=True).as_matrix()
+STIFFNESS, DAMPING = np.array([2e5, 5e6, 3e5]), np.array([10.0, 40.0, 20.0])
+ARMS = np.vstack([np.zeros(3), np.eye(3)])
+DRAWN_M = np.vstack([CENTRE_M[0] + ARMS, PROBE_M, CENTRE_M[1] + ARMS])
+
+
+def forces(*bodies: str) -> BushingForces:
+    bushing = Bushing("b", (bodies[0], bodies[1]), PLACE_M, AXES, STIFFNESS, DAMPING)
+    return BushingForces.of([bushing], CENTRES, DRAWN_M)
+
+
+def moved(turn: Rotation, shift_m: Array, spin_rad_s: Array, speed_m_s: Array) -> Motion:
+    """All that is carried, as one rigid body about the origin."""
+    position_m = turn.apply(DRAWN_M) + shift_m
+    return Motion(position_m, np.cross(spin_rad_s, position_m - shift_m) + speed_m_s)
+
+
+TURN = Rotation.from_rotvec([0.1, -0.2, 0.05])
+SHIFT_M, SPIN, SPEED = np.array([[0.01, 0.02, -0.03], [1.0, -2.0, 0.5], [0.3, 0.1, -0.2]])
+
+
+def test_a_machine_that_moves_as_one_body_strains_no_bushing() -> None:
+    deformation_m, force_N = forces("driving", "driven").at(moved(TURN, SHIFT_M, SPIN, SPEED))
+    assert deformation_m == pytest.approx(np.zeros((1, 3)), abs=1e-14)
+    assert force_N == pytest.approx(np.zeros((1, 3)), abs=1e-6)  # 5e6 N/m times rounding
+
+
+def test_axes_turn_with_the_first_body() -> None:
+    """The second body has moved further, by a vector that turns with the first."""
+    extra_m, rate_m_s = np.array([1e-3, -2e-3, 3e-3]), np.array([0.1, 0.2, -0.3])
+    together = moved(TURN, SHIFT_M, np.zeros(3), SPEED)
+    position_m, velocity_m_s = together.position_m.copy(), together.velocity_m_s.copy()
+    position_m[5:] += TURN.apply(extra_m)
+    velocity_m_s[5:] += TURN.apply(rate_m_s)
+    deformation_m, force_N = forces("driving", "driven").at(Motion(position_m, velocity_m_s))
+    assert deformation_m[0] == pytest.approx(AXES @ extra_m, abs=1e-14)
+    assert force_N[0] == pytest.approx(STIFFNESS * (AXES @ extra_m) + DAMPING * (AXES @ rate_m_s))
+
+
+@pytest.mark.parametrize(
+    ("bodies", "sign"), [(("ground", "driven"), 1), (("driven", "ground"), -1)]
+)
+def test_the_ground_stands_still(bodies: tuple[str, str], sign: int) -> None:
+    """A frame that only shifts strains its bushing by just that."""
+    motion = moved(Rotation.identity(), SHIFT_M, np.zeros(3), SPEED)
+    deformation_m, force_N = forces(*bodies).at(motion)
+    assert deformation_m[0] == pytest.approx(sign * AXES @ SHIFT_M, abs=1e-14)
+    assert force_N[0] == pytest.approx(
+        sign * (STIFFNESS * (AXES @ SHIFT_M) + DAMPING * (AXES @ SPEED))
+    )
+
+
+def test_a_point_of_a_turning_frame_moves_with_its_lever_arm() -> None:
+    """Against a ground that does not: the bushing's place, turned and moved."""
+    deformation_m, _ = forces("ground", "driving").at(moved(TURN, SHIFT_M, SPIN, SPEED))
+    expected_m = TURN.apply(PLACE_M) + SHIFT_M - PLACE_M
+    assert deformation_m[0] == pytest.approx(AXES @ expected_m, abs=1e-14)
