@@ -6,6 +6,8 @@ per sync interval.  The reaction is constant over the interval: at its start the
 take the jump from the last load, so that the discrete impulse is the load's own to rounding; and
 the points' lever arms are those extrapolated to the middle of the interval.
 
+Bodies with a drive move as prescribed, to rounding, whatever pushes them; the others are free.
+
 A machine drawn at rest has its bushings stretched so that they carry weight and initial
 reaction in the drawn position.  Equations and limits: docs/theory/frames.md.
 Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 533-561, doi 10.1007/s11044-023-09937-1.
@@ -19,7 +21,9 @@ from typing import Any
 import numpy as np
 
 from adapters.frames import linear, trapezoidal
-from adapters.frames.poses import Attached, Poses, cross, turned
+from adapters.frames.books import Books
+from adapters.frames.driven import Driven
+from adapters.frames.poses import Attached, Poses, cross
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.ports import Account, Array, Load, Motion, counted
@@ -36,11 +40,11 @@ LARGEST_TILT_RAD = 1.4
 
 
 def build(plan: FramesPlan) -> ExudynFrames:
-    """Raises ValueError for drives, unknown bodies, or bushings that cannot hold the weight.
+    """Raises ValueError for unknown bodies, drives that make no sense, or bushings that cannot
+    hold the weight.
 
-    ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency or exciter speed), whose
-    error in a frequency is (w h)^2 / 24 = 1e-4."""
-    linear.refuse_drives(plan, "exudyn")
+    ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency, exciter or drive speed),
+    whose error in a frequency is (w h)^2 / 24 = 1e-4."""
     return ExudynFrames(plan)
 
 
@@ -49,12 +53,18 @@ class ExudynFrames:
 
     def __init__(self, plan: FramesPlan) -> None:
         self._plan = plan
-        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
-        self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in plan.bodies])
+        self._driven = tuple(
+            Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
+            for number, drive in zip(linear.driven(plan), plan.drives, strict=True)
+        )
+        self._free = linear.free(plan)
+        free = [plan.bodies[number] for number in self._free]
+        self._mass_kg = np.array([body.mass_kg for body in free])
+        self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         machine = linear.linearised(plan, 6)
         self._largest_step_s = _largest_step_s(plan, machine)
-        sag = np.zeros(6 * len(plan.bodies))
+        sag = np.zeros(6 * len(self._free))
         if plan.drawn_at_rest:
             sag = machine.sag(linear.resting_load(plan).ravel())
         sag_m = (machine.stretch @ sag).reshape(-1, 3)
@@ -67,12 +77,10 @@ class ExudynFrames:
         self._wrench = np.zeros((len(plan.bodies), 6))
         self._solver: Any = None
         self._open()
-        self._poses = self._read()
-        self._points = Motion(*self._carried.motion(self._poses))
-        self._instant = self._forces.at(self._poses, self._forces.exciter_N(0.0))
+        self._instant = self._forces.at(self._read(), self._forces.exciter_N(0.0))
         self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
-        self._outside_N_s = np.zeros(3)
-        self._lost_J = self._supplied_J = self._received_J = 0.0
+        self._points = self._moved()
+        self._books = Books(plan, self._forces, self._carried, self._instant)
 
     def initial(self) -> Motion:
         return self._points
@@ -85,32 +93,13 @@ class ExudynFrames:
         self._solver.it.currentStepSize = step_s
         for step in range(1, steps + 1):
             self._step(interval.start_s + step * step_s, step_s)
-        before, self._points = self._points, Motion(*self._carried.motion(self._poses))
+        before, self._points = self._points, self._moved()
         moved_m = self._points.position_m - before.position_m
-        self._received_J += float(np.sum(reaction.force_N * moved_m))
-        grounded_N = reaction.force_N[self._carried.body < 0].sum(axis=0)
-        self._outside_N_s -= interval.length_s * grounded_N
+        self._books.interval(reaction.force_N, moved_m, interval.length_s)
         return self._points
 
     def account(self) -> Account:
-        poses, g = self._poses, self._plan.gravity_m_s2
-        velocity_m_s, spin_rad_s = poses.velocity_m_s[:-1], poses.spin_rad_s[:-1]
-        body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_s)
-        kinetic_J = self._mass_kg @ (velocity_m_s**2).sum(axis=1) / 2
-        kinetic_J += np.sum(body_spin * turned(self._inertia_kg_m2, body_spin)) / 2
-        fallen_J = self._mass_kg @ (poses.center_m[:-1] - self._drawn_m) @ g
-        return Account(
-            self._mass_kg @ velocity_m_s,
-            self._outside_N_s.copy(),
-            stored_J={
-                "kinetic": float(kinetic_J),
-                "bushing_elastic": self._forces.elastic_J(self._instant),
-                "gravitational": -float(fallen_J),
-            },
-            lost_J={"bushing_damping": self._lost_J},
-            supplied_J={"exciter": self._supplied_J},
-            received_J={"reaction": self._received_J},
-        )
+        return self._books.account(self._instant)
 
     def close(self) -> None:
         if self._solver is not None:
@@ -125,36 +114,55 @@ class ExudynFrames:
         time.adaptiveStep = False
         time.generalizedAlpha.useNewmark = True
         time.newton.relativeTolerance = 1e-10
+        # a machine at rest has no larger residual than the rounding of its bushings' forces
+        stiffness_N_m = sum(float(bushing.stiffness_N_m.sum()) for bushing in self._plan.bushings)
+        time.newton.absoluteTolerance = max(1e-10, 1e-15 * stiffness_N_m)
+        self._place_driven()
         self._solver = exudyn.MainSolverImplicitSecondOrder()
         if not self._solver.InitializeSolver(self._bodies.system, settings):
             raise SolverFailed(f"exudyn at 0 s: no start: {self._solver.GetErrorString()}")
+
+    def _place_driven(self) -> None:
+        """At t = 0, by the initial values from which Exudyn finds the first accelerations."""
+        data, initial = self._bodies.system.systemData, exudyn.ConfigurationType.Initial
+        places, rates = np.zeros((2, len(self._plan.bodies), 6))
+        for driven in self._driven:
+            places[driven.body], rates[driven.body] = driven.coordinates(0.0)
+        data.SetODE2Coordinates(places.ravel(), initial)
+        data.SetODE2Coordinates_t(rates.ravel(), initial)
 
     def _read(self) -> Poses:
         data = self._bodies.system.systemData
         coordinates, rates = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
         return Poses.of(self._drawn_m, coordinates.reshape(-1, 6), rates.reshape(-1, 6))
 
+    def _moved(self) -> Motion:
+        return Motion(*self._carried.motion(self._instant.poses))
+
     def _wrench_of(self, reaction: Load, length_s: float) -> Array:
         """Force and moment about the centre of mass, (bodies, 6), with the lever arms expected
         in the middle of the interval."""
-        body, poses, now = self._carried.body, self._poses, self._points
+        body, poses, now = self._carried.body, self._instant.poses, self._points
         arm_m = now.position_m - poses.center_m[body]
         arm_m += length_s / 2 * (now.velocity_m_s - poses.velocity_m_s[body])
         moment_N_m = cross(arm_m, reaction.force_N)
         return np.asarray(self._onto_bodies @ np.hstack([reaction.force_N, moment_N_m]))
 
     def _apply(self, wrench: Array) -> None:
-        """Set the loads, and let the accelerations jump by mass^-1 times their change."""
-        system, poses = self._bodies.system, self._poses
+        """Set the loads, and let the accelerations of free bodies jump by mass^-1 times their
+        change."""
+        system, free = self._bodies.system, self._free
         for load, force_N in zip(self._bodies.forces, wrench[:, :3], strict=True):
             system.SetLoadParameter(load, "loadVector", force_N)
-        rotation = poses.rotation[:-1]
+        rotation = self._instant.poses.rotation[free]
         inertia = rotation @ self._inertia_kg_m2 @ rotation.transpose(0, 2, 1)
-        jump, change = np.empty_like(wrench), wrench - self._wrench
-        jump[:, :3] = change[:, :3] / self._mass_kg[:, None]
-        jump[:, 3:] = np.linalg.solve(inertia @ poses.spin_per_rate, change[:, 3:, None])[:, :, 0]
+        inertia = inertia @ self._instant.poses.spin_per_rate[free]
+        change = wrench[free] - self._wrench[free]
         data = system.systemData
-        data.SetODE2Coordinates_tt(data.GetODE2Coordinates_tt() + jump.ravel())
+        acceleration = data.GetODE2Coordinates_tt().reshape(-1, 6)
+        acceleration[free, :3] += change[:, :3] / self._mass_kg[:, None]
+        acceleration[free, 3:] += np.linalg.solve(inertia, change[:, 3:, None])[:, :, 0]
+        data.SetODE2Coordinates_tt(acceleration.ravel())
         self._wrench = wrench
 
     def _torque_N_m(self) -> Array:
@@ -170,24 +178,23 @@ class ExudynFrames:
             system.SetLoadParameter(load, "loadVector", force_N)
         for load, torque_N_m in zip(self._bodies.torques, self._torque_N_m(), strict=True):
             system.SetLoadParameter(load, "loadVector", torque_N_m)
+        for driven in self._driven:
+            driven.steer(system.systemData, step_s, end_s)
         solver.InitializeStep(system, self._settings)
         converged = solver.DiscontinuousIteration(system, self._settings)
         solver.FinishStep(system, self._settings)
-        before, self._poses = self._instant, self._read()
-        self._couple_N_m = before.couple_N_m
         tilt = np.abs(system.systemData.GetODE2Coordinates().reshape(-1, 6)[:, 4]).max()
         if not converged or not tilt < LARGEST_TILT_RAD:  # NaN is not smaller either
             reason = "its step did not converge" if not converged else f"a body tilts {tilt} rad"
             raise SolverFailed(f"exudyn frames at {end_s} s: {reason}")
-        self._instant = self._forces.at(self._poses, exciter_N)
-        self._outside_N_s += trapezoidal.impulse_N_s(before, self._instant, step_s)
-        self._outside_N_s += step_s * self._mass_kg.sum() * self._plan.gravity_m_s2
-        self._lost_J += self._forces.lost_J(before, self._instant)
-        self._supplied_J += trapezoidal.supplied_J(before, self._instant)
+        before, self._instant = self._instant, self._forces.at(self._read(), exciter_N)
+        self._couple_N_m = before.couple_N_m
+        self._books.step(before, self._instant, step_s)
 
 
 def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
     speeds = [exciter.speed_rad_s for exciter in plan.exciters]
+    speeds += [drive.speed_rad_s for drive in plan.drives]
     fastest = max([machine.fastest_rad_s(), *speeds])
     own_s = 0.05 / fastest if fastest > 0 else math.inf
     return plan.step_s if plan.step_s > 0 else min(own_s, plan.sync_interval_s)

@@ -1,8 +1,9 @@
 """Bodies on bushings, linearised about the position they are drawn in.
 
-Each body has ``freedoms`` coordinates: three translations of its centre of mass, then (with six)
-three small rotations about world axes.  A bushing between bodies a and b (place p, rows of
-``axes`` = spring axes) is stretched by  axes (u_b - u_a)  with  u = x + rotation x (p - centre).
+Driven bodies are held there.  Each other body has ``freedoms`` coordinates: three translations
+of its centre of mass, then (with six) three small rotations about world axes.  A bushing between
+bodies a and b (place p, rows of ``axes`` = spring axes) is stretched by  axes (u_b - u_a)  with
+u = x + rotation x (p - centre).
 """
 
 from __future__ import annotations
@@ -35,7 +36,9 @@ class LinearMachine:
         return np.asarray(self.stretch.T @ (self.damping_N_s_m[:, None] * self.stretch))
 
     def fastest_rad_s(self) -> float:
-        """Highest undamped natural frequency, 0 without bushings."""
+        """Highest undamped natural frequency, 0 without bushings or without free bodies."""
+        if not len(self.mass):
+            return 0.0
         highest = scipy.linalg.eigh(self.stiffness, self.mass, eigvals_only=True)[-1]
         return float(np.sqrt(max(highest, 0.0)))
 
@@ -44,6 +47,8 @@ class LinearMachine:
 
         Raises ValueError if the bushings cannot hold the load.
         """
+        if not load.any():
+            return np.zeros_like(load)
         found: Array = np.linalg.lstsq(self.stiffness, load, rcond=1e-12)[0]
         if np.abs(self.stiffness @ found - load).max() > 1e-8 * np.abs(load).max():
             raise ValueError("the bushings cannot hold the bodies' weight: one moves freely")
@@ -51,7 +56,7 @@ class LinearMachine:
 
 
 def linearised(plan: FramesPlan, freedoms: int) -> LinearMachine:
-    """``freedoms`` 3 (translations only) or 6."""
+    """The bodies that no drive moves; ``freedoms`` 3 (translations only) or 6."""
     coordinates = freedoms * len(plan.bodies)
     stretch = np.zeros((len(plan.bushings), 3, coordinates))
     for row, bushing in zip(stretch, plan.bushings, strict=True):
@@ -60,16 +65,18 @@ def linearised(plan: FramesPlan, freedoms: int) -> LinearMachine:
                 moved = displacement(plan.bodies[number], bushing.position_m)[:, :freedoms]
                 row[:, freedoms * number : freedoms * (number + 1)] += sign * bushing.axes @ moved
     blocks = [_mass(body)[:freedoms, :freedoms] for body in plan.bodies]
+    moving = (freedoms * free(plan)[:, None] + np.arange(freedoms)).ravel()
     return LinearMachine(
-        stretch.reshape(-1, coordinates),
+        stretch.reshape(-1, coordinates)[:, moving],
         np.array([bushing.stiffness_N_m for bushing in plan.bushings]).reshape(-1),
         np.array([bushing.damping_N_s_m for bushing in plan.bushings]).reshape(-1),
-        scipy.linalg.block_diag(*blocks),
+        scipy.linalg.block_diag(*blocks)[np.ix_(moving, moving)],
     )
 
 
 def resting_load(plan: FramesPlan) -> Array:
-    """Weight and initial reaction as forces and moments about the centres of mass, (bodies, 6)."""
+    """Weight and initial reaction as forces and moments about the centres of mass of the bodies
+    that no drive moves, (free bodies, 6)."""
     load = np.zeros((len(plan.bodies), 6))
     carrier = numbers(plan, plan.carrier)
     for number, body in enumerate(plan.bodies):
@@ -78,7 +85,7 @@ def resting_load(plan: FramesPlan) -> Array:
         force_N = plan.reaction_N[points]
         load[number, :3] = body.mass_kg * plan.gravity_m_s2 + force_N.sum(axis=0)
         load[number, 3:] = np.cross(arms_m, force_N).sum(axis=0)
-    return load
+    return load[free(plan)]
 
 
 def displacement(body: Body, place_m: Array) -> Array:
@@ -102,12 +109,25 @@ def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:
     return np.asarray(carried, dtype=np.float64)
 
 
-def refuse_drives(plan: FramesPlan, solver: str) -> None:
-    if plan.drives:
-        raise ValueError(
-            f"{solver} moves bodies by forces; a drive on {plan.drives[0].body!r} needs the "
-            "prescribed frames"
-        )
+def driven(plan: FramesPlan) -> Indices:
+    """Numbers of the bodies that drives move, in the order of the drives.
+
+    Raises ValueError for a body unknown, driven twice, or driven and excited.
+    """
+    names = tuple(drive.body for drive in plan.drives)
+    found = numbers(plan, names)
+    if (found < 0).any():
+        raise ValueError("the ground cannot be driven")
+    if len(set(names)) < len(names):
+        raise ValueError(f"one drive per body, got drives for {names}")
+    if both := set(names) & {exciter.body for exciter in plan.exciters}:
+        raise ValueError(f"driven and excited: {sorted(both)}; a drive leaves no choice")
+    return found
+
+
+def free(plan: FramesPlan) -> Indices:
+    """Numbers of the bodies that no drive moves."""
+    return np.setdiff1d(np.arange(len(plan.bodies)), driven(plan))
 
 
 def _mass(body: Body) -> Array:

@@ -16,6 +16,10 @@ from orchestrator.ports import Array
 items: Any = exudyn.itemInterface
 homogeneous: Any = exudyn.HT
 
+HEAVY_kg = 1e18
+"""Mass (and inertia in kg m2) put on the coordinates of a driven body: a meganewton turns it from
+its path by 1e6 N (1 ms)^2 / 4 / 1e18 kg = 2.5e-19 m in a step of a millisecond."""
+
 
 @dataclass(frozen=True)
 class Multibody:
@@ -34,7 +38,12 @@ def assembled(plan: FramesPlan, sag_m: Array) -> Multibody:
     container = exudyn.SystemContainer()
     system = container.AddSystem()
     ground = system.AddObject(items.ObjectGround())
-    bodies = [_body(system, body) for body in plan.bodies]
+    nodes = [_node(system, body) for body in plan.bodies]
+    bodies = [_body(system, node, body) for node, body in zip(nodes, plan.bodies, strict=True)]
+    for number in linear.driven(plan):
+        system.AddObject(
+            items.ObjectGenericODE2(nodeNumbers=[nodes[number]], massMatrix=HEAVY_kg * np.eye(6))
+        )
     centers = [system.AddMarker(items.MarkerBodyRigid(bodyNumber=number)) for number in bodies]
 
     def marker(number: int, position_m: Array, axes: Array) -> int:
@@ -66,10 +75,13 @@ def assembled(plan: FramesPlan, sag_m: Array) -> Multibody:
     return multibody
 
 
-def _body(system: Any, body: Body) -> int:
+def _node(system: Any, body: Body) -> int:
     """Tait-Bryan angles: their coordinates are total displacements, as ``Poses.of`` reads them."""
     place = [*body.center_of_mass_m, 0.0, 0.0, 0.0]
-    node = system.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=place))
+    return int(system.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=place)))
+
+
+def _body(system: Any, node: int, body: Body) -> int:
     i = body.inertia_kg_m2
     inertia = [i[0, 0], i[1, 1], i[2, 2], i[1, 2], i[0, 2], i[0, 1]]
     return int(

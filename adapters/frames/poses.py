@@ -30,13 +30,13 @@ class Poses:
         center_m, velocity_m_s, spin_rad_s = np.zeros((3, bodies + 1, 3))
         center_m[:-1] = drawn_m + coordinates[:, :3]
         velocity_m_s[:-1] = rates[:, :3]
-        rotation, spin_per_rate = _turning(coordinates[:, 3:])
+        rotation, spin_per_rate = turning(coordinates[:, 3:])
         spin_rad_s[:-1] = turned(spin_per_rate, rates[:, 3:])
         rotation = np.concatenate([rotation, np.eye(3)[None]])
         return Poses(center_m, rotation, velocity_m_s, spin_rad_s, spin_per_rate)
 
 
-def _turning(angles_rad: Array) -> tuple[Array, Array]:
+def turning(angles_rad: Array) -> tuple[Array, Array]:
     """Rotation Rx Ry Rz (bodies, 3, 3), and the axes of the three rates as columns."""
     (sx, sy, sz), (cx, cy, cz) = np.sin(angles_rad.T), np.cos(angles_rad.T)
     one, zero = np.ones_like(sx), np.zeros_like(sx)

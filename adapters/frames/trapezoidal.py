@@ -1,4 +1,4 @@
-"""Forces on bodies at an instant, and the books of a trapezoidal step between two instants.
+"""Forces on bodies at an instant, for the books of a trapezoidal step between two instants.
 
 Newmark's step with beta = 1/4, gamma = 1/2 is  m (v1 - v0) = h/2 (f0 + f1)  and
 x1 - x0 = h/2 (v0 + v1): so the mean of the forces at its two ends gives its impulse to rounding,
@@ -20,33 +20,39 @@ from orchestrator.ports import Array
 
 @dataclass(frozen=True)
 class Instant:
-    """``stretch_m``, ``stretch_m_s`` (bushings, 3) along the spring axes; ``ground_N`` (3,) the
-    ground's force on all bodies; ``couple_N_m`` (bodies, 3) what a stretched bushing adds to its
-    first body; ``exciter_N``, ``exciter_m`` (exciters, 3) force and place."""
+    """``stretch_m``, ``stretch_m_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3)
+    on the first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m``
+    (bodies, 3) what a stretched bushing adds to its first body; ``exciter_N``, ``exciter_m``
+    (exciters, 3) force and place."""
 
+    poses: Poses
     stretch_m: Array
     stretch_m_s: Array
-    ground_N: Array
+    pull_N: Array
+    from_m: Array
+    to_m: Array
     couple_N_m: Array
     exciter_N: Array
     exciter_m: Array
 
 
 class Forces:
-    """Evaluates bushings and exciters, ``sag_m`` (bushings, 3) as in ``multibody.assembled``."""
+    """Evaluates bushings and exciters, ``sag_m`` (bushings, 3) as in ``multibody.assembled``.
+
+    ``bodies``: the numbers (bushings,) of the bushings' first and of their second bodies."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
         first, second = (
             linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
         )
+        self.bodies = first, second
         self._ends = Attached.at(place_m, first, drawn_m), Attached.at(place_m, second, drawn_m)
         self._axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
         self._sag_m = sag_m
         self.stiffness_N_m = np.array([b.stiffness_N_m for b in plan.bushings]).reshape(-1, 3)
         self.damping_N_s_m = np.array([b.damping_N_s_m for b in plan.bushings]).reshape(-1, 3)
         self._onto_first = linear.onto_bodies(plan, first)
-        self._on_bodies = (second >= 0) * 1.0 - (first >= 0)  # force on the second end
         self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
         excited = linear.numbers(plan, tuple(e.body for e in plan.exciters))
         exciter_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
@@ -66,9 +72,12 @@ class Forces:
         pull_N = turned(axes.transpose(0, 2, 1), pull_N)
         couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
+            poses,
             stretch_m,
             stretch_m_s,
-            -self._on_bodies @ pull_N,
+            pull_N,
+            from_m,
+            to_m,
             couple_N_m,
             exciter_N,
             self._unbalance.motion(poses)[0],
@@ -81,15 +90,3 @@ class Forces:
         mean_m_s = (before.stretch_m_s + after.stretch_m_s) / 2
         moved_m = after.stretch_m - before.stretch_m
         return float(np.sum(self.damping_N_s_m * mean_m_s * moved_m))
-
-
-def impulse_N_s(before: Instant, after: Instant, step_s: float) -> Array:
-    """From ground and exciters on all bodies, (3,)."""
-    exciters_N = (before.exciter_N + after.exciter_N).sum(axis=0)
-    return np.asarray(step_s / 2 * (before.ground_N + after.ground_N + exciters_N))
-
-
-def supplied_J(before: Instant, after: Instant) -> float:
-    """Work of the exciters."""
-    mean_N = (before.exciter_N + after.exciter_N) / 2
-    return float(np.sum(mean_N * (after.exciter_m - before.exciter_m)))

@@ -28,7 +28,11 @@ from orchestrator.ports import Account, Array, Load, Motion, counted
 
 def build(plan: FramesPlan) -> TwoMassFrames:
     """Raises ValueError for drives, unknown bodies, or bushings that cannot hold the weight."""
-    linear.refuse_drives(plan, "two_mass")
+    if plan.drives:
+        raise ValueError(
+            f"two_mass moves bodies by forces; the drive of {plan.drives[0].body!r} needs exudyn "
+            "or, where every body is driven, prescribed"
+        )
     return TwoMassFrames(plan)
 
 

@@ -37,10 +37,10 @@ def driven(*drives: Drive) -> FramesPlan:
     return replace(two_bodies(drawn_at_rest=False), bushings=(), drives=drives)
 
 
-def drive() -> Drive:
+def drive(body: str = "driven", size: float = 1.0) -> Drive:
     half, none = np.array([0.0, 0.3, 1.0]), np.zeros(3)
-    swing = np.array([8e-3, 0.0, 5e-3])
-    return Drive("driven", none, 78.5, swing, half, np.array([0.0, 0.01, 0.0]), half, 0.05)
+    swing, rock = size * np.array([8e-3, 0.0, 5e-3]), size * np.array([0.0, 0.01, 0.0])
+    return Drive(body, none, 78.5, swing, half, rock, half, 0.05)
 
 
 def excited(step_s: float) -> FramesPlan:
@@ -48,10 +48,26 @@ def excited(step_s: float) -> FramesPlan:
     return two_bodies((turning,), interval_s=INTERVAL_S, step_s=step_s)
 
 
+def one_driven(step_s: float, size: float = 1.0) -> FramesPlan:
+    """The driving frame rocks as prescribed; the driven one hangs on it, free and excited."""
+    plan = two_bodies(interval_s=INTERVAL_S, step_s=step_s)
+    turning = exciter(body="driven", mass_moment_kg_m=0.5 * size, run_up_s=0.05)
+    return replace(plan, drives=(drive("driving", size),), exciters=(turning,))
+
+
+def both_driven(step_s: float, size: float = 1.0) -> FramesPlan:
+    """With bushings between them and to the ground, which the drives have to move."""
+    slower = replace(drive("driving", size), speed_rad_s=40.0)
+    plan = two_bodies(interval_s=INTERVAL_S, step_s=step_s)
+    return replace(plan, drives=(drive("driven", size), slower))
+
+
 CASES = {
     "prescribed": Case("prescribed", lambda: driven(), lambda step_s: driven(drive())),
     "two_mass": Case("two_mass", two_bodies, excited),
     "exudyn": Case("exudyn", two_bodies, excited),
+    "exudyn, one driven": Case("exudyn", lambda: one_driven(0.0, 0.0), one_driven),
+    "exudyn, both driven": Case("exudyn", lambda: both_driven(0.0, 0.0), both_driven),
 }
 
 

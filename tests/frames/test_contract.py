@@ -14,7 +14,7 @@ from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, l
 from tests.frames.machines import POINTS_M
 
 marked = [
-    pytest.param(case, id=name, marks=[pytest.mark.solver] if name == "exudyn" else [])
+    pytest.param(case, id=name, marks=[pytest.mark.solver] if case.solver == "exudyn" else [])
     for name, case in CASES.items()
 ]
 every_adapter = pytest.mark.parametrize("case", marked)

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from adapters.frames.prescribed import angular_velocity, build, moved
+from adapters.frames.drive import angular_velocity, moved
+from adapters.frames.prescribed import build
 from orchestrator.clock import Interval
 from orchestrator.plans import Drive, FramesPlan
 from orchestrator.ports import Load

@@ -1,0 +1,85 @@
+"""Where a drive has its body at a time, and how fast it moves it there.  Exact.
+
+Equations: docs/theory/frames.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from adapters.frames.poses import cross
+from orchestrator.plans import Drive
+from orchestrator.ports import Array
+
+
+@dataclass(frozen=True)
+class Driving:
+    """Where a drive's centre is and how fast it moves (3,), the rotation from the drawn position,
+    and the angular velocity (3,) in the world."""
+
+    center_m: Array
+    velocity_m_s: Array
+    rotation: Rotation
+    spin_rad_s: Array
+
+    def carried(self, arm_m: Array) -> tuple[Array, Array]:
+        """Position and velocity of points ``arm_m`` (n, 3) away from the centre as drawn."""
+        arm_m = self.rotation.apply(arm_m)
+        spin_rad_s = np.broadcast_to(self.spin_rad_s, arm_m.shape)
+        return self.center_m + arm_m, self.velocity_m_s + cross(spin_rad_s, arm_m)
+
+
+def driving(drive: Drive, time_s: float) -> Driving:
+    """The motion that the drive prescribes."""
+    shift_m, shift_m_s = _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
+    turn_rad, turn_rad_s = _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
+    return Driving(
+        drive.center_m + shift_m,
+        shift_m_s,
+        Rotation.from_rotvec(turn_rad),
+        angular_velocity(turn_rad, turn_rad_s),
+    )
+
+
+def moved(drive: Drive, points_m: Array, time_s: float) -> tuple[Array, Array]:
+    """Position and velocity, (n, 3) each, of points that a driven body carries."""
+    return driving(drive, time_s).carried(points_m - drive.center_m)
+
+
+def angular_velocity(turn_rad: Array, rate_rad_s: Array) -> Array:
+    """World angular velocity (3,) of a body turned by the rotation vector ``turn_rad`` that
+    changes at ``rate_rad_s``: the left Jacobian of the exponential map times the rate
+    (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, 2012, ch. 10)."""
+    square = float(turn_rad @ turn_rad)
+    angle = math.sqrt(square)
+    if angle < 1e-4:  # series: the closed forms cancel; next terms are below rounding
+        one_minus_cos, one_minus_sinc = 0.5 - square / 24, 1 / 6 - square / 120
+    else:
+        one_minus_cos = 2 * math.sin(angle / 2) ** 2 / square
+        one_minus_sinc = (1 - math.sin(angle) / angle) / square
+    turn = turn_rad[None]
+    across = cross(turn, rate_rad_s[None])
+    return np.asarray(
+        rate_rad_s + (one_minus_cos * across + one_minus_sinc * cross(turn, across))[0]
+    )
+
+
+def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: float) -> tuple[Array, Array]:
+    """Value and rate, (3,) each, of  ramp(t) * size * sin(w t + phase)."""
+    ramp, ramp_1_s = _ramp(drive.run_up_s, time_s)
+    angle = drive.speed_rad_s * time_s + phase_rad
+    value = ramp * size * np.sin(angle)
+    rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_s * np.cos(angle))
+    return value, rate
+
+
+def _ramp(run_up_s: float, time_s: float) -> tuple[float, float]:
+    """Value and rate of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
+    if time_s >= run_up_s:
+        return 1.0, 0.0
+    angle = math.pi * time_s / run_up_s
+    return (1 - math.cos(angle)) / 2, math.pi / (2 * run_up_s) * math.sin(angle)
