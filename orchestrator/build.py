@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,6 +22,7 @@ from orchestrator.hand_over import (
 from orchestrator.ledger import Members
 from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine, PanelPoints, Probe
+from orchestrator.material_book import CountedFeed, MaterialBook
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
 from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
@@ -53,10 +55,11 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
         piece.name: together.clamps[len(panels) + len(walls) + number].start
         for number, piece in enumerate(frames)
     }
+    material, particles = _particles(case, surface, folder, world, stopwatch)
     members = Members(
         MeteredFrames(_frames(case, plan, world), f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(together, "panels", "mapping", stopwatch),
-        _particles(case, surface, folder, world, stopwatch),
+        particles,
     )
     return Machine(
         solvers=_handed_over(case, members),
@@ -77,6 +80,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
         centres=centres,
         probes=_probes(case, pieces, together),
         bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
+        material=material,
     )
 
 
@@ -89,13 +93,17 @@ def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
 
 def _particles(
     case: Case, surface: TriangleSurface, folder: Path, world: Any, stopwatch: Stopwatch
-) -> MeteredParticles | None:
+) -> tuple[MaterialBook | None, MeteredParticles | None]:
     plan = particles_plan(case, surface, world, folder)
     if plan is None:
-        return None
+        return None, None
+    feed = CountedFeed(plan.particles, plan.feed)
+    if plan.feed is not None:
+        plan = replace(plan, feed=feed)
     solver = case.particles.solver
     opened = cast(Particles, adapter.opened("particles", solver, plan))
-    return MeteredParticles(opened, f"particles ({solver})", stopwatch)
+    metered = MeteredParticles(opened, f"particles ({solver})", stopwatch)
+    return MaterialBook(feed, plan.exits), metered
 
 
 def _handed_over(case: Case, members: Members) -> Solvers:

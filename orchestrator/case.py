@@ -109,7 +109,8 @@ class Case(Table):
     gravity_m_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box
-    """Lowest and highest corner, in world axes: particles that leave are removed and counted."""
+    """Lowest and highest corner, in world axes.  Particles that leave it elsewhere than through
+    an exit are removed and count as lost."""
     materials: dict[Name, Material]
     """Materials by name."""
     contacts: tuple[Contact, ...] = ()

@@ -19,6 +19,7 @@ from orchestrator.ports import (
     PanelState,
     Particles,
     ParticleSnapshot,
+    Removed,
 )
 
 
@@ -97,6 +98,9 @@ class ParticlesOnStillSurface:
 
     def snapshot(self) -> ParticleSnapshot:
         return self._particles.snapshot()
+
+    def removed(self) -> Removed:
+        return self._particles.removed()
 
     def account(self) -> Account:
         return self._particles.account()

@@ -1,19 +1,20 @@
 """``history.h5``: time series with units, readable by h5py and pandas while the run goes on.
 
 Every series is a dataset whose first axis runs along the group's ``time_s``; the attribute
-``unit`` gives its unit and ``columns`` what the other axes mean.
+``unit`` gives its unit.  An event table has a row for each event.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
 from orchestrator.full_disk import Reserved
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 ROWS_IN_MEMORY = 500
 
@@ -34,6 +35,16 @@ class History:
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
 
+    def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
+        """Rows of an event table, of any number, appended at once; whole numbers stay whole."""
+        for name, rows in values.items():
+            self._extend(f"{group}/{name}", rows, rows.dtype)
+
+    def describe(self, group: str, name: str, words: Sequence[str]) -> None:
+        """An attribute of a group: a list of words."""
+        attributes = self._file.require_group(group).attrs
+        attributes.create(name, list(words), shape=len(words), dtype=h5py.string_dtype())
+
     def flush(self) -> None:
         """Raises OSError when the disk is full; all that was added until then is kept."""
         for group in self._rows:
@@ -53,18 +64,19 @@ class History:
             return
         for name in rows[0]:
             block = np.stack([row[name] for row in rows])
-            where = f"{group}/{name}"
-            if where not in self._file:
-                dataset = self._file.create_dataset(
-                    where,
-                    shape=(0, *block.shape[1:]),
-                    maxshape=(None, *block.shape[1:]),
-                    dtype=np.float64,
-                )
-                dataset.attrs["unit"] = _unit(name)
-            dataset = self._file[where]
-            dataset.resize(len(dataset) + len(block), axis=0)
-            dataset[-len(block) :] = block
+            self._extend(f"{group}/{name}", block, np.dtype(np.float64))
+
+    def _extend(self, where: str, block: Array | Indices, dtype: np.dtype[Any]) -> None:
+        if where not in self._file:
+            inner = block.shape[1:]
+            dataset = self._file.create_dataset(
+                where, shape=(0, *inner), maxshape=(None, *inner), dtype=dtype
+            )
+            dataset.attrs["unit"] = _unit(where)
+        dataset = self._file[where]
+        before = len(dataset)
+        dataset.resize(before + len(block), axis=0)
+        dataset[before:] = block
 
 
 def _unit(name: str) -> str:
@@ -77,6 +89,7 @@ def _unit(name: str) -> str:
 
 _UNITS = {
     "_kg_m_s": "kg m/s",
+    "_kg_m3": "kg/m3",
     "_m_s2": "m/s2",
     "_rad_s": "rad/s",
     "_kg_s": "kg/s",

@@ -8,6 +8,7 @@ from orchestrator.bushing_forces import BushingForces
 from orchestrator.coupling import Scheme, Solvers
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
+from orchestrator.material_book import MaterialBook
 from orchestrator.ports import Indices
 from orchestrator.stopwatch import Stopwatch
 
@@ -43,6 +44,7 @@ class Machine:
     ``centres``: frame name -> number of its centre of mass among the carried points; the next three
     are the ends of the arms that tell its rotation (``pieces.frame_pieces``).
     ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
+    ``material`` is None where the case has no particles.
     """
 
     solvers: Solvers
@@ -55,6 +57,7 @@ class Machine:
     centres: dict[str, int]
     probes: tuple[Probe, ...]
     bushings: BushingForces
+    material: MaterialBook | None
 
     def close(self) -> None:
         """Closes every solver."""

@@ -25,6 +25,7 @@ from orchestrator.ports import (
     PanelState,
     Particles,
     ParticleSnapshot,
+    Removed,
 )
 from orchestrator.stopwatch import Stopwatch
 
@@ -128,6 +129,9 @@ class MeteredParticles:
 
     def snapshot(self) -> ParticleSnapshot:
         return self._particles.snapshot()
+
+    def removed(self) -> Removed:
+        return self._particles.removed()
 
     def account(self) -> Account:
         return self._particles.account()

@@ -23,6 +23,7 @@ from orchestrator.plans import (
     Bushing,
     Drive,
     Exciter,
+    Exit,
     FramesPlan,
     GrainMaterial,
     Hyperelastic,
@@ -206,9 +207,20 @@ def particles_plan(
         step_s=particle_step_s(case),
         sync_interval_s=case.coupling.sync_interval_s,
         feed=combined_feed(case, numbers),
+        exits=exits(case),
         communicator=communicator,
         folder=folder,
     )
+
+
+def exits(case: Case) -> tuple[Exit, ...]:
+    """The exits, as boxes in the world, in the order of the case."""
+    found = []
+    for name, row in case.screen.exits.items():
+        low, high = np.array(row.box_m)
+        center_m = to_world(case, (low + high) / 2.0)
+        found.append(Exit(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
+    return tuple(found)
 
 
 def _pair_tables(case: Case, numbers: dict[str, int]) -> tuple[Array, Array, Array]:

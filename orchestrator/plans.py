@@ -194,12 +194,33 @@ class Feed(Protocol):
 
 
 @dataclass(frozen=True)
+class Exit:
+    """A box that takes out every particle whose centre is in it.
+
+    ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit vectors along its
+    edges, ``half_m`` (3,) half their lengths.
+    """
+
+    name: str
+    product: str
+    center_m: Array
+    axes: Array
+    half_m: Array
+
+    def holds(self, position_m: Array) -> npt.NDArray[np.bool_]:
+        """Which of the positions (n, 3) are in it, (n,)."""
+        along_edges_m = (position_m - self.center_m) @ self.axes.T
+        return np.asarray(np.all(np.abs(along_edges_m) <= self.half_m, axis=1))
+
+
+@dataclass(frozen=True)
 class ParticlesPlan:
     """Particles, the surface they touch, and the laws between them.
 
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
-    ``domain_m`` (2, 3): lowest and highest corner; particles that leave it are removed and
-    counted.  ``communicator`` is an mpi4py communicator or None.
+    Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
+    corner), are removed; the first exit that holds one counts.  ``communicator`` is an mpi4py
+    communicator or None.
     """
 
     surface: TriangleSurface
@@ -214,5 +235,6 @@ class ParticlesPlan:
     step_s: float
     sync_interval_s: float
     feed: Feed | None = None
+    exits: tuple[Exit, ...] = ()
     communicator: Any = None
     folder: Path | None = None

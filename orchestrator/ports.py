@@ -11,8 +11,8 @@ surface, panel on the frames.  A load that crosses is the mean over the sync int
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -149,6 +149,36 @@ class ParticleSnapshot:
     material: Indices
 
 
+@dataclass(frozen=True)
+class Removed:
+    """Particles taken out, in the order of time, then id.  Arrays of n rows; complete on rank 0
+    only.
+
+    State of each when it was taken out; ``exit`` is the number of the exit that it was in, -1 of
+    one that was lost: it left the domain.
+    """
+
+    id: Indices
+    time_s: Array
+    position_m: Array
+    velocity_m_s: Array
+    diameter_m: Array
+    density_kg_m3: Array
+    material: Indices
+    exit: Indices
+
+
+def in_order(parts: Sequence[Removed]) -> Removed:
+    """All of several, none included, in the order of time, then id."""
+    nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
+    places = np.empty((0, 3))
+    none = Removed(nobody, nothing, places, places, nothing, nothing, nobody, nobody)
+    names = [part.name for part in fields(Removed)]
+    joined = {n: np.concatenate([getattr(one, n) for one in (none, *parts)]) for n in names}
+    order = np.lexsort((joined["id"], joined["time_s"]))
+    return Removed(**{name: values[order] for name, values in joined.items()})
+
+
 class Frames(Protocol):
     """Rigid bodies that carry points.  The points (clamps, walls, probes) are given at build."""
 
@@ -216,6 +246,10 @@ class Particles(Protocol):
         ...
 
     def snapshot(self) -> ParticleSnapshot: ...
+
+    def removed(self) -> Removed:
+        """Who was taken out since this was last asked."""
+        ...
 
     def account(self) -> Account:
         """received_J has the key "surface"."""

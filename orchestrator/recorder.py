@@ -2,7 +2,8 @@
 
 Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion),
 ``forces/<panel>`` and ``bushings/<name>`` at every sync point; ``panels/<name>`` (centre line),
-``energy`` and ``bed`` at every output time.
+``energy`` and ``bed`` at every output time; ``fed`` and ``removed``: a row for each particle that
+came or went.
 """
 
 from __future__ import annotations
@@ -32,8 +33,11 @@ class Recorder:
             self._history = History(folder / "history.h5")
             if len(machine.surface.triangles):
                 self._surface = Series(folder, "surface")
-            if machine.solvers.particles is not None:
+            if machine.material is not None:
                 self._particles = Series(folder, "particles")
+                exits = machine.material.exits
+                self._history.describe("removed", "names", [one.name for one in exits])
+                self._history.describe("removed", "products", [one.product for one in exits])
 
     def sync_point(self, time_s: float, state: State) -> None:
         """Every sync point: motions and forces."""
@@ -63,7 +67,7 @@ class Recorder:
         """Every output time: shapes, books, and files for ParaView.  Returns the number of
         particles (on rank 0)."""
         terms = self._ledger.energy_J()
-        particles = self._snapshot()
+        particles = self._material(time_s)
         count = len(particles.id) if particles is not None else 0
         if not self._writes:
             return count
@@ -82,9 +86,27 @@ class Recorder:
         self._history.flush()
         return count
 
+    def material(self) -> dict[str, Any] | None:
+        """The material's balance at the last output time, on rank 0."""
+        book = self._machine.material
+        return book.figures() if book is not None else None
+
     def close(self) -> None:
         if self._writes:
             self._history.close()
+
+    def _material(self, time_s: float) -> ParticleSnapshot | None:
+        """Who came and went since the last output time, into the books and the event tables."""
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is None or book is None:
+            return None
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        if self._writes:
+            book.add(time_s, fed, removed, present)
+            self._history.events("fed", vars(fed))
+            gone = {name: rows for name, rows in vars(removed).items() if name != "material"}
+            self._history.events("removed", gone)
+        return present
 
     def _snapshot(self) -> ParticleSnapshot | None:
         particles = self._machine.solvers.particles

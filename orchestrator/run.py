@@ -94,6 +94,7 @@ class Run:
             recorder.sync_point(time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 self._done["particles"] = recorder.output(time_s, state)
+                self._done["material"] = recorder.material()
         if done:
             self._particle_steps += self._steps * self._done["particles"]
         self._done |= {"sync_intervals": done, "simulated_s": time_s}

@@ -37,15 +37,22 @@ class Engine:
     ) -> None:
         """Each rank creates the particles whose place it owns."""
 
-    def remove(self, local: list[int]) -> None: ...
+    def set_exits(self, center_m: Array, axes: Array, half_m: Array, domain_m: Array) -> None:
+        """Boxes (n, 3), (n, 3, 3), (n, 3) that take particles out, and the domain (2, 3)."""
+
+    def take_removed(self) -> dict[str, npt.NDArray[Any]]:
+        """Those of this rank taken out during the last ``run``: x (at the end of the step), v (half
+        a step before), omega (n, 3), radius, rmass, density, type, tag, exit (-1: left the domain)
+        and step of that run, from 1, (n,)."""
+
     def overlaps(self, position_m: Array, diameter_m: Array) -> list[bool]:
         """Which places overlap the surface, where it is now, or a particle of this rank."""
 
     def store_history(self) -> None:
-        """To be called before ``create`` and ``remove`` once the first step was made."""
+        """To be called before ``create`` once the first step was made."""
 
     def prepare(self) -> None:
-        """To be called after them: neighbour lists and forces."""
+        """To be called after it: neighbour lists and forces."""
 
     def begin_path(
         self,

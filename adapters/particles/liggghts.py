@@ -20,7 +20,15 @@ from adapters.particles.liggghts_ledger import Ledger
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
-from orchestrator.ports import Account, Array, BrokenRecord, Load, ParticleSnapshot
+from orchestrator.ports import (
+    Account,
+    Array,
+    BrokenRecord,
+    Load,
+    ParticleSnapshot,
+    Removed,
+    in_order,
+)
 
 try:
     from mpi4py import MPI
@@ -31,11 +39,6 @@ except ImportError as missing:
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
         f"g++, then `pip install .` ({missing})"
     ) from missing
-
-
-# New neighbour lists cost as much as seven steps, so particles that left the domain are removed at
-# the first sync point after this many steps.
-REMOVAL_STEPS = 100
 
 
 def build(plan: ParticlesPlan) -> Liggghts:
@@ -63,6 +66,12 @@ def start(plan: ParticlesPlan, communicator: Any, folder: FilePath) -> Engine:
         0.5 * plan.largest_diameter_m,
         has_sliding(plan),
     )
+    engine.set_exits(
+        np.array([one.center_m for one in plan.exits]).reshape(-1, 3),
+        np.array([one.axes for one in plan.exits]).reshape(-1, 3, 3),
+        np.array([one.half_m for one in plan.exits]).reshape(-1, 3),
+        plan.domain_m,
+    )
     return engine
 
 
@@ -88,7 +97,7 @@ class Liggghts:
         self._ledger = Ledger(plan, self._comm)
         self._created = 0
         self._unprepared = False
-        self._steps_since_removal = 0
+        self._removed: list[Removed] = []
         with ExitStack() as opened:
             # LIGGGHTS's log goes to the plan's folder, or to one that goes with the solver
             folder = plan.folder or FilePath(
@@ -139,11 +148,8 @@ class Liggghts:
                 f"LIGGGHTS failed after t = {interval.start_s} s: {error}"
             ) from error
         self._ledger.fell(interval.length_s)
+        self._take_out(interval, interval.length_s / steps)
         self._check(interval.end_s)
-        self._steps_since_removal += steps
-        if self._steps_since_removal >= REMOVAL_STEPS:
-            self._remove_outside()
-            self._steps_since_removal = 0
         return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
@@ -163,6 +169,11 @@ class Liggghts:
             density_kg_m3=density[order],
             material=kind[order].astype(np.int64) - 1,
         )
+
+    def removed(self) -> Removed:
+        mine, self._removed = self._removed, []
+        ranks = self._comm.gather(mine)
+        return in_order([one for rank in ranks or [] for one in rank])
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """This rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
@@ -199,19 +210,16 @@ class Liggghts:
             self._unprepared = True
         self._plan.feed.settle(accepted)
 
-    def _remove_outside(self) -> None:
-        low, high = self._plan.domain_m
-        mine = self._engine.particles()
-        outside = np.flatnonzero(((mine["x"] < low) | (mine["x"] > high)).any(axis=1))
-        if self._comm.allreduce(len(outside)) == 0:
-            return
-        self._ledger.removed(mine, outside)
-        self._engine.store_history()
-        self._engine.remove(outside.tolist())
-        self._unprepared = True
+    def _take_out(self, interval: Interval, step_s: float) -> None:
+        mine = self._engine.take_removed()
+        # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
+        mine["v"] += step_s / 2.0 * self._plan.gravity_m_s2
+        self._ledger.removed(mine, interval.length_s - step_s * mine["step"])
+        if len(mine["tag"]):
+            self._removed.append(_removed(mine, interval.start_s + step_s * mine["step"]))
 
     def _prepare(self) -> None:
-        """After particles came or went: sort them and evaluate their forces."""
+        """After particles came: sort them and evaluate their forces."""
         if self._unprepared:
             self._engine.prepare()
             self._unprepared = False
@@ -227,6 +235,19 @@ class Liggghts:
             raise SolverFailed(
                 f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
             )
+
+
+def _removed(mine: dict[str, npt.NDArray[Any]], time_s: Array) -> Removed:
+    return Removed(
+        id=mine["tag"].astype(np.int64),
+        time_s=time_s,
+        position_m=mine["x"],
+        velocity_m_s=mine["v"],
+        diameter_m=2.0 * mine["radius"],
+        density_kg_m3=mine["density"],
+        material=mine["type"].astype(np.int64) - 1,
+        exit=mine["exit"].astype(np.int64),
+    )
 
 
 def _some(offer: ParticleList, accepted: npt.NDArray[np.bool_]) -> ParticleList:

@@ -39,6 +39,7 @@ pair_coeff      * *
 # contact model named here.  The plane only satisfies the stock syntax and is not used (for a
 # run with LIGGGHTS alone, write wall/gran and place the plane).
 fix surface     all wall/gran/flipflow {model} primitive type 1 zplane 0.0
+fix exits       all exits/flipflow  # takes particles out; where, it is told from memory
 fix motion      all nve/sphere
 timestep        {step}
 # The surface's points and the particles follow from memory, then the first force evaluation:

@@ -8,7 +8,7 @@ import numpy as np
 
 from adapters.particles.liggghts_input import has_sliding
 from orchestrator.plans import GrainMaterial, ParticleList, ParticlesPlan
-from orchestrator.ports import Account, Array, Indices
+from orchestrator.ports import Account, Array
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
@@ -49,12 +49,13 @@ class Ledger:
             )
         )
 
-    def removed(self, mine: dict[str, Array], local: Indices) -> None:
-        mass_kg, velocity_m_s = mine["rmass"][local], mine["v"][local]
-        motion_J = self._motion_J(
-            mass_kg, mine["x"][local], velocity_m_s, mine["omega"][local], mine["radius"][local]
-        )
-        sums = np.array([len(local), mass_kg.sum(), sum(motion_J), *(mass_kg @ velocity_m_s)])
+    def removed(self, mine: dict[str, Any], before_end_s: Array) -> None:
+        """Particles of this rank taken out, ``before_end_s`` (n,) before the interval's end."""
+        mass_kg, velocity_m_s = mine["rmass"], mine["v"]
+        motion_J = self._motion_J(mass_kg, mine["x"], velocity_m_s, mine["omega"], mine["radius"])
+        # `fell` lets gravity act on them to the interval's end
+        taken_N_s = mass_kg @ velocity_m_s + (mass_kg @ before_end_s) * self._gravity_m_s2
+        sums = np.array([len(mass_kg), mass_kg.sum(), sum(motion_J), *taken_N_s])
         sums = self._comm.allreduce(sums)
         self.removed_count += round(sums[0])
         self._mass_kg -= sums[1]

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.plans import ParticleList
-from orchestrator.ports import Array, Indices, ParticleSnapshot
+from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
 
 
 @dataclass
@@ -59,6 +59,19 @@ class Spheres:
             2.0 * self.radius_m,
             self.density_kg_m3.copy(),
             self.material.copy(),
+        )
+
+    def removed(self, time_s: float, exit_of: Indices) -> Removed:
+        """The record of all of them, taken out at ``time_s`` through ``exit_of`` (n,)."""
+        return Removed(
+            self.id,
+            np.full(len(self), time_s),
+            self.position_m,
+            self.velocity_m_s,
+            2.0 * self.radius_m,
+            self.density_kg_m3,
+            self.material,
+            exit_of,
         )
 
 

@@ -17,7 +17,17 @@ from adapters.particles.sphere_state import Spheres, spheres
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticlesPlan, SolverFailed
-from orchestrator.ports import Account, Array, Indices, Load, Motion, ParticleSnapshot, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Indices,
+    Load,
+    Motion,
+    ParticleSnapshot,
+    Removed,
+    counted,
+    in_order,
+)
 
 DEEPEST_OVERLAP = 0.5  # of a radius: deeper means that the step is too long for the contact
 
@@ -33,7 +43,7 @@ def build(plan: ParticlesPlan) -> SpheresSolver:
 
 
 class SpheresSolver:
-    """``Particles`` in NumPy.  ``fed`` and ``removed`` count particles since t = 0."""
+    """``Particles`` in NumPy.  ``fed`` counts particles since t = 0."""
 
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
@@ -46,7 +56,8 @@ class SpheresSolver:
         self._impulse_N_s = np.zeros(3)
         self._supplied_J = {"feed": 0.0, "removal": 0.0}
         self._lost_J = self._received_J = 0.0
-        self.fed = self.removed = 0
+        self._removed: list[Removed] = []
+        self.fed = 0
 
     def initial(self) -> Load:
         return Load(self._now.on_points_N)
@@ -63,11 +74,15 @@ class SpheresSolver:
             impulse_N_s += step_s * self._now.on_points_N
             self._check(start_s + step * step_s)
         impulse_N_s -= step_s / 2.0 * self._now.on_points_N
-        self._remove()
+        self._remove(interval.end_s)
         return Load(impulse_N_s / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
         return self._spheres.snapshot()
+
+    def removed(self) -> Removed:
+        since, self._removed = self._removed, []
+        return in_order(since)
 
     def account(self) -> Account:
         stored_J = {
@@ -161,15 +176,19 @@ class SpheresSolver:
         free[near_surface(offered, 0.0, self._surface_m[triangles])[0]] = False
         return np.asarray(free)
 
-    def _remove(self) -> None:
-        """Take out what has left the domain; its contacts end with their elastic energy."""
+    def _remove(self, time_s: float) -> None:
+        """Take out who is in an exit or has left the domain; contacts end with their energy."""
         now, (lowest_m, highest_m) = self._spheres, self._plan.domain_m
+        exit_of = np.full(len(now), -1)
+        for number, one in reversed(list(enumerate(self._plan.exits))):
+            exit_of[one.holds(now.position_m)] = number
         inside = np.all((now.position_m >= lowest_m) & (now.position_m <= highest_m), axis=1)
-        if inside.all():
+        stays = inside & (exit_of < 0)
+        if stays.all():
             return
-        left, elastic_J = now.part(~inside), self._now.elastic_J.sum()
-        self._replace(now.part(inside), np.where(inside, np.cumsum(inside) - 1, -1))
-        self.removed += len(left)
+        left, elastic_J = now.part(~stays), self._now.elastic_J.sum()
+        self._replace(now.part(stays), np.where(stays, np.cumsum(stays) - 1, -1))
+        self._removed.append(left.removed(time_s, exit_of[~stays]))
         ended_J = float(elastic_J - self._now.elastic_J.sum())
         self._supplied_J["removal"] -= self._mechanical_J(left) + ended_J
         self._impulse_N_s -= left.momentum_kg_m_s()

@@ -6,10 +6,13 @@ deck and up.  ``inclination_deg`` turns them about y into the world's axes.
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from orchestrator.tables.deck import Deck
 from orchestrator.tables.quantities import (
+    Box,
     Few,
     Name,
     NotNegative,
@@ -148,6 +151,16 @@ class Surface(Table):
     """Its material."""
 
 
+class Exit(Table):
+    """A box that takes particles out and counts them: the undersize below a section of the deck,
+    the oversize behind its end.  Of exits that overlap, the first counts."""
+
+    product: Literal["undersize", "oversize"]
+    """What leaves here."""
+    box_m: Box
+    """Lowest and highest corner: a particle is taken out when its centre is in the box."""
+
+
 class Screen(Table):
     """The machine, in deck axes."""
 
@@ -168,3 +181,5 @@ class Screen(Table):
     """Panels, or rows of panels, by name."""
     surfaces: dict[Name, Surface] = Field(default_factory=dict)
     """Rigid surfaces by name."""
+    exits: dict[Name, Exit] = Field(default_factory=dict)
+    """Exits by name."""

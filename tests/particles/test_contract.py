@@ -6,13 +6,15 @@ import importlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
-from orchestrator.plans import GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
+from orchestrator.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
 from orchestrator.ports import BrokenRecord, Motion
 from tests.particles.contract import (
     G_M_S2,
@@ -241,6 +243,72 @@ def test_who_leaves_the_domain_is_taken_out_and_booked(build: Build) -> None:
     np.testing.assert_allclose(after.outside_impulse_N_s, [0, 0, -2.0 * MASS_KG], rtol=1e-12)
     np.testing.assert_allclose(after.momentum_kg_m_s, 0.0, atol=1e-15)
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)
+
+
+def exit_box(center_m: Any, half_m: Any, turned_deg: float = 0.0) -> Exit:
+    """A box turned about y."""
+    axes = Rotation.from_euler("y", turned_deg, degrees=True).as_matrix().T
+    return Exit("box", "undersize", np.array(center_m), axes, np.array(half_m))
+
+
+def test_exits_take_out_who_is_inside(build: Build) -> None:
+    """Three spheres fly 20 mm along x: into an exit, below it, out of the domain; a fourth rests
+    where the first exit and a second overlap."""
+    given = particles([[-0.02, 0, 0.05], [-0.02, 0, 0.01], [0.09, 0, 0.05], [0, 0, 0.08]])
+    given.velocity_m_s[:3, 0] = 2.0
+    exits = (exit_box([0, 0, 0.06], [0.01, 0.1, 0.03]), exit_box([0, 0, 0.09], [0.1, 0.1, 0.02]))
+    domain_m = np.array([[-0.1, -0.1, -0.1], [0.1, 0.1, 0.2]])
+    run = build(
+        plan(plate(0.02, 1), given, domain_m=domain_m, exits=exits, gravity_m_s2=WEIGHTLESS)
+    )
+    before = run.solver.account()
+    run.advance(10)
+    after, gone = run.solver.account(), run.solver.removed()
+    np.testing.assert_array_equal(run.solver.snapshot().id, [2])
+    order = np.argsort(gone.id)
+    np.testing.assert_array_equal(gone.id[order], [1, 3, 4])
+    np.testing.assert_array_equal(gone.exit[order], [0, -1, 0])
+    np.testing.assert_array_equal(gone.diameter_m, 0.01)
+    np.testing.assert_array_equal(gone.density_kg_m3, 1430.0)
+    np.testing.assert_array_equal(gone.material, 0)
+    assert (np.diff(gone.time_s) >= 0.0).all()
+    flown_m = given.position_m[gone.id - 1] + gone.time_s[:, None] * given.velocity_m_s[gone.id - 1]
+    np.testing.assert_allclose(gone.position_m, flown_m, atol=1e-12)
+    first, lost = gone.position_m[order[:2], 0]
+    assert -0.01 <= first < -0.005  # caught within half a diameter of the exit's face
+    assert 0.1 < lost < 0.105
+    np.testing.assert_allclose(after.outside_impulse_N_s, [-4.0 * MASS_KG, 0, 0], rtol=1e-12)
+    assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)
+    assert len(run.solver.removed().id) == 0
+
+
+def test_an_exit_is_turned_with_the_deck(build: Build) -> None:
+    """A flat box turned by 30 degrees holds what is along its own axis, not along the world's."""
+    along = np.array([np.cos(np.pi / 6), 0.0, -np.sin(np.pi / 6)])
+    given = particles([0.08 * along, [0.08, 0, 0]], 0.02 * UP)
+    exits = (exit_box([0, 0, 0], [0.1, 0.01, 0.01], 30.0),)
+    run = build(plan(plate(0.01, 1), given, exits=exits, gravity_m_s2=WEIGHTLESS))
+    run.advance(200)
+    np.testing.assert_array_equal(run.solver.removed().id, [1])
+
+
+def test_who_falls_into_an_exit_is_booked_to_rounding(build: Build) -> None:
+    """Gravity acts until a particle is taken out: its speed there is that of its fall."""
+    given = particles([[0, 0, 0.1], [0.05, 0, 0.1]], [0.3, 0, -1.0], [10.0, 0, 0])
+    exits = (exit_box([0, 0, 0.0], [0.2, 0.2, 0.06]),)
+    run = build(plan(plate(0.001, 1), given, exits=exits))
+    before = run.solver.account()
+    run.advance(60)
+    after, gone = run.solver.account(), run.solver.removed()
+    assert len(gone.id) == 2
+    t = gone.time_s[:, None]
+    np.testing.assert_allclose(gone.velocity_m_s, [0.3, 0, -1.0] + t * G_M_S2, atol=1e-12)
+    fallen_m = given.position_m + t * [0.3, 0, -1.0] + t**2 / 2.0 * G_M_S2
+    np.testing.assert_allclose(gone.position_m, fallen_m, atol=1e-12)
+    left_N_s = after.outside_impulse_N_s + before.momentum_kg_m_s
+    np.testing.assert_allclose(left_N_s, 0.0, atol=1e-12 * MASS_KG)
+    assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)
+    assert after.lost_J["contact_dissipation"] == pytest.approx(0.0, abs=1e-12 * MASS_KG)
 
 
 @dataclass

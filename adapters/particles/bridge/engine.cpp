@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iostream>
 #include <stdexcept>
 
@@ -23,7 +22,17 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-Fix *create_surface(LAMMPS *lmp, int narg, char **arg) { return new FixSurface(lmp, narg, arg); }
+template <class Style>
+Fix *create_fix(LAMMPS *lmp, int narg, char **arg) {
+  return new Style(lmp, narg, arg);
+}
+
+template <class Style>
+Style &found(LAMMPS &lmp, const char *id) {
+  const int number = lmp.modify->find_fix(id);
+  if (number < 0) throw std::runtime_error(std::string("the input defines no fix named ") + id);
+  return static_cast<Style &>(*lmp.modify->fix[number]);
+}
 
 // LIGGGHTS's table of fix styles is private and its input can add none from outside.  Naming a
 // private member as a template argument of an explicit instantiation is allowed by the language.
@@ -75,7 +84,9 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   // this factor of its contact distance; without it a pair that meets again before the next
   // neighbour list starts with the old spring.
   lammps_->neighbor->register_contact_dist_factor(1.05);
-  (*(lammps_->modify->*style_table()))["wall/gran/flipflow"] = &create_surface;
+  FixStyles &styles = *(lammps_->modify->*style_table());
+  styles["wall/gran/flipflow"] = &create_fix<FixSurface>;
+  styles["exits/flipflow"] = &create_fix<FixExits>;
 }
 
 // After an error LIGGGHTS's parts may contradict each other: a small leak is better than a crash.
@@ -100,11 +111,9 @@ void Engine::command(const std::string &line) {
   guarded([&] { lammps_->input->one(line.c_str()); });
 }
 
-FixSurface &Engine::surface() {
-  const int number = lammps_->modify->find_fix("surface");
-  if (number < 0) throw std::runtime_error("the input defines no fix named surface");
-  return static_cast<FixSurface &>(*lammps_->modify->fix[number]);
-}
+FixSurface &Engine::surface() { return found<FixSurface>(*lammps_, "surface"); }
+
+FixExits &Engine::exits() { return found<FixExits>(*lammps_, "exits"); }
 
 void Engine::create(const Particles &particles, int first_id) {
   Atom &atom = *lammps_->atom;
@@ -116,18 +125,6 @@ void Engine::create(const Particles &particles, int first_id) {
     if (mine) place(atom, *lammps_->modify, particles, k, first_id + k);
   }
   atom.natoms += particles.count;
-}
-
-void Engine::remove(std::vector<int> local) {
-  Atom &atom = *lammps_->atom;
-  std::sort(local.begin(), local.end(), std::greater<int>());
-  for (const int i : local) {
-    --atom.nlocal;
-    if (i != atom.nlocal) atom.avec->copy(atom.nlocal, i, 1);
-  }
-  long removed = static_cast<long>(local.size());
-  MPI_Allreduce(MPI_IN_PLACE, &removed, 1, MPI_LONG, MPI_SUM, lammps_->world);
-  atom.natoms -= removed;
 }
 
 std::vector<bool> Engine::overlaps(const double *position_m, const double *diameter_m,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "fix_exits.h"
 #include "fix_surface.h"
 
 namespace LAMMPS_NS {
@@ -31,19 +32,19 @@ class Engine {
     int count;
   };
   void create(const Particles &particles, int first_id);
-  void remove(std::vector<int> local);  // by local number
 
   // Which of the places would overlap the surface or one of this rank's particles.
   std::vector<bool> overlaps(const double *position_m, const double *diameter_m, int count);
 
-  // Contact history goes from the neighbour list to the particles: before create and remove.
+  // Contact history goes from the neighbour list to the particles: before create.
   void store_history();
-  // Sorts particles, rebuilds neighbour lists and evaluates all forces: after create and remove.
+  // Sorts particles, rebuilds neighbour lists and evaluates all forces: after create.
   void prepare();
   void run(int steps, double step_s);
 
   LAMMPS_NS::LAMMPS &lammps() { return *lammps_; }
   FixSurface &surface();
+  FixExits &exits();
 
  private:
   template <class Call>

@@ -30,6 +30,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   // The next `steps` steps follow a new path.
   void begin_path(const double *start_m, const double *start_m_s, const double *end_m,
                   const double *end_m_s, double length_s, int steps);
+  LAMMPS_NS::bigint first_step() const { return first_step_; }  // before the path's first step
   void begin_sums(double step_s) { load_.begin(surface_, step_s); }
   void end_sums(double step_s) { load_.end(step_s); }
 

@@ -69,6 +69,53 @@ void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_s, 
                 first_id);
 }
 
+void set_exits(Engine &engine, Doubles center_m, Doubles axes, Doubles half_m, Doubles domain_m) {
+  std::vector<flipflow::FixExits::Box> boxes(half_m.shape(0));
+  for (size_t e = 0; e < boxes.size(); ++e) {
+    boxes[e].center = flipflow::from(center_m.data() + 3 * e);
+    for (int k = 0; k < 3; ++k) {
+      boxes[e].axis[k] = flipflow::from(axes.data() + 9 * e + 3 * k);
+      boxes[e].half[k] = half_m.at(e, k);
+    }
+  }
+  engine.exits().set(std::move(boxes), flipflow::from(domain_m.data()),
+                     flipflow::from(domain_m.data() + 3));
+}
+
+// One value, or three, of each particle removed.
+template <class Value, class Get>
+py::array_t<Value> column(const std::vector<flipflow::FixExits::Removed> &rows, Get get) {
+  py::array_t<Value> array(static_cast<py::ssize_t>(rows.size()));
+  for (size_t i = 0; i < rows.size(); ++i) array.mutable_at(i) = get(rows[i]);
+  return array;
+}
+
+template <class Get>
+Doubles column3(const std::vector<flipflow::FixExits::Removed> &rows, Get get) {
+  Doubles array({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
+  for (size_t i = 0; i < rows.size(); ++i) flipflow::put(array.mutable_data(i, 0), get(rows[i]));
+  return array;
+}
+
+py::dict take_removed(Engine &engine) {
+  using Row = flipflow::FixExits::Removed;
+  const auto rows = engine.exits().take();
+  py::dict arrays;
+  arrays["x"] = column3(rows, [](const Row &r) { return r.position_m; });
+  arrays["v"] = column3(rows, [](const Row &r) { return r.velocity_m_s; });
+  arrays["omega"] = column3(rows, [](const Row &r) { return r.spin_rad_s; });
+  arrays["radius"] = column<double>(rows, [](const Row &r) { return r.radius_m; });
+  arrays["rmass"] = column<double>(rows, [](const Row &r) { return r.mass_kg; });
+  arrays["density"] = column<double>(rows, [](const Row &r) { return r.density_kg_m3; });
+  arrays["type"] = column<int>(rows, [](const Row &r) { return r.type; });
+  arrays["tag"] = column<int>(rows, [](const Row &r) { return r.tag; });
+  arrays["exit"] = column<int>(rows, [](const Row &r) { return r.exit; });
+  arrays["step"] = column<int>(rows, [&](const Row &r) {
+    return static_cast<int>(r.step - engine.surface().first_step());
+  });
+  return arrays;
+}
+
 void begin_path(Engine &engine, Doubles start_m, Doubles start_m_s, Doubles end_m,
                 Doubles end_m_s, double length_s, int steps) {
   engine.surface().begin_path(start_m.data(), start_m_s.data(), end_m.data(), end_m_s.data(),
@@ -98,7 +145,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("command", &Engine::command)
       .def("set_surface", &set_surface)
       .def("create", &create_particles)
-      .def("remove", &Engine::remove)
+      .def("set_exits", &set_exits)
+      .def("take_removed", &take_removed)
       .def("overlaps",
            [](Engine &engine, Doubles position_m, Doubles diameter_m) {
              return engine.overlaps(position_m.data(), diameter_m.data(),
