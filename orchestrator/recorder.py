@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.coupling import State
+from orchestrator.frame_rotation import rotations
 from orchestrator.history import History
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine, Probe
@@ -44,9 +45,12 @@ class Recorder:
         followed = self._snapshot() if self._follows else None
         if not self._writes:
             return
-        for name, point in self._machine.centres.items():
+        centres = self._machine.centres
+        turned = rotations(state.clamps, np.fromiter(centres.values(), np.int64))
+        for (name, point), rotation, spin in zip(centres.items(), *turned, strict=True):
             moved = state.clamps.position_m[point] - self._start.clamps.position_m[point]
             values = {"displacement_m": moved, "velocity_m_s": state.clamps.velocity_m_s[point]}
+            values |= {"rotation_rad": rotation, "spin_rad_s": spin}
             self._history.add(f"frames/{name}", time_s, values)
         for probe in self._machine.probes:
             position, velocity = _at(probe, state, followed)
