@@ -58,7 +58,7 @@ and numerics), and STL files lie beside. `flipflow check <folder>` finds every m
 anything starts and says what is in the case.
 
 Good examples to start from: `cases/ball-on-panel` (small), `cases/panel-cycle` (a frame moved by a
-`drive`, which needs `frames.solver = "prescribed"`), `cases/quickstart` (everything).
+`drive`), `cases/quickstart` (everything).
 
 Mind the axes: everything in `[screen]`, STL files, probe points and blocks are in deck axes;
 `domain_m`, single particles and feeds are in world axes.

@@ -43,8 +43,10 @@ def overview(loaded: LoadedCase) -> Iterator[str]:
 def _machine(loaded: LoadedCase) -> Iterator[str]:
     case, screen = loaded.case, loaded.case.screen
     bushings = sum(len(bushing.positions_m) for bushing in screen.bushings.values())
+    drives = sum(frame.drive is not None for frame in screen.frames.values())
     yield (
-        f"  frames     {len(screen.frames)} ({case.frames.solver}), {bushings} bushings, "
+        f"  frames     {len(screen.frames)} ({case.frames.solver}), "
+        f"{f'{drives} of them driven, ' if drives else ''}{bushings} bushings, "
         f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
     )
     cells = " x ".join(str(count) for count in case.panel.cells)

@@ -75,7 +75,7 @@ def frames_plan(
     """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
     (n, 3) the panels' force on them at t = 0.
 
-    Prescribed frames get drives only, the others everything but drives.
+    Prescribed frames get drives only: neither bushings nor exciters could move them.
     """
     prescribed = case.frames.solver == "prescribed"
     frames = case.screen.frames
@@ -83,7 +83,7 @@ def frames_plan(
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
         bushings=() if prescribed else tuple(bushings(case)),
         exciters=() if prescribed else tuple(_exciters(case)),
-        drives=tuple(_drives(case)) if prescribed else (),
+        drives=tuple(_drives(case)),
         gravity_m_s2=np.array(case.gravity_m_s2),
         points_m=points_m,
         carrier=carrier,
@@ -95,7 +95,7 @@ def frames_plan(
 
 
 def _body(case: Case, name: str, frame: tables.Frame) -> Body:
-    """Prescribed frames need no mass: it is 0 where the case gives none."""
+    """Driven frames need no mass: it is 0 where the case gives none."""
     tensor = np.diag(frame.inertia_kg_m2 or (0.0, 0.0, 0.0))
     upper = np.zeros((3, 3))
     upper[[0, 0, 1], [1, 2, 2]] = frame.products_of_inertia_kg_m2

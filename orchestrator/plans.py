@@ -121,6 +121,9 @@ class Exciter:
 class Drive:
     """Prescribed harmonic motion of a body about its place at t = 0, with smooth run-up.
 
+    Nothing turns the body from it; one drive per body.  Bodies without one are free, or stand
+    still where the frames are prescribed altogether.
+
     Translation amplitude_m * sin(w t + phase_rad), and rotation by the vector
     rotation_rad * sin(w t + rotation_phase_rad) about ``center_m``; each (3,), component-wise.
     Both are multiplied by (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``.
@@ -141,7 +144,7 @@ class FramesPlan:
     """Frames and the points they carry: ``points_m`` (n, 3) at t = 0, ``carrier`` (n,) names.
 
     ``reaction_N`` (n, 3) is the panels' force at t = 0.  With ``drawn_at_rest`` the bushings'
-    preload holds weight and initial reaction, so that nothing moves until an exciter starts;
+    preload holds weight and initial reaction, so that nothing moves until something drives;
     otherwise the machine drops onto force-free bushings.
     """
 

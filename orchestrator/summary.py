@@ -21,12 +21,12 @@ PARTS = ("particles", "panel", "frames", "mapping", "output")
 
 
 def cycle_s(case: Case) -> float:
-    """The machine's cycle: of its slowest exciter, or drive where frames move as prescribed; the
-    whole run where there is none."""
+    """The machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
+    frames); the whole run where there is none."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    exciters = case.screen.exciters.values()
-    moving = drives if case.frames.solver == "prescribed" else exciters
-    speeds = [row.speed_rad_s for row in moving]
+    speeds = [drive.speed_rad_s for drive in drives]
+    if case.frames.solver != "prescribed":
+        speeds += [exciter.speed_rad_s for exciter in case.screen.exciters.values()]
     return 2 * math.pi / min(speeds) if speeds else case.duration_s
 
 

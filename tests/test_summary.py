@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
+
 import pytest
 
-from orchestrator.summary import closing_lines
+from orchestrator.summary import closing_lines, cycle_s
+from tests.case.cases import loaded
 
 
 @pytest.mark.parametrize(("created_J", "warned"), [(-0.05, False), (0.2, True), (-0.2, True)])
@@ -18,3 +22,14 @@ def test_energy_created_is_warned_of(created_J: float, warned: bool) -> None:
         "particles": 0,
     }
     assert any("WARNING" in line for line in closing_lines(summary)) is warned
+
+
+def test_the_cycle_is_that_of_the_slowest_that_moves(tmp_path: Path) -> None:
+    drive = "screen.frames.driving.drive={speed_rad_s=90, amplitude_m=[0.01, 0, 0]}"
+    for given, speed_rad_s in (
+        ([], 78.5),
+        ([drive], 78.5),
+        ([drive, "screen.exciters.shaft.speed_rad_s=100"], 90.0),
+        ([drive, "frames.solver=prescribed"], 90.0),
+    ):
+        assert cycle_s(loaded(tmp_path, given).case) == pytest.approx(2 * math.pi / speed_rad_s)

@@ -113,7 +113,7 @@ class ExudynFrames:
         time.endTime, time.numberOfSteps = 1e9, 10**12  # steps are made by hand, without end
         time.adaptiveStep = False
         time.generalizedAlpha.useNewmark = True
-        time.newton.relativeTolerance = 1e-10
+        time.newton.relativeTolerance = 1e-13
         # a machine at rest has no larger residual than the rounding of its bushings' forces
         stiffness_N_m = sum(float(bushing.stiffness_N_m.sum()) for bushing in self._plan.bushings)
         time.newton.absoluteTolerance = max(1e-10, 1e-15 * stiffness_N_m)

@@ -28,6 +28,7 @@ OF_TABLES = (
     materials.complete_contacts,
     materials.boxes_and_sizes,
     machine.frames_and_their_solver,
+    machine.driven_frames,
     machine.drives,
     machine.bushings_and_exciters,
     machine.panels,

@@ -15,21 +15,43 @@ from orchestrator.left_out import has_particles
 from orchestrator.tables.quantities import GROUND
 from orchestrator.tables.screen import Panel
 
+LARGEST_TILT_RAD = 1.4  # adapters.frames.exudyn's
+
 
 def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
-    """Masses for solvers that solve for motion, drives for the one that prescribes it."""
+    """Masses for frames that forces move, and drives only for solvers that know them."""
     solver = case.frames.solver
+    if solver == "prescribed":
+        return
     for name, frame in case.screen.frames.items():
         key: Key = ("screen", "frames", name)
-        if solver != "prescribed":
-            if frame.drive is not None:
-                hint = 'take the drive out, or frames.solver = "prescribed"'
-                yield Mistake((*key, "drive"), f"frames.solver {solver} knows no drives", hint)
-            if frame.mass_kg is None:
-                hint = 'or move it by a drive with frames.solver = "prescribed"'
-                yield Mistake((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
-            if frame.inertia_kg_m2 is None and solver == "exudyn":
-                yield Mistake((*key, "inertia_kg_m2"), "missing: frames.solver exudyn needs it")
+        if frame.drive is not None:
+            if solver == "two-mass":
+                hint = 'take the drive out, or frames.solver = "exudyn"'
+                yield Mistake((*key, "drive"), "frames.solver two-mass knows no drives", hint)
+            continue
+        if frame.mass_kg is None:
+            hint = "or move it by a drive, with another solver than two-mass"
+            yield Mistake((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
+        if frame.inertia_kg_m2 is None and solver == "exudyn":
+            yield Mistake((*key, "inertia_kg_m2"), "missing: frames.solver exudyn needs it")
+
+
+def driven_frames(case: Case) -> Iterator[Mistake]:
+    """What exudyn asks of the frames that it drives: no exciter, and no turning over."""
+    if case.frames.solver != "exudyn":
+        return
+    frames = case.screen.frames
+    for name, exciter in case.screen.exciters.items():
+        if exciter.frame in frames and frames[exciter.frame].drive is not None:
+            what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
+            yield Mistake(("screen", "exciters", name, "frame"), what, "take one of them out")
+    for name, frame in frames.items():
+        largest_rad = np.linalg.norm(frame.drive.rotation_rad) if frame.drive else 0.0
+        if largest_rad > LARGEST_TILT_RAD:
+            key: Key = ("screen", "frames", name, "drive", "rotation_rad")
+            what = f"may add up to {largest_rad:.3g} rad; exudyn's limit is {LARGEST_TILT_RAD:g}"
+            yield Mistake(key, what, 'frames.solver = "prescribed" has none')
 
 
 def drives(case: Case) -> Iterator[Mistake]:
@@ -66,11 +88,12 @@ def possible_inertia(case: Case) -> Iterator[Mistake]:
 
 
 def held_frames(case: Case) -> Iterator[Mistake]:
-    """Frames drawn at rest need bushings that can hold their weight: the static equations
-    K u = weight, translations only, must have a solution."""
+    """Frames drawn at rest need bushings that can hold their weight, to the ground or to driven
+    frames: the static equations K u = weight, translations only, must have a solution."""
     if case.frames.solver == "prescribed" or not case.screen.drawn_at_rest:
         return
-    names = [*case.screen.frames]
+    free = {name: frame for name, frame in case.screen.frames.items() if frame.drive is None}
+    names = [*free]
     stiffness = np.zeros((3 * len(names), 3 * len(names)))
     for row in case.screen.bushings.values():
         turn = Rotation.from_euler("xyz", row.rotation_deg, degrees=True).as_matrix()
@@ -83,7 +106,7 @@ def held_frames(case: Case) -> Iterator[Mistake]:
         for (one, i), (two, j) in product(ends, ends):
             stiffness[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] += one * two * spring
     gravity = np.array(case.gravity_m_s2) @ axes(case)
-    weight = np.concatenate([(f.mass_kg or 0.0) * gravity for f in case.screen.frames.values()])
+    weight = np.array([(f.mass_kg or 0.0) * gravity for f in free.values()]).ravel()
     unmet = weight - stiffness @ np.linalg.lstsq(stiffness, weight, rcond=1e-12)[0]
     for name, left_N in zip(names, unmet.reshape(-1, 3), strict=True):
         if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():

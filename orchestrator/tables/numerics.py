@@ -32,7 +32,8 @@ class FramesSolver(Table):
     """How the frames are solved."""
 
     solver: Literal["prescribed", "two-mass", "exudyn"] = "exudyn"
-    """prescribed (drives only), two-mass (linear, no rotation), exudyn (rigid bodies)."""
+    """prescribed (drives only), two-mass (linear, no rotation, no drives), exudyn (rigid bodies on
+    bushings, any of them driven)."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own."""
 

@@ -47,8 +47,8 @@ class Drive(Table):
 
 
 class Frame(Table):
-    """A rigid body: driven by exciters through its mass, or moved as prescribed by ``drive``.
-    With neither it can only stand still."""
+    """A rigid body: free, moved through its mass by exciters, bushings and panels; or moved as
+    prescribed by ``drive``, whatever pushes it.  Both may be in one machine (solver "exudyn")."""
 
     center_of_mass_m: Vector = (0.0, 0.0, 0.0)
     """Centre of mass at t = 0."""
@@ -59,7 +59,8 @@ class Frame(Table):
     products_of_inertia_kg_m2: Vector = (0.0, 0.0, 0.0)
     """Elements xy, xz and yz of the inertia tensor."""
     drive: Drive | None = None
-    """Prescribed motion (solver "prescribed" only)."""
+    """Prescribed motion (solvers "exudyn" and "prescribed"); mass and inertia may then be left
+    out, and are without effect on the motion."""
 
 
 class Bushing(Table):
@@ -167,7 +168,7 @@ class Screen(Table):
     inclination_deg: Number = 0.0
     """Angle by which the deck slopes down along its x axis."""
     drawn_at_rest: Switch = True
-    """True: bushings are preloaded so that nothing moves before an exciter starts.
+    """True: bushings are preloaded so that nothing moves before an exciter or drive starts.
     False: the frames drop onto their unloaded bushings at t = 0."""
     frames: dict[Name, Frame] = Field(default_factory=dict)
     """Frames by name."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.checks import mistakes, warnings
+from orchestrator.checks import machine, mistakes, warnings
 from orchestrator.levels import load
 from orchestrator.plans import PanelPlan, SolverFailed
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
@@ -42,7 +42,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
             "mass_kg: missing: frames.solver exudyn",
         ),
         ("screen.frames.driven.mass_kg=1", "inertia_kg_m2: missing: frames.solver exudyn"),
-        ("screen.frames.driving.drive.speed_rad_s=78.5", "frames.solver exudyn knows no drives"),
+        ("screen.frames.driving.drive.speed_rad_s=78.5", '"driving" has a drive, which leaves no'),
         (
             "screen.frames.driving.drive={speed_rad_s=9, amplitude_m=[0.1, 0, 0], "
             "phase_rad=[0.5, 0, 0]}",
@@ -137,6 +137,40 @@ def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
     assert not complaints(
         tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2"
     )
+
+
+def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
+    alone = CASE.replace('frame = "driving"', 'frame = "driven"')
+    folder = written(tmp_path, alone)
+    given = [
+        f"screen.frames.driven={{{FRAME}}}",
+        "screen.frames.driving={drive={speed_rad_s=78.5, amplitude_m=[0.01, 0, 0]}}",
+        'screen.bushings.isolation.between=["driving", "driven"]',
+    ]
+
+    def said(*overrides: str) -> list[str]:
+        return [str(mistake) for mistake in mistakes(load(folder, None, [*given, *overrides]))]
+
+    assert said() == []  # exudyn: one driven without a mass, one free that hangs on it
+    assert said("frames.solver=prescribed") == []
+    (refusal,) = said("frames.solver=two-mass")
+    assert "frames.solver two-mass knows no drives; take the drive out" in refusal
+    drive = "screen.frames.driving.drive.rotation_rad=[1, 1, 0.5]"
+    (refusal,) = said(drive)
+    assert "rotation_rad: may add up to 1.5 rad; exudyn's limit is 1.4" in refusal
+    assert said(drive, "frames.solver=prescribed") == []
+
+
+def test_exudyn_may_drive_every_frame() -> None:
+    case = Path(__file__).parents[2] / "cases" / "bushing-hysteresis"
+    assert mistakes(load(case, "draft", ["frames.solver=exudyn"])) == []
+
+
+@pytest.mark.solver
+def test_the_limit_of_a_tilt_is_the_solvers() -> None:
+    from adapters.frames import exudyn
+
+    assert machine.LARGEST_TILT_RAD == exudyn.LARGEST_TILT_RAD
 
 
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:

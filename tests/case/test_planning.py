@@ -93,6 +93,13 @@ def test_a_drive_in_deck_axes_is_the_same_motion_in_the_world(tmp_path: Path) ->
     assert drive.center_m == pytest.approx(to_world(case, (1.0, 0.0, 0.0)))
 
 
+def test_exudyn_gets_drives_along_with_bushings_and_exciters(tmp_path: Path) -> None:
+    plan = frames(tmp_path, DRIVE)
+    assert [drive.body for drive in plan.drives] == ["driving"]
+    assert len(plan.bushings) == 2
+    assert len(plan.exciters) == 1
+
+
 def test_pairs_of_materials_are_symmetric_and_spheres_do_not_resist_rolling(
     tmp_path: Path,
 ) -> None:

@@ -11,20 +11,21 @@ from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, EXCITER, MACHINE
 
 pytestmark = pytest.mark.solver
-FRAMES = ("prescribed", "two-mass", "exudyn")
+FRAMES = ("prescribed", "two-mass", "exudyn", "exudyn driven")
 PANELS = ("rigid", "strip", "sheet", "sheet implicit", "solid implicit")
 PARTICLES = ("none", "spheres", "liggghts")
 DRIVE = """
 [screen.frames.driving.drive]
 speed_rad_s = 150.0
 amplitude_m = [0.004, 0.0, 0.001]
+rotation_rad = [0.0, 0.01, 0.0]
 """
 
 
 def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -> None:
     solver, _, integrator = panel.partition(" ")
-    case = MACHINE + (DRIVE if frames == "prescribed" else EXCITER)
-    settings = [f"frames.solver={frames}", f"panel.solver={solver}"]
+    case = MACHINE + (DRIVE if frames in ("prescribed", "exudyn driven") else EXCITER)
+    settings = [f"frames.solver={frames.split()[0]}", f"panel.solver={solver}"]
     if integrator:
         settings.append(f"panel.integrator={integrator}")
     if particles != "none":
