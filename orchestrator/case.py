@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Lt
-from pydantic import Field, Strict
+from pydantic import Field, PrivateAttr, Strict
 
 from orchestrator.tables.bed import Bed
 from orchestrator.tables.numerics import (
@@ -30,6 +30,7 @@ from orchestrator.tables.quantities import (
     Vector,
 )
 from orchestrator.tables.screen import Screen
+from orchestrator.tables.slice import Slice
 
 
 class MaxwellBranch(Table):
@@ -119,6 +120,8 @@ class Case(Table):
     """The machine."""
     bed: Bed = Field(default_factory=Bed)
     """The particles."""
+    slice: Slice | None = None
+    """A strip of the width instead of the whole machine."""
     probes: dict[Name, Probe] = Field(default_factory=dict)
     """Probes by name."""
     coupling: Coupling = Field(default_factory=Coupling)
@@ -133,3 +136,16 @@ class Case(Table):
     """Solver of the particles."""
     output: Output = Field(default_factory=Output)
     """What is written."""
+
+    _whole: Case | None = PrivateAttr(default=None)
+
+    @property
+    def whole(self) -> Case:
+        """The case of the whole machine: itself, or what this slice was cut from."""
+        return self._whole or self
+
+    def cut_to(self, update: dict[str, object]) -> Case:
+        """A slice of it: a copy with some tables in the place of its own."""
+        part = self.model_copy(update=update)
+        part._whole = self
+        return part

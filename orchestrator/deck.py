@@ -13,6 +13,7 @@ from orchestrator import stl
 from orchestrator.case import Case
 from orchestrator.geometry import Rectangle
 from orchestrator.ports import Array, Indices
+from orchestrator.slice import cut_surface
 from orchestrator.tables.screen import Panel, Surface
 
 
@@ -92,9 +93,10 @@ def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
     """The rigid surfaces of the case: plates, and files in its folder.  Raises stl.Unreadable."""
     found = []
     for name, surface in case.screen.surfaces.items():
-        corners_m, triangles = _triangles(surface, folder)
+        corners_m, triangles = cut_surface(case, *_triangles(surface, folder))
         position_m = to_world(case, corners_m)
-        found.append(Wall(name, surface.frame, surface.material, position_m, triangles))
+        if len(triangles):
+            found.append(Wall(name, surface.frame, surface.material, position_m, triangles))
     return tuple(found)
 
 

@@ -36,6 +36,8 @@ def left_out(case: Case) -> dict[str, str]:
     rolling = any(contact.rolling_friction for contact in case.contacts)
     if case.particles.solver == "spheres" and rolling and has_particles(case):
         found["rolling-friction"] = "particles.solver spheres: no resistance to rolling"
+    if case.slice is not None:
+        found["full-width"] = f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
     for name, why in HAND_OVER.items():
         if not getattr(case.hand_over, name):
             found[name.replace("_", "-")] = f"hand_over.{name} is off: {why}"

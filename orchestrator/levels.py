@@ -18,8 +18,9 @@ from orchestrator.case_errors import CaseError, Mistake, did_you_mean, from_vali
 from orchestrator.deck_layout import laid_out
 from orchestrator.left_out import dropped, left_out
 from orchestrator.overlays import Layers, changed, parsed
+from orchestrator.slice import sliced
 
-NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output")
+NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice")
 
 
 @dataclass(frozen=True)
@@ -105,9 +106,9 @@ def read_toml(file: Path) -> dict[str, Any]:
 
 
 def validated(layers: Layers) -> Case:
-    """With decks laid out.  Raises CaseError with every mistake found."""
+    """With decks laid out, and cut to its slice.  Raises CaseError with every mistake found."""
     try:
-        return laid_out(Case.model_validate(layers.merged))
+        return sliced(laid_out(Case.model_validate(layers.merged)))
     except ValidationError as error:
         raise CaseError(layers.named(from_validation(error, Case))) from None
     except CaseError as error:

@@ -208,6 +208,7 @@ def particles_plan(
         sync_interval_s=case.coupling.sync_interval_s,
         feed=combined_feed(case, numbers),
         exits=exits(case),
+        periodic_y=case.slice is not None and case.slice.sides == "periodic",
         communicator=communicator,
         folder=folder,
     )

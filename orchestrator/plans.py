@@ -224,6 +224,8 @@ class ParticlesPlan:
     Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
     corner), are removed; the first exit that holds one counts.  ``communicator`` is an mpi4py
     communicator or None.
+    With ``periodic_y`` everything repeats itself along y with the domain's width, which the
+    surface spans; nothing leaves there.
     """
 
     surface: TriangleSurface
@@ -239,5 +241,6 @@ class ParticlesPlan:
     sync_interval_s: float
     feed: Feed | None = None
     exits: tuple[Exit, ...] = ()
+    periodic_y: bool = False
     communicator: Any = None
     folder: Path | None = None

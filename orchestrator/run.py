@@ -23,6 +23,7 @@ from orchestrator.machine import Machine
 from orchestrator.metered import named
 from orchestrator.recorder import Recorder
 from orchestrator.run_folder import LOG, write_json
+from orchestrator.slice import share
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.watch import Interrupted, Say, Stop, check_stable
 
@@ -116,6 +117,7 @@ class Run:
             "case": self._loaded.name,
             "level": self._loaded.level,
             "left_out": self._loaded.left_out,
+            "share_of_width": share(self._case.whole),
             "cycle_s": summary.cycle_s(self._case),
             "wall_s": wall_s,
             "wall_by_part_s": by_part,

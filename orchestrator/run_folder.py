@@ -44,7 +44,7 @@ def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
 
 
 def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
-    table = loaded.case.model_dump(mode="json", exclude_none=True)
+    table = loaded.case.whole.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
             shutil.copyfile(loaded.folder / surface["stl"], folder / f"{name}.stl")

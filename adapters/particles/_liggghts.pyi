@@ -37,6 +37,10 @@ class Engine:
     ) -> None:
         """Each rank creates the particles whose place it owns."""
 
+    def repeat_surface(self, period_m: float, joined: Ints) -> None:
+        """The surface goes on after a period along y; ``joined`` (m, 3): the triangles again, with
+        one number for points that are one period apart and the same place."""
+
     def set_exits(self, center_m: Array, axes: Array, half_m: Array, domain_m: Array) -> None:
         """Boxes (n, 3), (n, 3, 3), (n, 3) that take particles out, and the domain (2, 3)."""
 

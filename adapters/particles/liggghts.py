@@ -14,16 +14,19 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.spatial import cKDTree
 
 from adapters.particles.liggghts_input import FIRST_EVALUATION, has_sliding, input_text
 from adapters.particles.liggghts_ledger import Ledger
 from orchestrator.clock import Interval
+from orchestrator.geometry import TriangleSurface
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
 from orchestrator.ports import (
     Account,
     Array,
     BrokenRecord,
+    Indices,
     Load,
     ParticleSnapshot,
     Removed,
@@ -39,6 +42,9 @@ except ImportError as missing:
         "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
         f"g++, then `pip install .` ({missing})"
     ) from missing
+
+
+SAME_PLACE = 1e-6  # of the period: points closer than this, one period on, are joined
 
 
 def build(plan: ParticlesPlan) -> Liggghts:
@@ -66,6 +72,9 @@ def start(plan: ParticlesPlan, communicator: Any, folder: FilePath) -> Engine:
         0.5 * plan.largest_diameter_m,
         has_sliding(plan),
     )
+    if plan.periodic_y:
+        period_m = float(plan.domain_m[1, 1] - plan.domain_m[0, 1])
+        engine.repeat_surface(period_m, joined_across(plan.surface, period_m).astype(np.int32))
     engine.set_exits(
         np.array([one.center_m for one in plan.exits]).reshape(-1, 3),
         np.array([one.axes for one in plan.exits]).reshape(-1, 3, 3),
@@ -73,6 +82,20 @@ def start(plan: ParticlesPlan, communicator: Any, folder: FilePath) -> Engine:
         plan.domain_m,
     )
     return engine
+
+
+def joined_across(surface: TriangleSurface, period_m: float) -> Indices:
+    """The triangles (m, 3), with points that are the same place one period along y further on
+    given the number of the lower one."""
+    number = np.arange(len(surface.position_m))
+    used = np.unique(surface.triangles)
+    place_m = surface.position_m[used]
+    lower = cKDTree(place_m).query(
+        place_m - [0.0, period_m, 0.0], distance_upper_bound=SAME_PLACE * period_m
+    )[1]
+    found = lower < len(used)
+    number[used[found]] = used[lower[found]]
+    return np.asarray(number[surface.triangles])
 
 
 def create(engine: Engine, new: ParticleList, first_id: int) -> None:

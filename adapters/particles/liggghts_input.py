@@ -22,7 +22,7 @@ units           si
 atom_style      granular
 newton          off
 communicate     single vel yes
-boundary        m m m           # grows with the particles: none can be lost unseen
+boundary        {boundary}           # grows with the particles (m): none can be lost unseen
 {confirmations}region          box block {box} units box
 create_box      {types} box
 neighbor        {skin} bin
@@ -75,9 +75,10 @@ def contact_model(plan: ParticlesPlan) -> str:
 def input_text(plan: ParticlesPlan) -> str:
     """The whole input but the last line, :data:`FIRST_EVALUATION`."""
     youngs = [material.youngs_modulus_Pa for material in plan.materials]
-    margin_m = plan.largest_diameter_m
+    margin_m = plan.largest_diameter_m * np.array([1.0, 0.0 if plan.periodic_y else 1.0, 1.0])
     corners_m = plan.domain_m + margin_m * np.array([[-1.0], [1.0]])
     return INPUT.format(
+        boundary="m p m" if plan.periodic_y else "m m m",
         confirmations=_confirmations(youngs),
         box=words(corners_m.T.round(12)),
         types=len(youngs),

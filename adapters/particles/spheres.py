@@ -33,7 +33,13 @@ DEEPEST_OVERLAP = 0.5  # of a radius: deeper means that the step is too long for
 
 
 def build(plan: ParticlesPlan) -> SpheresSolver:
-    """Raises ValueError for rolling friction, which this solver lacks, or a bad restitution."""
+    """Raises ValueError for rolling friction and periodic sides, which this solver lacks, or a bad
+    restitution."""
+    if plan.periodic_y:
+        raise ValueError(
+            "particles solver 'spheres' has no periodic sides: "
+            "give the slice walls or use 'liggghts'"
+        )
     if np.any(plan.rolling_friction != 0.0):
         raise ValueError(
             "particles solver 'spheres' has no rolling friction: leave it out at this level "

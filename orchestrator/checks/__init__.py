@@ -14,6 +14,7 @@ from orchestrator.checks import (
     materials,
     names,
     plausible,
+    slices,
     start,
     steps,
     surfaces,
@@ -43,11 +44,12 @@ OF_TABLES = (
 def mistakes(loaded: LoadedCase) -> list[Mistake]:
     """All that must be put right before the case can run; empty if nothing."""
     case, folder = loaded.case, loaded.folder
-    found = [mistake for rule in OF_TABLES for mistake in rule(case)]
+    whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
+    found = [mistake for rule in OF_TABLES for mistake in rule(whole)]
     if not found:
-        found = [*surfaces.stl_files(case, folder), *surfaces.panels_inside(case)]
-        found += [*machine.possible_inertia(case), *machine.held_frames(case)]
-        found += [*feeds.feeds(case), *materials.crowded_blocks(case)]
+        found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
+        found += [*machine.possible_inertia(whole), *machine.held_frames(whole)]
+        found += [*feeds.feeds(case), *materials.crowded_blocks(case), *slices.too_narrow(case)]
     if not found:
         found = [*steps.particle_step(case), *steps.panel_step(case)]
         found += start.particles_at_start(case, folder)
@@ -58,4 +60,9 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
 
 def warnings(loaded: LoadedCase) -> list[str]:
     """What is allowed but doubtful, with numbers; for a case without mistakes."""
-    return [*steps.long_interval(loaded.case), *light_nodes.light_nodes(loaded.case)]
+    case = loaded.case
+    return [
+        *steps.long_interval(case),
+        *light_nodes.light_nodes(case),
+        *slices.doubtful_slice(case, loaded.folder),
+    ]

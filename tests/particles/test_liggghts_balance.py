@@ -136,9 +136,9 @@ def test_removal_keeps_the_others_contact_history():
     np.testing.assert_allclose(left.spin_rad_s, alone.spin_rad_s, atol=0.1)
 
 
-def ranks(n):
+def ranks(n, *words):
     command = ["mpirun", "-n", str(n), "--oversubscribe", "--allow-run-as-root", sys.executable]
-    command += ["-m", "tests.particles.liggghts_bed"]
+    command += ["-m", "tests.particles.liggghts_bed", *words]
     # this process has started MPI itself; mpirun must not take it for one of its own
     own = ("OMPI_", "PMIX_", "ORTE_", "PMI_")
     environment = {name: value for name, value in os.environ.items() if not name.startswith(own)}

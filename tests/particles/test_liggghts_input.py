@@ -14,7 +14,7 @@ units           si
 atom_style      granular
 newton          off
 communicate     single vel yes
-boundary        m m m           # grows with the particles: none can be lost unseen
+boundary        m m m           # grows with the particles (m): none can be lost unseen
 hard_particles  yes
 region          box block -0.105 0.105 -0.105 0.105 -0.105 0.105 units box
 create_box      2 box

@@ -6,8 +6,14 @@ namespace flipflow {
 
 void ContactSearch::set(std::vector<Triangle> triangles, double largest_reach_m) {
   triangles_ = std::move(triangles);
+  joined_ = triangles_;
   largest_reach_ = largest_reach_m;
   no_grid_ = true;
+}
+
+void ContactSearch::repeat(double period_m, std::vector<Triangle> joined) {
+  period_ = period_m;
+  joined_ = std::move(joined);
 }
 
 void ContactSearch::surface_moved(double distance_m) {
@@ -32,16 +38,24 @@ void ContactSearch::search(const SurfacePath &surface, const Spheres &spheres, d
 
 void ContactSearch::list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m) {
   const auto first = candidates_.size();
-  const auto cell = grid_.near(position_m);
-  for (const int *t = cell[0]; t != cell[1]; ++t) {
-    const double distance2 = nearest_place(surface, position_m, *t).distance2;
-    if (distance2 < reach_m * reach_m) candidates_.push_back({*t, std::sqrt(distance2)});
+  look(surface, position_m, 0, reach_m);
+  if (period_ > 0) {
+    look(surface, image(position_m, -1), -1, reach_m);
+    look(surface, image(position_m, 1), 1, reach_m);
   }
   if (candidates_.size() == first) return;
   std::sort(candidates_.begin() + first, candidates_.end(),
             [](const Candidate &a, const Candidate &b) { return a.distance_m < b.distance_m; });
   const int end = static_cast<int>(candidates_.size());
   near_.push_back({sphere, static_cast<int>(first), end, position_m});
+}
+
+void ContactSearch::look(const SurfacePath &surface, Vec3 position_m, int image, double reach_m) {
+  const auto cell = grid_.near(position_m);
+  for (const int *t = cell[0]; t != cell[1]; ++t) {
+    const double distance2 = nearest_place(surface, position_m, *t).distance2;
+    if (distance2 < reach_m * reach_m) candidates_.push_back({*t, image, std::sqrt(distance2)});
+  }
 }
 
 Touch ContactSearch::nearest_place(const SurfacePath &surface, Vec3 position_m,
@@ -61,19 +75,21 @@ void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 p
   found.clear();
   for (int k = near.first; k < near.end; ++k) {
     if (candidates_[k].distance_m - approach >= reach_m) break;
-    const Touch touch = nearest_place(surface, position_m, candidates_[k].triangle);
+    const Touch touch = nearest_place(surface, image(position_m, candidates_[k].image),
+                                      candidates_[k].triangle);
     if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) found.push_back(touch);
   }
-  if (found.size() > 1) one_per_smooth_patch(found, triangles_);
+  if (found.size() > 1) one_per_smooth_patch(found, joined_);
 }
 
 bool ContactSearch::reached(const SurfacePath &surface, Vec3 place, double reach_m) const {
-  return std::any_of(triangles_.begin(), triangles_.end(), [&](const Triangle &t) {
-    const Vec3 a = surface.position(t[0]), b = surface.position(t[1]), c = surface.position(t[2]);
-    const ClosestPoint near = closest_point(place, a, b, c);
-    const Vec3 apart = near.weight[0] * a + near.weight[1] * b + near.weight[2] * c - place;
-    return dot(apart, apart) < reach_m * reach_m;
-  });
+  const int most = period_ > 0 ? 1 : 0;
+  for (int periods = -most; periods <= most; ++periods)
+    for (size_t t = 0; t < triangles_.size(); ++t) {
+      const Touch touch = nearest_place(surface, image(place, periods), static_cast<int>(t));
+      if (touch.distance2 < reach_m * reach_m) return true;
+    }
+  return false;
 }
 
 }  // namespace flipflow

@@ -28,6 +28,10 @@ class ContactSearch {
   };
 
   void set(std::vector<Triangle> triangles, double largest_reach_m);
+
+  // The surface goes on after `period_m` along y.  `joined` are the triangles again, with one number
+  // for points that are one period apart and the same place.
+  void repeat(double period_m, std::vector<Triangle> joined);
   const Triangle &triangle(int number) const { return triangles_[number]; }
 
   void surface_moved(double distance_m);
@@ -49,14 +53,19 @@ class ContactSearch {
 
  private:
   struct Candidate {
-    int triangle;
-    double distance_m;  // at the search
+    int triangle, image;  // of the sphere: this many periods away
+    double distance_m;    // at the search
   };
 
+  Vec3 image(Vec3 position_m, int periods) const {
+    return {position_m.x, position_m.y + periods * period_, position_m.z};
+  }
   Touch nearest_place(const SurfacePath &surface, Vec3 position_m, int triangle) const;
   void list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m);
+  void look(const SurfacePath &surface, Vec3 position_m, int image, double reach_m);
 
-  std::vector<Triangle> triangles_;
+  std::vector<Triangle> triangles_, joined_;
+  double period_ = 0.0;
   double largest_reach_ = 0.0;
   TriangleGrid grid_;
   bool no_grid_ = true;

@@ -136,7 +136,8 @@ std::vector<bool> Engine::overlaps(const double *position_m, const double *diame
     found[k] = surface().reached(x, 0.5 * diameter_m[k]);
     for (int i = 0; i < atom.nlocal && !found[k]; ++i) {
       const double reach = 0.5 * diameter_m[k] + atom.radius[i];
-      const Vec3 apart = from(atom.x[i]) - x;
+      Vec3 apart = from(atom.x[i]) - x;
+      lammps_->domain->minimum_image(apart.x, apart.y, apart.z);
       found[k] = std::abs(apart.x) < reach && dot(apart, apart) < reach * reach;
     }
   }

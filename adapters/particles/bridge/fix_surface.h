@@ -27,9 +27,15 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void set_surface(SurfacePath surface, std::vector<Triangle> triangles, std::vector<int> type,
                    double largest_radius_m, bool tangential_spring);
 
+  // The surface goes on after `period_m` along y (see ContactSearch).
+  void repeat(double period_m, std::vector<Triangle> joined) {
+    search_.repeat(period_m, std::move(joined));
+  }
+
   // The next `steps` steps follow a new path.
   void begin_path(const double *start_m, const double *start_m_s, const double *end_m,
                   const double *end_m_s, double length_s, int steps);
+  int points() const { return surface_.points(); }
   LAMMPS_NS::bigint first_step() const { return first_step_; }  // before the path's first step
   void begin_sums(double step_s) { load_.begin(surface_, step_s); }
   void end_sums(double step_s) { load_.end(step_s); }

@@ -47,16 +47,21 @@ py::dict particles(py::object self) {
   return arrays;
 }
 
-void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
-                 double largest_radius_m, bool tangential_spring) {
-  std::vector<double> points(position_m.data(), position_m.data() + position_m.size());
+std::vector<flipflow::Triangle> corners_of(Ints triangles, int points) {
   std::vector<flipflow::Triangle> corners(triangles.shape(0));
   for (size_t t = 0; t < corners.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       corners[t][k] = triangles.at(t, k);
-      if (corners[t][k] < 0 || corners[t][k] >= position_m.shape(0))
+      if (corners[t][k] < 0 || corners[t][k] >= points)
         throw py::value_error("triangle " + std::to_string(t) + " names a point that is not there");
     }
+  return corners;
+}
+
+void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
+                 double largest_radius_m, bool tangential_spring) {
+  std::vector<double> points(position_m.data(), position_m.data() + position_m.size());
+  auto corners = corners_of(triangles, static_cast<int>(position_m.shape(0)));
   engine.surface().set_surface(flipflow::SurfacePath(std::move(points)), std::move(corners),
                                {type.data(), type.data() + type.size()}, largest_radius_m,
                                tangential_spring);
@@ -67,6 +72,10 @@ void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_s, 
   engine.create({position_m.data(), velocity_m_s.data(), spin_rad_s.data(), diameter_m.data(),
                  density_kg_m3.data(), type.data(), static_cast<int>(diameter_m.size())},
                 first_id);
+}
+
+void repeat_surface(Engine &engine, double period_m, Ints joined) {
+  engine.surface().repeat(period_m, corners_of(joined, engine.surface().points()));
 }
 
 void set_exits(Engine &engine, Doubles center_m, Doubles axes, Doubles half_m, Doubles domain_m) {
@@ -145,6 +154,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("command", &Engine::command)
       .def("set_surface", &set_surface)
       .def("create", &create_particles)
+      .def("repeat_surface", &repeat_surface)
       .def("set_exits", &set_exits)
       .def("take_removed", &take_removed)
       .def("overlaps",

@@ -1,0 +1,164 @@
+"""A slice: what is cut, what is shared, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator import slice_surfaces
+from orchestrator.checks import warnings
+from orchestrator.deck import walls
+from orchestrator.levels import load
+from orchestrator.planning import panel_plans, particles_plan
+from orchestrator.slice import share
+from tests.case.cases import BLOCK, FEED, loaded, only_complaint
+
+# the test case's deck is 0.2 m wide, from y = 0; its ball is at y = 0.1
+SLICE = ("slice.width_m=0.1", "particles.solver=liggghts")
+PERIODIC = 'slice={width_m=0.1, sides="periodic"}'
+CHUTE = 'screen.surfaces.chute={{frame="driving", material="PU", corner_m={}, edges_m={}}}'
+
+
+def test_extensive_quantities_take_their_share(tmp_path: Path) -> None:
+    whole = loaded(tmp_path).case
+    case = loaded(tmp_path, SLICE).case
+    assert share(case.whole) == pytest.approx(0.5)
+    assert share(whole) == 1.0
+    one, all_ = case.screen.frames["driving"], whole.screen.frames["driving"]
+    assert one.mass_kg == pytest.approx(0.5 * all_.mass_kg)
+    np.testing.assert_allclose(one.inertia_kg_m2, 0.5 * np.array(all_.inertia_kg_m2))
+    spring, springs = case.screen.bushings["isolation"], whole.screen.bushings["isolation"]
+    np.testing.assert_allclose(spring.stiffness_N_m, 0.5 * np.array(springs.stiffness_N_m))
+    assert spring.positions_m == springs.positions_m
+    assert case.screen.exciters["shaft"].mass_moment_kg_m == pytest.approx(0.175)
+    panel = panel_plans(case)[0].rectangle
+    assert panel.width_m == pytest.approx(0.1)
+    np.testing.assert_allclose(panel.corner_m, [0.0, 0.05, 0.0])
+
+
+def test_the_bed_is_cut_and_shared(tmp_path: Path) -> None:
+    block = BLOCK.replace("count=1", "count=10").replace("0.1, 0.1, 0.2", "0.1, 0.2, 0.2")
+    case = loaded(tmp_path, [*SLICE, block, FEED]).case
+    assert case.bed.blocks["coal"].count == 5
+    assert case.bed.blocks["coal"].box_m == ((0.0, 0.05, 0.1), (0.1, pytest.approx(0.15), 0.2))
+    assert case.bed.feeds["chute"].rate_kg_s == pytest.approx(0.5)
+    assert case.bed.feeds["chute"].box_m[1][1] == pytest.approx(0.1)
+
+
+def test_periodic_sides_are_the_domains(tmp_path: Path) -> None:
+    case = loaded(tmp_path, SLICE).case
+    nothing = np.empty((0, 3))
+    from orchestrator.geometry import TriangleSurface
+
+    surface = TriangleSurface(nothing, nothing.astype(int), nothing[:, 0].astype(int))
+    plan = particles_plan(case, surface)
+    assert plan is not None
+    assert plan.periodic_y
+    np.testing.assert_allclose(plan.domain_m[:, 1], [0.05, 0.15])
+    with_walls = loaded(tmp_path, ['slice={width_m=0.1, sides="walls"}']).case
+    plan = particles_plan(with_walls, surface)
+    assert plan is not None
+    assert not plan.periodic_y
+    np.testing.assert_allclose(plan.domain_m[:, 1], [-1.0, 1.0])
+
+
+def test_the_panel_that_points_the_other_way(tmp_path: Path) -> None:
+    turned = [
+        "screen.panels.deck.across=[0, -1, 0]",
+        "screen.panels.deck.along=[-1, 0, 0]",
+        "screen.panels.deck.corner_m=[0.3, 0.2, 0]",
+    ]
+    panel = panel_plans(loaded(tmp_path, [*SLICE, *turned]).case)[0].rectangle
+    np.testing.assert_allclose(panel.corner_m, [0.3, 0.15, 0.0])
+    assert panel.width_m == pytest.approx(0.1)
+
+
+def test_a_chute_is_cut_and_side_walls_are_left_out_or_moved_in(tmp_path: Path) -> None:
+    sets = [
+        CHUTE.format("[-0.5, -0.1, 0.5]", "[[0.2, 0, 0], [0, 0.4, 0]]"),
+        CHUTE.replace("chute", "left").format("[0, -0.01, 0.1]", "[[0.2, 0, 0], [0, 0, 0.1]]"),
+        CHUTE.replace("chute", "right").format("[0, 0.2, 0.1]", "[[0.2, 0, 0], [0, 0, 0.1]]"),
+    ]
+    case = loaded(tmp_path, [*SLICE, *sets]).case
+    (chute,) = walls(case, tmp_path)
+    np.testing.assert_allclose(np.ptp(chute.position_m, axis=0), [0.2, 0.1, 0.0], atol=1e-12)
+    np.testing.assert_allclose(chute.position_m.min(axis=0), [-0.5, 0.05, 0.5])
+    assert area_m2(chute.position_m[chute.triangles]) == pytest.approx(0.02)
+    case = loaded(tmp_path, [*sets, 'slice={width_m=0.1, sides="walls"}']).case
+    _, left, right = walls(case, tmp_path)
+    np.testing.assert_allclose(left.position_m[:, 1], 0.04)
+    np.testing.assert_allclose(right.position_m[:, 1], 0.15)
+    assert len(walls(case.whole, tmp_path)[0].triangles) == 2
+
+
+def area_m2(corners_m: np.ndarray) -> float:
+    a, b, c = corners_m.transpose(1, 0, 2)
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
+
+
+def test_a_cut_keeps_area_orientation_and_neighbours() -> None:
+    random = np.random.default_rng(3)
+    position_m = random.uniform(-1.0, 1.0, (30, 3))
+    triangles = np.array([[3 * k, 3 * k + 1, 3 * k + 2] for k in range(10)])
+    parts = [
+        slice_surfaces.cut(position_m, triangles, between, None)
+        for between in ((-1.0, -0.3), (-0.3, 0.4), (0.4, 1.0))
+    ]
+    areas = [area_m2(place[numbers]) for place, numbers in parts]
+    assert sum(areas) == pytest.approx(area_m2(position_m[triangles]), rel=1e-9)
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
+    place, numbers = slice_surfaces.cut(square, np.array([[0, 1, 2], [0, 2, 3]]), (0.2, 0.7), None)
+    a, b, c = place[numbers].transpose(1, 0, 2)
+    assert (np.cross(b - a, c - a)[:, 2] > 0).all()
+    assert len(place) == 6  # four corners, and where the diagonal leaves
+
+
+def test_the_whole_case_is_what_is_written(tmp_path: Path) -> None:
+    case = loaded(tmp_path, SLICE).case
+    assert case.whole.screen.panels["deck"].width_m == 0.2
+    assert case.whole.slice is not None
+
+
+def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
+    from tests.case.cases import CASE, written
+
+    narrow = 'without = ["full-width"]\n[slice]\nwidth_m = 0.1\n'
+    assert load(written(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
+
+
+@pytest.mark.parametrize(
+    ("overrides", "said"),
+    [
+        (["slice.width_m=0.3"], "slice.width_m: 0.3 m is wider than the machine's 0.2 m"),
+        (["slice.width_m=0.05"], "0.05 m is less than 3 largest diameters; take 0.06 m or more"),
+        (["slice.width_m=0.1", "particles.solver=spheres"], "spheres has no periodic"),
+        (["slice.width_m=0.1", "gravity_m_s2=[0, 1, -9]"], "pulls along y"),
+        (["slice.width_m=0.1", "bed.particles.ball.position_m.1=0.04"], "is not in the slice from"),
+        (["slice.width_m=0.1", BLOCK.replace("0.1, 0.1, 0.2", "0.1, 0.03, 0.2")], "does not reach"),
+        (
+            ["slice.width_m=0.1", "screen.panels.deck.across=[0, 0.6, 0.8]"],
+            "wants panels that run across along y",
+        ),
+        (
+            [
+                "slice.width_m=0.1",
+                'screen.panels.low={material="PU", frames=["driving", "ground"], width_m=0.3, '
+                "corner_m=[0, 0, -0.5], length_m=0.3, thickness_m=0.004, tension_m=0}",
+            ],
+            "panels.low.width_m: goes from y = 0 to 0.3 m, panel deck from 0 to 0.2",
+        ),
+    ],
+)
+def test_a_slice_that_makes_no_sense_is_refused(
+    tmp_path: Path, overrides: list[str], said: str
+) -> None:
+    assert said in only_complaint(tmp_path, *overrides)
+
+
+def test_a_narrow_slice_and_open_sides_are_warned_of(tmp_path: Path) -> None:
+    found = warnings(loaded(tmp_path, ["slice.width_m=0.08"]))
+    assert any("4 of the largest diameters" in line for line in found)
+    found = warnings(loaded(tmp_path, ['slice={width_m=0.15, sides="walls"}']))
+    assert any("particles can fall off" in line for line in found)

@@ -1,0 +1,146 @@
+"""Periodic sides: surface and particles go on across the boundary as if it were not there."""
+
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from orchestrator.geometry import TriangleSurface
+from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, travel
+from tests.particles.test_liggghts_balance import ranks
+
+liggghts = pytest.importorskip("adapters.particles.liggghts")
+
+pytestmark = pytest.mark.solver
+
+PERIOD_M = 0.04
+CELLS = 16
+DOMAIN_M = np.array([[-0.1, 0.0, -0.1], [0.1, PERIOD_M, 0.1]])
+X_M = np.linspace(-0.02, 0.02, 9)
+Y_M = np.linspace(0.0, PERIOD_M, CELLS + 1)
+
+
+def flat(x, y, ridge_m):
+    return 0.0 * x
+
+
+def bent_along(x, y, ridge_m):
+    """A valley along y, as a panel between its clamps."""
+    return 30.0 * x**2
+
+
+def bent_across(x, y, ridge_m):
+    """A ridge along x at ``ridge_m``; folds of 4 degrees at most, all of them along x."""
+    return 1e-3 * np.cos(2 * np.pi * (y - ridge_m) / PERIOD_M)
+
+
+def bent_both(x, y, ridge_m):
+    return bent_along(x, y, ridge_m) + bent_across(x, y, ridge_m)
+
+
+def surface(height, ridge_m: float) -> TriangleSurface:
+    return sheet(lambda x, y: height(x, y, ridge_m), X_M, Y_M)
+
+
+def plan_of(height, ridge_m, particles, **changes):
+    return make_plan(
+        surface(height, ridge_m), particles, domain_m=DOMAIN_M, periodic_y=True, **changes
+    )
+
+
+def force_on_a_sphere(height, ridge_m, at_m):
+    """Force of the surface on a sphere of 5 mm, ``at_m`` from the ridge and some 2 % of
+    its radius deep in the surface."""
+    y = ridge_m + at_m
+    z = np.interp(1.1e-3, X_M, height(X_M, y + 0.0 * X_M, ridge_m)) + 0.98 * 2.5e-3
+    sphere = spheres([1.1e-3, y % PERIOD_M, z])
+    with closing(liggghts.build(plan_of(height, ridge_m, sphere))) as solver:
+        load = solver.initial().force_N
+        return -load.sum(axis=0)
+
+
+@pytest.mark.parametrize("height", [flat, bent_along, bent_across, bent_both])
+def test_a_sphere_dragged_across_the_boundary_feels_what_it_feels_in_the_middle(height):
+    middle_m, tries_m = PERIOD_M / 2, np.linspace(-3e-3, 3e-3, 25)
+    wanted = np.array([force_on_a_sphere(height, middle_m, at) for at in tries_m])
+    found = np.array([force_on_a_sphere(height, 0.0, at) for at in tries_m])
+    assert (wanted[:, 2] > 0.1).all()
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-9 * wanted.max())
+
+
+def slid(start_m):
+    """A spinning sphere, pressed on a bent sheet with friction, slides from y = ``start_m``."""
+    ball = spheres([1.1e-3, start_m, 2.68e-3], (0.1, 4.0, 0.0), spin_rad_s=(20.0, 0.0, 30.0))
+    gravity = np.array([0.0, 0.0, -500.0])
+    laws = {"restitution": 0.5, "sliding_friction": 0.4, "rolling_friction": 0.05}
+    plan = plan_of(bent_along, 0.0, ball, gravity_m_s2=gravity, **laws)
+    with closing(liggghts.build(plan)) as solver:
+        forces = travel(solver, lambda t: still(plan.surface), range(60))
+        return np.array(forces), solver.snapshot(), solver.account()
+
+
+def test_a_sphere_that_slides_across_the_boundary_keeps_its_contact():
+    # 12 mm in 3 ms; one crosses the boundary after 2 mm, the other is far from it
+    crossing, there, books = slid(PERIOD_M - 2e-3)
+    free, here, other = slid(PERIOD_M / 4)
+    assert np.count_nonzero(free[:, 2]) > 50
+    np.testing.assert_allclose(crossing, free, atol=1e-9 * np.abs(free).max())
+    moved_m = there.position_m[0, 1] - (PERIOD_M - 2e-3) + PERIOD_M
+    assert moved_m == pytest.approx(here.position_m[0, 1] - PERIOD_M / 4, abs=1e-11)
+    np.testing.assert_allclose(there.velocity_m_s, here.velocity_m_s, atol=1e-9)
+    np.testing.assert_allclose(there.spin_rad_s, here.spin_rad_s, atol=1e-6)
+    assert books.stored_J["gravitational"] == pytest.approx(other.stored_J["gravitational"])
+
+
+def test_two_spheres_touch_across_the_boundary():
+    """As two in the middle do, with the same momentum and energy."""
+
+    def collide(middle_m):
+        y = (middle_m + np.array([-2.6137e-3, 2.6137e-3])) % PERIOD_M
+        pair = spheres([[0, y[0], 0.05], [0, y[1], 0.05]], [[0, 1.0, 0], [0, -1.0, 0]])
+        plan = plan_of(flat, 0.0, pair, restitution=0.6)
+        with closing(liggghts.build(plan)) as solver:
+            travel(solver, lambda t: still(plan.surface), range(10))
+            return solver.snapshot().velocity_m_s[:, 1]
+
+    np.testing.assert_allclose(collide(0.0), collide(PERIOD_M / 2), atol=1e-9)
+    np.testing.assert_allclose(collide(0.0), [-0.6, 0.6], atol=2e-3)
+
+
+class Late:
+    """Offers one particle whose place is taken across the boundary, and one with room."""
+
+    def __init__(self):
+        self.accepted = []
+
+    def due(self, interval):
+        if interval.index == 1:
+            return spheres([[0.0, PERIOD_M - 1e-3, 0.05], [0.02, PERIOD_M - 1e-3, 0.05]])
+        return spheres(np.zeros((0, 3)))
+
+    def settle(self, accepted):
+        self.accepted += accepted.tolist()
+
+
+def test_a_feed_sees_what_is_across_the_boundary():
+    feed = Late()
+    plan = plan_of(flat, 0.0, spheres([0.0, 1e-3, 0.05]), feed=feed)
+    with closing(liggghts.build(plan)) as solver:
+        travel(solver, lambda t: still(plan.surface), range(3))
+    assert feed.accepted == [False, True]
+
+
+def test_the_surface_is_joined_where_it_meets_itself():
+    joined = liggghts.joined_across(surface(bent_both, 0.0), PERIOD_M)
+    last, first = CELLS, 0  # numbers of the points at both sides of the first row
+    assert first in joined
+    assert last not in joined
+    assert len(np.unique(joined)) == len(X_M) * CELLS
+
+
+def test_two_ranks_give_the_same_as_one_across_periodic_sides():
+    one, two = ranks(1, "periodic"), ranks(2, "periodic")
+    assert min(np.array(two["owned"]).T[0]) > 0
+    assert two["ids"] == one["ids"]
+    for name in ("impulse", "momentum", "stored", "work"):
+        np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)
