@@ -1,4 +1,4 @@
-"""The command line: ``flipflow run``, ``check`` and ``list``."""
+"""The command line: ``flipflow run``, ``check``, ``list``, ``bench``; study_cli.py has ``study``"""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from rich.console import Console
+
+from orchestrator.study_cli import study
 
 if TYPE_CHECKING:
     from orchestrator.levels import LoadedCase
@@ -26,6 +28,10 @@ Examples:
   flipflow run cases/quickstart --set panel.solver=rigid --out runs/rigid
 
   mpirun -n 4 flipflow run cases/quickstart            on four processes
+
+  flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
+
+  flipflow study paper cases/ffs0827-empty             a published machine against its paper
 
 Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
 not installed, 4 a solver failed or the run became unstable, 130 interrupted (143 by SIGTERM).
@@ -138,6 +144,9 @@ def _checked(case: Path, level: str | None, overrides: list[str] | None) -> Load
 def _refuse(why: str, code: int) -> NoReturn:
     Console(stderr=True, highlight=False, markup=False, soft_wrap=True).print(why)
     raise typer.Exit(code)
+
+
+app.add_typer(study, name="study")
 
 
 def main() -> None:

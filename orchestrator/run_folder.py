@@ -44,13 +44,20 @@ def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
 
 
 def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
+    for name, surface in loaded.case.whole.screen.surfaces.items():
+        if surface.stl is not None:
+            shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
+    (folder / "case.toml").write_text(tomli_w.dumps(resolved(loaded)))
+    write_json(folder / "provenance.json", provenance(ranks))
+
+
+def resolved(loaded: LoadedCase) -> dict[str, Any]:
+    """The case with its level, every ``--set`` and every default, as the run's folder has it."""
     table = loaded.case.whole.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
-            shutil.copyfile(loaded.folder / surface["stl"], folder / f"{name}.stl")
             surface["stl"] = f"{name}.stl"
-    (folder / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
-    write_json(folder / "provenance.json", provenance(ranks))
+    return table | {"default_level": ""}
 
 
 def claimed(path: Path, text: str, rank: int) -> bool:

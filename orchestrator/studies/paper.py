@@ -1,0 +1,178 @@
+"""A case against the paper it comes from: ``paper.toml`` beside the case has the paper's values.
+
+A row names a quantity (``quantities.py``), the runs it is taken from and the band in which it
+counts as met.  Rows that the case was fitted to say so: they prove nothing.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+from rich.table import Table as Printed
+
+from orchestrator.case_errors import CaseError, Mistake, from_validation
+from orchestrator.levels import read_toml
+from orchestrator.studies import sweep
+from orchestrator.studies.points import parsed
+from orchestrator.studies.quantities import QUANTITIES, UNITS, Sweep, Unknown
+from orchestrator.studies.steady import NotSteady
+from orchestrator.tables.quantities import Name, Number, Switch, Table
+
+FILE = "paper.toml"
+
+
+class Runs(Table):
+    """Runs of the case over values of one key."""
+
+    vary: str
+    """As ``flipflow study sweep --vary``."""
+
+
+class Row(Table):
+    """One value of the paper, and how ours is found."""
+
+    what: str
+    """What it is, in the paper's words."""
+    of: str
+    """The runs it is taken from."""
+    at: str = ""
+    """The value that picks one of them; without it, all together."""
+    quantity: str
+    """How it is computed (``quantities.QUANTITIES``)."""
+    point: str = ""
+    """The frame, probe, panel or pair of frames that it is about."""
+    axis: str = "x"
+    """x along the deck, z normal to it."""
+    between: tuple[Number, Number] | None = None
+    """Part of a sweep."""
+    unit: str = "mm"
+    """Unit of this row's numbers."""
+    paper: Number | None = None
+    """The paper's simulation; none where the paper has a figure only."""
+    experiment: Number | None = None
+    """The paper's experiment."""
+    band: tuple[Number, Number]
+    """Ours is met from the first to the second."""
+    fitted: Switch
+    """Whether the case's values were chosen to meet it."""
+
+
+class Paper(Table):
+    """``paper.toml``."""
+
+    source: str
+    """The paper."""
+    runs: dict[Name, Runs]
+    """What must be run."""
+    rows: tuple[Row, ...]
+    """The comparison."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row with our value in its unit; ``why`` says why there is none."""
+
+    row: Row
+    ours: float | None
+    why: str = ""
+
+    @property
+    def good(self) -> bool:
+        low, high = self.row.band
+        return self.ours is not None and low <= self.ours <= high
+
+    @property
+    def verdict(self) -> str:
+        if self.ours is None:
+            return self.why
+        return ("met" if self.good else "NOT MET") + (" (fitted)" if self.row.fitted else "")
+
+    @property
+    def error(self) -> float | None:
+        """Relative to the paper's value."""
+        if self.ours is None or not self.row.paper:
+            return None
+        return self.ours / self.row.paper - 1
+
+
+def read(case: Path) -> Paper:
+    """Raises CaseError."""
+    file = (case if case.is_dir() else case.parent) / FILE
+    given = read_toml(file)
+    try:
+        found = Paper.model_validate(given)
+    except ValidationError as error:
+        raise CaseError([*from_validation(error, Paper)]) from None
+    wrong = []
+    for number, row in enumerate(found.rows):
+        for key, word, known in (
+            ("quantity", row.quantity, [*QUANTITIES]),
+            ("of", row.of, [*found.runs]),
+            ("unit", row.unit, [*UNITS]),
+        ):
+            if word not in known:
+                what = f'no {key} "{word}"'
+                wrong.append(Mistake(("rows", number, key), what, f"known: {known}", str(file)))
+    if wrong:
+        raise CaseError(wrong)
+    return found
+
+
+def runs(
+    paper: Paper, case: Path, level: str | None, overrides: Sequence[str], out: Path
+) -> dict[str, Sweep]:
+    """Every sweep that the paper needs; none is run here.  Raises CaseError."""
+    found = {}
+    for name, wanted in paper.runs.items():
+        vary = parsed(wanted.vary)
+        points = sweep.points(case, level, overrides, vary, out / name)
+        found[name] = Sweep(vary, points)
+    return found
+
+
+def compared(paper: Paper, found: Mapping[str, Sweep]) -> list[Line]:
+    """Every row with our value, as far as the runs are done."""
+    lines = []
+    for row in paper.rows:
+        of = found[row.of]
+        try:
+            part = of.at(row.at) if row.at else of.between(row.between)
+            ours = QUANTITIES[row.quantity](part, row.point, row.axis)
+            lines.append(Line(row, ours / UNITS[row.unit]))
+        except (Unknown, NotSteady) as error:
+            lines.append(Line(row, None, str(error)))
+    return lines
+
+
+def table(paper: Paper, lines: Sequence[Line]) -> Printed:
+    """For the terminal."""
+    printed = Printed(title=paper.source, title_justify="left")
+    for column in ("", "paper", "experiment", "ours", "unit", "error", "band", "verdict"):
+        right = column in ("paper", "experiment", "ours", "error")
+        printed.add_column(column, justify="right" if right else "left")
+    for line in lines:
+        printed.add_row(*_words(line))
+    return printed
+
+
+def write(lines: Sequence[Line], folder: Path) -> Path:
+    """``paper.csv``"""
+    file = folder / "paper.csv"
+    with file.open("w", newline="") as text:
+        writer = csv.writer(text)
+        names = ("what", "paper", "experiment", "ours", "unit", "error", "band", "verdict")
+        writer.writerow(names)
+        writer.writerows(_words(line) for line in lines)
+    return file
+
+
+def _words(line: Line) -> tuple[str, ...]:
+    row = line.row
+    numbers = ("" if x is None else f"{x:.3g}" for x in (row.paper, row.experiment, line.ours))
+    error = "" if line.error is None else f"{100 * line.error:+.1f} %"
+    low, high = row.band
+    return (row.what, *numbers, row.unit, error, f"{low:g} to {high:g}", line.verdict)

@@ -1,0 +1,113 @@
+"""What is compared with a paper: functions of runs, by name, all in SI."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import h5py
+import numpy as np
+
+from orchestrator.ports import Array
+from orchestrator.studies.points import Vary
+from orchestrator.studies.steady import steady
+from orchestrator.studies.sweep import Point
+
+UNITS = {"mm": 1e-3, "m": 1.0, "rad/s": 1.0, "%": 0.01, "1": 1.0}
+COMPONENT = {"x": 0, "y": 1, "z": 2}
+
+
+_steady = cache(steady)  # a dozen rows ask for the same run
+
+
+class Unknown(Exception):
+    """A value that these runs do not tell; the message says why."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Runs over values of a key."""
+
+    vary: Vary
+    points: Sequence[Point]
+
+    def at(self, value: str) -> Sweep:
+        """The one run of this value.  Raises Unknown."""
+        found = [p for p in self.points if p.value == value]
+        if not found:
+            raise Unknown(f"no run with {self.vary.name} = {value}")
+        return Sweep(self.vary, found)
+
+    def between(self, limits: tuple[float, float] | None) -> Sweep:
+        """The runs of values in a range."""
+        if limits is None:
+            return self
+        low, high = limits
+        return Sweep(self.vary, [p for p in self.points if low <= float(p.value) <= high])
+
+    @property
+    def values(self) -> Array:
+        return np.array([float(point.value) for point in self.points])
+
+
+def _done(runs: Sweep) -> Sequence[Point]:
+    for point in runs.points:
+        if point.status() != "done":
+            raise Unknown(f"{point.folder.name}: {point.status()}")
+    return runs.points
+
+
+def _amplitudes(runs: Sweep, name: str, axis: str) -> Array:
+    found = []
+    for point in _done(runs):
+        motion = _steady(point.folder)
+        everything = motion.points | motion.relative
+        if name not in everything:
+            raise Unknown(f'no point "{name}"; there are {", ".join(everything)}')
+        found.append(abs(everything[name][COMPONENT[axis]]))
+    return np.array(found)
+
+
+def amplitude(runs: Sweep, point: str, axis: str) -> float:
+    """First harmonic, in m, of a frame, a probe on it, or two frames against each other."""
+    return float(_amplitudes(runs, point, axis)[0])
+
+
+def growth(runs: Sweep, point: str, axis: str) -> float:
+    """Of the amplitude from the first value of the sweep to the last, relative."""
+    found = _amplitudes(runs, point, axis)
+    return float(found[-1] / found[0] - 1)
+
+
+def lowest_at(runs: Sweep, point: str, axis: str) -> float:
+    """The value of the sweep at which the amplitude is least, by a parabola through the least and
+    its neighbours."""
+    found, values = _amplitudes(runs, point, axis), runs.values
+    least = int(np.clip(found.argmin(), 1, len(found) - 2))
+    near = slice(least - 1, least + 2)
+    a, b, _ = np.polyfit(values[near], found[near], 2)
+    return float(-b / (2 * a))
+
+
+def arch(runs: Sweep, point: str, axis: str) -> float:
+    """Of a panel: the largest distance of its centre line from the straight line between its ends
+    in the run's second half, in m, on either side."""
+    (run,) = _done(runs)
+    with h5py.File(run.folder / "history.h5") as history:
+        if f"panels/{point}" not in history:
+            raise Unknown(f'no panel "{point}"')
+        lines = history[f"panels/{point}/centre_line_m"][:]
+    lines = lines[len(lines) // 2 :]
+    start, chord = lines[:, :1], lines[:, -1:] - lines[:, :1]
+    along = chord / np.linalg.norm(chord, axis=2, keepdims=True)
+    away = lines - start - np.sum((lines - start) * along, axis=2, keepdims=True) * along
+    return float(np.linalg.norm(away, axis=2).max())
+
+
+QUANTITIES: dict[str, Callable[[Sweep, str, str], float]] = {
+    "amplitude": amplitude,
+    "growth": growth,
+    "lowest-at": lowest_at,
+    "arch": arch,
+}
