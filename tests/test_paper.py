@@ -1,0 +1,175 @@
+"""A case against its paper, on runs whose motion is made up: what is found, met and refused."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from orchestrator.case_errors import CaseError
+from orchestrator.studies import paper, sweep
+from orchestrator.studies.quantities import Sweep
+from tests.case.cases import CASE, written
+
+SPEED = "screen.exciters.shaft.speed_rad_s"
+DRIVEN = "[screen.frames.driven]\nmass_kg = 30.0\ninertia_kg_m2 = [1.0, 2.0, 2.0]\n"
+HELD = (
+    '[screen.bushings.shear]\nbetween = ["driving", "driven"]\n'
+    "positions_m = [[0.0, 0.0, 0.0]]\nstiffness_N_m = [1e4, 1e4, 1e4]\n"
+)
+HEAD = f'source = "made up"\n[runs.speed]\nvary = "{SPEED}=60,70,80,90"\n'
+ROW = """
+[[rows]]
+what = "a"
+of = "speed"
+at = "70"
+quantity = "amplitude"
+point = "driven-driving"
+paper = 6.0
+band = [5.4, 6.6]
+fitted = false
+"""
+
+
+def moved_mm(speed: float) -> tuple[float, float]:
+    """Amplitudes of both frames: the driving one is least at 78."""
+    return 1.0 + 0.01 * (speed - 78) ** 2, speed / 10
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Path:
+    before, after = CASE.split("[screen.bushings.isolation]")
+    text = before + DRIVEN + HELD + "[screen.bushings.isolation]" + after
+    folder = written(tmp_path / "case", text)
+    (folder / "paper.toml").write_text(HEAD + ROW)
+    return folder
+
+
+def compared(case: Path, text: str) -> list[paper.Line]:
+    """With runs in which both frames swing along x, against each other."""
+    (case / "paper.toml").write_text(HEAD + text)
+    wanted = paper.read(case)
+    found = paper.runs(wanted, case, None, [], case.parent / "out")
+    for point in found["speed"].points:
+        if not point.folder.exists():
+            fake(point)
+    return paper.compared(wanted, found)
+
+
+def fake(point: sweep.Point) -> None:
+    speed = float(point.value)
+    driving, driven = moved_mm(speed)
+    written(point.folder, (point.loaded.folder / "case.toml").read_text())
+    summary = {"status": "done", "cycle_s": 2 * np.pi / speed}
+    (point.folder / "summary.json").write_text(json.dumps(summary))
+    time_s = np.arange(4000) * 5e-4
+    s = np.linspace(0.0, 0.3, 31)
+    line_m = np.column_stack([s, np.full(31, 0.1), 0.02 * np.sin(np.pi * s / 0.3)])
+    with h5py.File(point.folder / "history.h5", "w") as history:
+        for name, size in (("driving", driving), ("driven", -driven)):
+            place = np.outer(1e-3 * size * np.cos(speed * time_s), [1.0, 0.0, 0.0])
+            history[f"frames/{name}/time_s"], history[f"frames/{name}/displacement_m"] = (
+                time_s,
+                place,
+            )
+        history["panels/deck/centre_line_m"] = np.array([line_m, 0.5 * line_m, line_m])
+
+
+def test_relative_amplitude(case: Path) -> None:
+    (line,) = compared(case, ROW)
+    assert line.ours == pytest.approx(sum(moved_mm(70)), rel=1e-6)
+    assert line.error == pytest.approx(sum(moved_mm(70)) / 6 - 1, rel=1e-6)
+    assert line.verdict == "NOT MET"
+
+
+def test_bands_and_fits(case: Path) -> None:
+    met = ROW.replace("[5.4, 6.6]", "[8.0, 9.0]")
+    found = compared(case, met + met.replace("fitted = false", "fitted = true"))
+    assert [line.verdict for line in found] == ["met", "met (fitted)"]
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "expected"),
+    [
+        ("growth", "%", 100 * (moved_mm(90)[0] / moved_mm(60)[0] - 1)),
+        ("lowest-at", "rad/s", 78.0),
+    ],
+)
+def test_quantities_of_a_sweep(case: Path, quantity: str, unit: str, expected: float) -> None:
+    """A parabola through three of its points is the parabola."""
+    row = ROW.replace('at = "70"\n', f'unit = "{unit}"\n').replace('"amplitude"', f'"{quantity}"')
+    (line,) = compared(case, row.replace("driven-driving", "driving"))
+    assert line.ours == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_arch_of_a_panel(case: Path) -> None:
+    row = ROW.replace("amplitude", "arch").replace("driven-driving", "deck")
+    (line,) = compared(case, row)
+    assert line.ours == pytest.approx(20.0)  # mm; the first half of the run does not count
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("driven-driving", "nowhere"), 'no point "nowhere"'),
+        (('at = "70"', 'at = "71"'), "no run with speed_rad_s = 71"),
+    ],
+)
+def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: str) -> None:
+    (line,) = compared(case, ROW.replace(*change))
+    assert line.ours is None
+    assert not line.good
+    assert said in line.verdict
+
+
+def test_a_run_that_failed_is_no_value(case: Path) -> None:
+    compared(case, ROW)
+    summary = case.parent / "out/speed/speed_rad_s-70/summary.json"
+    summary.write_text('{"status": "failed"}')
+    (line,) = compared(case, ROW)
+    assert line.verdict == "speed_rad_s-70: failed"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('of = "speed"', 'of = "load"'), 'rows.0.of: no of "load"'),
+        (("amplitude", "amplitudes"), 'no quantity "amplitudes"'),
+        (("band = [5.4, 6.6]", ""), "band: missing"),
+        (("what = ", "whut = "), 'did you mean "what"?'),
+    ],
+)
+def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], said: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        compared(case, ROW.replace(*change))
+    assert said in str(caught.value)
+
+
+def test_the_file_has_every_row(case: Path) -> None:
+    found = compared(case, ROW)
+    none = replace(found[0], ours=None, why="not run")
+    table = csv.DictReader(paper.write([*found, none], case).read_text().splitlines())
+    assert [row["verdict"] for row in table] == ["NOT MET", "not run"]
+
+
+@pytest.mark.parametrize(
+    "case_folder", sorted(Path(__file__).parents[1].glob("cases/*/paper.toml"))
+)
+def test_every_papers_table_is_right(case_folder: Path) -> None:
+    """Its bands hold the paper's own values."""
+    for row in paper.read(case_folder.parent).rows:
+        low, high = row.band
+        assert low < high
+        assert row.paper is None or low <= row.paper <= high
+
+
+def test_a_sweep_may_be_cut(case: Path) -> None:
+    wanted = paper.read(case)
+    (whole,) = paper.runs(wanted, case, None, [], case.parent / "out").values()
+    assert isinstance(whole, Sweep)
+    assert whole.between((65, 85)).values.tolist() == [70.0, 80.0]
