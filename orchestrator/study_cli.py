@@ -90,7 +90,7 @@ def paper(
         points = [point for sweep in found.values() for point in sweep.points]
         sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
         compared = papers.compared(wanted, found)
-    CONSOLE.print(papers.table(wanted, compared))
+    CONSOLE.print(papers.table(wanted, compared), width=None if CONSOLE.is_terminal else 150)
     CONSOLE.print(f"written: {papers.write(compared, folder)}")
     if not all(line.good or line.row.fitted for line in compared):
         raise typer.Exit(FAILED)

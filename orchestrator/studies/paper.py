@@ -153,7 +153,7 @@ def table(paper: Paper, lines: Sequence[Line]) -> Printed:
     printed = Printed(title=paper.source, title_justify="left")
     for column in ("", "paper", "experiment", "ours", "unit", "error", "band", "verdict"):
         right = column in ("paper", "experiment", "ours", "error")
-        printed.add_column(column, justify="right" if right else "left")
+        printed.add_column(column, justify="right" if right else "left", no_wrap=bool(column))
     for line in lines:
         printed.add_row(*_words(line))
     return printed
