@@ -82,6 +82,7 @@ def paper(
     """
     from orchestrator.studies import paper as papers
     from orchestrator.studies import sweep as sweeps
+    from orchestrator.studies import sweep_table
 
     folder = out or Path("runs") / f"{case.resolve().name}-paper"
     with _said():
@@ -91,6 +92,10 @@ def paper(
         sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
         compared = papers.compared(wanted, found)
     CONSOLE.print(papers.table(wanted, compared), width=None if CONSOLE.is_terminal else 150)
+    for name, runs in found.items():
+        rows = sweep_table.rows(runs.vary, runs.points)
+        for file in sweep_table.write(rows, runs.vary, folder / name):
+            CONSOLE.print(f"written: {file}")
     CONSOLE.print(f"written: {papers.write(compared, folder)}")
     if not all(line.good or line.row.fitted for line in compared):
         raise typer.Exit(FAILED)
