@@ -11,6 +11,7 @@ import pytest
 
 from tests.runs.outside import flipflow
 
+pytestmark = pytest.mark.slow
 SPEED = "screen.exciters.shaft.speed_rad_s"
 SPEEDS = "58:110:13"
 # Linear: panels do not push the frames, and the bushings have their share of 1 MN/m; damped so
