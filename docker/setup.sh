@@ -19,6 +19,7 @@ packages=(
     liggghts libliggghts-dev                                   # particles
     python3-h5py python3-h5py-mpi                              # results
     libegl1 libgl1 libxrender1                                 # off-screen pictures
+    libglu1-mesa libxft2 libxinerama1 libxcursor1 libfontconfig1  # gmsh loads them, with or without a screen
 )
 missing=()
 for package in "${packages[@]}"; do

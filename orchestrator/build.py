@@ -41,7 +41,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
     Raises SolverMissing, SolverFailed, and CaseError where a solver refuses the case.
     """
     case = loaded.case
-    panels = panel_pieces(case, stopwatch)
+    panels = panel_pieces(case, stopwatch, world)
     walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
     pieces = [*panels, *walls, *frames]
     together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)

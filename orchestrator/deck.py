@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestrator import stl
 from orchestrator.case import Case
-from orchestrator.geometry import Rectangle
+from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.ports import Array, Indices
 from orchestrator.slice import cut_surface
 from orchestrator.tables.screen import Panel, Surface
@@ -31,12 +31,14 @@ def to_world(case: Case, vectors: Sequence[float] | Sequence[Sequence[float]] | 
 
 @dataclass(frozen=True)
 class SinglePanel:
-    """One panel of a row: its own name, frames and place."""
+    """One panel of a row (``table_name``): its own name, frames, place and openings."""
 
     name: str
+    table_name: str
     table: Panel
     frames: tuple[str, str]
     rectangle: Rectangle
+    apertures: Apertures | None
 
 
 def single_panels(case: Case) -> tuple[SinglePanel, ...]:
@@ -44,9 +46,11 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
     return tuple(
         SinglePanel(
             name=name if row.count == 1 else f"{name}-{number + 1}",
+            table_name=name,
             table=row,
             frames=row.frames if number % 2 == 0 else row.frames[::-1],
             rectangle=_rectangle(case, row, number),
+            apertures=Apertures(**dict(row.apertures)) if row.apertures else None,
         )
         for name, row in case.screen.panels.items()
         for number in range(row.count)

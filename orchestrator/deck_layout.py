@@ -81,7 +81,7 @@ def as_given(mistake: Mistake, decks: Mapping[str, Any]) -> Mistake:
         case ("screen", "panels" | "surfaces", str(part), *inner):
             name = next((name for name in decks if part.startswith(f"{name}-")), None)
             if name is not None:
-                field = inner[:1] if inner and inner[0] in Deck.model_fields else []
+                field = inner if inner and inner[0] in Deck.model_fields else []
                 key = ("screen", "decks", name, *field)
                 what = mistake.what if part in mistake.what else f"{part}: {mistake.what}"
                 return replace(mistake, key=key, what=what)
@@ -125,6 +125,7 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
                 thickness_m=deck.thickness_m,
                 clamp_m=deck.clamp_m,
                 tension_m=tension_m,
+                apertures=deck.apertures,
             ),
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +52,89 @@ class Rectangle:
         s = coordinates_m[:, 0]
         slack = 1e-9 * self.length_m
         return np.where(s <= slack, 0.0, np.where(s >= self.length_m - slack, 1.0, np.nan))
+
+
+@dataclass(frozen=True)
+class Apertures:
+    """A regular pattern of equal openings in a rectangular panel, in its material coordinates.
+
+    Each opening stands in a cell of ``pitch_along_m`` by ``pitch_across_m``; as many whole cells
+    as fit between the margins are centred on the panel.  A row of cells runs across; every second
+    row is shifted across by ``stagger`` pitches and keeps the cells that still fit.
+    ``shape``: "rectangle", or "slot" with round ends (a circle where both sides are equal).
+    """
+
+    shape: str
+    length_m: float
+    width_m: float
+    pitch_along_m: float
+    pitch_across_m: float
+    stagger: float = 0.0
+    margin_along_m: float = 0.0
+    margin_across_m: float = 0.0
+
+    @property
+    def land_m(self) -> float:
+        """The least width of material between neighbours of a row or column."""
+        return min(self.pitch_along_m - self.length_m, self.pitch_across_m - self.width_m)
+
+    @property
+    def opening_m2(self) -> float:
+        """Exact area of one opening."""
+        round_m = min(self.length_m, self.width_m) if self.shape == "slot" else 0.0
+        return self.length_m * self.width_m - (1 - math.pi / 4) * round_m**2
+
+    @property
+    def solid_share(self) -> float:
+        """Material's share of a cell's area."""
+        return 1.0 - self.opening_m2 / (self.pitch_along_m * self.pitch_across_m)
+
+    def counts(self, rectangle: Rectangle) -> tuple[int, int]:
+        """Cells along and across; 0 where the margins leave no room."""
+        along_m = rectangle.length_m - 2 * self.margin_along_m
+        across_m = rectangle.width_m - 2 * self.margin_across_m
+        whole = (along_m / self.pitch_along_m + 1e-6, across_m / self.pitch_across_m + 1e-6)
+        return max(int(whole[0]), 0), max(int(whole[1]), 0)
+
+    def region_m(self, rectangle: Rectangle) -> Array:
+        """(2, 2): lowest and highest (s, y) of the perforated region, a whole number of cells."""
+        middle = np.array([rectangle.length_m, rectangle.width_m]) / 2
+        half = np.multiply(self.counts(rectangle), (self.pitch_along_m, self.pitch_across_m)) / 2
+        return np.stack([middle - half, middle + half])
+
+    def centres_m(self, rectangle: Rectangle) -> Array:
+        """(openings, 2) row by row."""
+        rows, columns = self.counts(rectangle)
+        low, high = self.region_m(rectangle)
+        row, column = (n.ravel() for n in np.mgrid[:rows, :columns])
+        s = low[0] + (row + 0.5) * self.pitch_along_m
+        y = low[1] + (column + 0.5 + self.stagger * (row % 2)) * self.pitch_across_m
+        fits = y + 0.5 * self.pitch_across_m <= high[1] * (1 + 1e-9)
+        return np.asarray(np.column_stack([s, y])[fits])
+
+    def outline_m(self) -> Array:
+        """(corners, 2) polygon of one opening about its centre, anticlockwise.
+
+        Round ends are inscribed polygons with the fewest corners that keep 98 % of the area.
+        """
+        a, b = self.length_m / 2, self.width_m / 2
+        if self.shape == "rectangle":
+            return np.array([[-a, -b], [a, -b], [a, b], [-a, b]])
+        radius = min(a, b)
+        pieces = 3  # of a half circle
+        while _lost_m2(radius, pieces) > 0.02 * self.opening_m2:
+            pieces += 1
+        turn = np.linspace(-0.5, 0.5, pieces + 1) * np.pi + (0.0 if a >= b else np.pi / 2)
+        end = radius * np.column_stack([np.cos(turn), np.sin(turn)])
+        end += (a - radius, 0.0) if a >= b else (0.0, b - radius)
+        both = np.vstack([end, -end])
+        distinct = np.linalg.norm(both - np.roll(both, 1, axis=0), axis=1) > 1e-9 * radius
+        return np.asarray(both[distinct])
+
+
+def _lost_m2(radius_m: float, pieces: int) -> float:
+    """Area of a circle less that of its inscribed polygon of 2 ``pieces`` sides."""
+    return radius_m**2 * (math.pi - pieces * math.sin(math.pi / pieces))
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from orchestrator.bed_sources import initial_particles
+from orchestrator.case import Case
 from orchestrator.case_errors import CaseError
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers
@@ -19,7 +20,10 @@ from orchestrator.contact_times import (
 from orchestrator.deck import single_panels, walls
 from orchestrator.left_out import has_particles
 from orchestrator.levels import LoadedCase, level_names, load, read_toml
+from orchestrator.openings import openings
 from orchestrator.planning import material_numbers
+from orchestrator.plans import SolverMissing
+from orchestrator.surface_grids import surface_grids
 
 
 def overview(loaded: LoadedCase) -> Iterator[str]:
@@ -51,9 +55,19 @@ def _machine(loaded: LoadedCase) -> Iterator[str]:
     )
     cells = " x ".join(str(count) for count in case.panel.cells)
     yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
-    triangles = 2 * (case.panel.surface_cells[0] + 2) * case.panel.surface_cells[1]
+    yield from openings(case)
     rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
-    yield f"  triangles  {triangles} on each panel, {sum(rigid)} on {len(rigid)} rigid surfaces"
+    yield f"  triangles  {_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _on_panels(case: Case) -> str:
+    """How many triangles the particles meet."""
+    try:
+        counts = [len(grid.triangles) for grid in surface_grids(case).values()]
+    except SolverMissing:
+        return "unknown number on the panels (gmsh is missing)"
+    each = sorted(set(counts))
+    return f"{' or '.join(map(str, each))} on each panel, {sum(counts)} on all"
 
 
 def _particles(loaded: LoadedCase) -> Iterator[str]:

@@ -10,19 +10,21 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
 from orchestrator import adapter
 from orchestrator.case import Case
 from orchestrator.deck import Wall, single_panels, to_world, walls
-from orchestrator.mapping import Mapped, grid
+from orchestrator.mapping import Grid, Mapped
 from orchestrator.metered import MeteredPanel
 from orchestrator.planning import panel_plans
 from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
+from orchestrator.ranks import first_rank_does
 from orchestrator.stopwatch import Stopwatch
+from orchestrator.surface_grids import surface_grids
 
 
 def _nothing(*shape: int) -> Callable[[], Indices]:
@@ -45,16 +47,18 @@ class Piece:
     centre_line: Indices = field(default_factory=_nothing(0))
 
 
-def panel_pieces(case: Case, stopwatch: Stopwatch) -> list[Piece]:
-    """One piece per panel, in the order of the case."""
+def panel_pieces(case: Case, stopwatch: Stopwatch, world: Any = None) -> list[Piece]:
+    """One piece per panel, in the order of the case, alike on every rank of ``world``."""
+    grids = first_rank_does(world, lambda: surface_grids(case))
     return [
-        _panel(case, plan, single.table.material, stopwatch)
+        _panel(case, plan, single.table.material, grids[plan.name], stopwatch)
         for plan, single in zip(panel_plans(case), single_panels(case), strict=True)
     ]
 
 
-def _panel(case: Case, plan: PanelPlan, material: str, stopwatch: Stopwatch) -> Piece:
-    touched = grid(plan.rectangle, case.panel.surface_cells)
+def _panel(
+    case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch: Stopwatch
+) -> Piece:
     at = {
         name: np.multiply(probe.at, (plan.rectangle.length_m, plan.rectangle.width_m))
         for name, probe in case.probes.items()

@@ -48,6 +48,7 @@ def panel_plans(case: Case) -> tuple[PanelPlan, ...]:
             step_s=case.panel.step_s,
             integrator=case.panel.integrator,
             sync_interval_s=case.coupling.sync_interval_s,
+            apertures=panel.apertures,
         )
         for panel in single_panels(case)
     )

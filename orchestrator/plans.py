@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.clock import Interval
-from orchestrator.geometry import Rectangle, TriangleSurface
+from orchestrator.geometry import Apertures, Rectangle, TriangleSurface
 from orchestrator.ports import Array, Indices
 
 
@@ -54,6 +54,7 @@ class PanelPlan:
 
     ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
     free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
+    ``apertures``: its openings, if any; only particles see each of them.
     """
 
     name: str
@@ -66,6 +67,7 @@ class PanelPlan:
     step_s: float
     integrator: str
     sync_interval_s: float
+    apertures: Apertures | None = None
 
 
 @dataclass(frozen=True)

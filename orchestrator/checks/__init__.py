@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from orchestrator.case_errors import Mistake
 from orchestrator.checks import (
+    apertures,
     feeds,
     light_nodes,
     machine,
@@ -33,6 +34,7 @@ OF_TABLES = (
     machine.drives,
     machine.bushings_and_exciters,
     machine.panels,
+    apertures.openings,
     machine.panel_solver,
     machine.probes,
     surfaces.plates,
@@ -50,6 +52,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
         found += [*machine.possible_inertia(whole), *machine.held_frames(whole)]
         found += [*feeds.feeds(case), *materials.crowded_blocks(case), *slices.too_narrow(case)]
+        found += apertures.triangles(case)
     if not found:
         found = [*steps.particle_step(case), *steps.panel_step(case)]
         found += start.particles_at_start(case, folder)

@@ -14,6 +14,7 @@ import numpy as np
 
 from orchestrator.case import Case
 from orchestrator.contact_times import contact_moduli, impact_speed_m_s, reduced_modulus_Pa
+from orchestrator.geometry import Apertures
 from orchestrator.left_out import has_particles
 from orchestrator.ports import Array
 from orchestrator.tables.screen import Panel
@@ -39,16 +40,20 @@ def lightest_node_kg(case: Case, panel: Panel) -> float:
 
     N: shape functions, m: masses of the sheet's quadratic cells, lumped at their
     Gauss-Lobatto points (1/6, 2/3, 1/6 in each direction; corners belong to two cells).
+    Openings have corners everywhere, so some stand on the lightest nodes, the cells' corners.
     """
     density = case.materials[panel.material].density_kg_m3
     sides_m = (panel.length_m, panel.width_m)
     cells, surface = case.panel.cells, case.panel.surface_cells
     cell_m2 = math.prod(side_m / n for side_m, n in zip(sides_m, cells, strict=True))
+    solid, lightest = 1.0, np.empty(0)
+    if panel.apertures:
+        solid, lightest = Apertures(**dict(panel.apertures)).solid_share, np.zeros(1)
     mobility = [
-        _mobility(np.arange(1, m) * n / m).max(initial=0.75)
+        _mobility(np.append(np.arange(1, m) * n / m, lightest)).max(initial=0.75)
         for n, m in zip(cells, surface, strict=True)
     ]
-    return float(density * panel.thickness_m * cell_m2 / math.prod(mobility))
+    return float(solid * density * panel.thickness_m * cell_m2 / math.prod(mobility))
 
 
 def _mobility(cells_from_edge: Array) -> Array:

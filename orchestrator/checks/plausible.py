@@ -11,7 +11,7 @@ from typing import Any
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
 
-# key: (smallest, largest) size of a value that is not zero
+# key, or table.key: (smallest, largest) size of a value that is not zero
 RANGES: dict[str, tuple[float, float]] = {
     "duration_s": (1e-6, 1e4),
     "position_m": (0.0, 100.0),
@@ -46,6 +46,12 @@ RANGES: dict[str, tuple[float, float]] = {
     "tension_m": (0.0, 0.1),
     "span_m": (0.01, 5.0),
     "pitch_m": (0.01, 10.0),
+    "apertures.length_m": (1e-4, 1.0),
+    "apertures.width_m": (1e-4, 1.0),
+    "pitch_along_m": (1e-4, 1.0),
+    "pitch_across_m": (1e-4, 1.0),
+    "margin_along_m": (0.0, 5.0),
+    "margin_across_m": (0.0, 10.0),
     "diameter_m": (2e-5, 0.5),
     "smallest_m": (2e-5, 0.5),
     "largest_m": (2e-5, 0.5),
@@ -84,7 +90,9 @@ def _walk(value: Any, key: Key) -> Iterator[Mistake]:
         for number, inner in enumerate(value):
             yield from _walk(inner, (*key, number))
     elif isinstance(value, float):
-        name = next(part for part in reversed(key) if isinstance(part, str))
+        *tables, name = (part for part in key if isinstance(part, str))
+        if tables and f"{tables[-1]}.{name}" in RANGES:
+            name = f"{tables[-1]}.{name}"
         if name in RANGES and value != 0 and not _inside(value, RANGES[name]):
             yield Mistake(key, f"{value:g} is out of the range {_range(name)}", _hint(name, value))
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from annotated_types import Ge, Le
 from pydantic import BeforeValidator, Strict
 
+from orchestrator.tables.apertures import Apertures
 from orchestrator.tables.quantities import (
     Few,
     NotNegative,
@@ -93,6 +94,8 @@ class Deck(Table):
     slopes_deg: tuple[Slope, ...] = ()
     """Slope of each segment against the horizontal, from the upper end; all segments have equally
     many panels.  None: one segment along the deck axes (``screen.inclination_deg``)."""
+    apertures: Apertures | None = None
+    """The panels' openings."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None

@@ -10,6 +10,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from orchestrator.tables.apertures import Apertures
 from orchestrator.tables.deck import Deck
 from orchestrator.tables.quantities import (
     Box,
@@ -134,6 +135,8 @@ class Panel(Table):
     """Number of panels in the row."""
     pitch_m: Positive | None = None
     """Distance from panel to panel of a row."""
+    apertures: Apertures | None = None
+    """Its openings."""
 
 
 class Surface(Table):

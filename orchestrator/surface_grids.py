@@ -1,0 +1,29 @@
+"""The triangles that particles touch on each panel, panels of equal shape sharing theirs."""
+
+from __future__ import annotations
+
+from orchestrator.case import Case
+from orchestrator.deck import single_panels
+from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.mapping import Grid, grid
+
+
+def surface_grids(case: Case) -> dict[str, Grid]:
+    """By the panel's name.  Raises SolverMissing (gmsh) and BadMesh for panels with apertures."""
+    made: dict[object, Grid] = {}
+    grids = {}
+    for panel in single_panels(case):
+        r = panel.rectangle
+        shape = (r.length_m, r.width_m, r.clamp_m, panel.apertures)
+        if shape not in made:
+            made[shape] = _grid(r, panel.apertures, case.panel.surface_cells)
+        grids[panel.name] = made[shape]
+    return grids
+
+
+def _grid(rectangle: Rectangle, apertures: Apertures | None, cells: tuple[int, int]) -> Grid:
+    if apertures is None:
+        return grid(rectangle, cells)
+    from orchestrator.perforated_grid import perforated_grid
+
+    return perforated_grid(rectangle, apertures, cells)
