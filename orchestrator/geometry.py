@@ -89,6 +89,11 @@ class Apertures:
         """Material's share of a cell's area."""
         return 1.0 - self.opening_m2 / (self.pitch_along_m * self.pitch_across_m)
 
+    def material_share(self, rectangle: Rectangle) -> float:
+        """Material's share of the whole free panel's area."""
+        region_m2 = float(np.ptp(self.region_m(rectangle), axis=0).prod())
+        return 1.0 - (1.0 - self.solid_share) * region_m2 / (rectangle.length_m * rectangle.width_m)
+
     def counts(self, rectangle: Rectangle) -> tuple[int, int]:
         """Cells along and across; 0 where the margins leave no room."""
         along_m = rectangle.length_m - 2 * self.margin_along_m

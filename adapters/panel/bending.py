@@ -9,6 +9,7 @@ by the C0 interior penalty method (Engel et al., Comput. Methods Appl. Mech. Eng
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import dolfinx.fem.petsc as fem_petsc
@@ -25,7 +26,21 @@ from orchestrator.ports import Array
 PENALTY = 4.0
 
 
-def _bilinear_form(trial: Any, test: Any, stiffness_N_m: float, poisson_ratio: float) -> Any:
+Moment = Callable[[Any], Any]  # of a curvature, both 2 x 2 and symmetric
+
+
+def plate(stiffness_N_m: float, poisson_ratio: float) -> Moment:
+    """An isotropic plate of stiffness D = ``stiffness_N_m`` (in N m)."""
+
+    def moment(k: Any) -> Any:
+        return stiffness_N_m * (
+            (1 - poisson_ratio) * k + poisson_ratio * ufl.tr(k) * ufl.Identity(2)
+        )
+
+    return moment
+
+
+def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
     """C0 interior penalty form of a plate's bending for one component of the position."""
     mesh = trial.ufl_domain()
     normal = ufl.FacetNormal(mesh)
@@ -34,8 +49,8 @@ def _bilinear_form(trial: Any, test: Any, stiffness_N_m: float, poisson_ratio: f
         return ufl.grad(ufl.grad(w))
 
     def moment(w: Any, side: str) -> Any:
-        k, n = curvature(w)(side), normal(side)
-        return (1 - poisson_ratio) * ufl.dot(n, ufl.dot(k, n)) + poisson_ratio * ufl.tr(k)
+        n = normal(side)
+        return ufl.dot(n, ufl.dot(law(curvature(w))(side), n))
 
     def mean_moment(w: Any) -> Any:
         return 0.5 * (moment(w, "+") + moment(w, "-"))
@@ -45,22 +60,20 @@ def _bilinear_form(trial: Any, test: Any, stiffness_N_m: float, poisson_ratio: f
 
     across = ufl.dot(ufl.transpose(ufl.Jacobian(mesh)), normal)
     cell_m = ufl.sqrt(ufl.dot(across, across))
-    ku, kv = curvature(trial), curvature(test)
-    cells = (1 - poisson_ratio) * ufl.inner(ku, kv) + poisson_ratio * ufl.tr(ku) * ufl.tr(kv)
+    stiff_N_m = ufl.dot(normal, ufl.dot(law(ufl.outer(normal, normal)), normal))
+    cells = ufl.inner(law(curvature(trial)), curvature(test))
     facets = (
-        PENALTY * ufl.avg(1 / cell_m) * slope_jump(trial) * slope_jump(test)
+        PENALTY * ufl.avg(stiff_N_m / cell_m) * slope_jump(trial) * slope_jump(test)
         - mean_moment(trial) * slope_jump(test)
         - mean_moment(test) * slope_jump(trial)
     )
-    return stiffness_N_m * (cells * ufl.dx + facets * ufl.dS)
+    return cells * ufl.dx + facets * ufl.dS
 
 
-def stiffness_matrix(scalar_space: Any, stiffness_N_m: float, poisson_ratio: float) -> csr_matrix:
-    """(nodes, nodes) in N/m for a plate stiffness D = ``stiffness_N_m`` (in N m)."""
+def stiffness_matrix(scalar_space: Any, law: Moment) -> csr_matrix:
+    """(nodes, nodes) in N/m for a plate whose moments, in N, follow ``law``."""
     trial, test = ufl.TrialFunction(scalar_space), ufl.TestFunction(scalar_space)
-    matrix = fem_petsc.assemble_matrix(
-        form(_bilinear_form(trial, test, stiffness_N_m, poisson_ratio))
-    )
+    matrix = fem_petsc.assemble_matrix(form(_bilinear_form(trial, test, law)))
     matrix.assemble()
     starts, columns, values = matrix.getValuesCSR()
     matrix.destroy()

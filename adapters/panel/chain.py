@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from adapters.panel.perforated_strip import left
 from orchestrator.plans import Hyperelastic, PanelPlan
 from orchestrator.ports import Array, Indices
 
@@ -28,16 +29,16 @@ from orchestrator.ports import Array, Indices
 @dataclass(frozen=True)
 class Chain:
     """``rows_m`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
-    ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and
-    cross-section ``area_m2``; ``curvature_1_m2`` (b, r) maps positions to curvatures, of weights
-    ``bending_N_m3`` (b,), E I times the length that each stands for; those of ``at_clamps``
-    count only across ``clamp_along`` (3,)."""
+    ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and of
+    bearing cross-sections ``area_m2`` (c,); ``curvature_1_m2`` (b, r) maps positions to
+    curvatures, of weights ``bending_N_m3`` (b,), E I times the length that each stands for; those
+    of ``at_clamps`` count only across ``clamp_along`` (3,)."""
 
     rows_m: Array
     held: Indices
     springs: slice
     rest_m: float
-    area_m2: float
+    area_m2: Array
     material: Hyperelastic
     curvature_1_m2: Array
     bending_N_m3: Array
@@ -58,7 +59,7 @@ class Chain:
         return curvature_1_m
 
     def tension_N(self, length_m: Array) -> Array:
-        return self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m)
+        return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
     def force_N(self, along: Array, tension_N: Array, moment: Array) -> Array:
         """Force (r, 3) on the rows of spring tensions (c,) along ``along`` and of the bending
@@ -74,7 +75,7 @@ class Chain:
         stretch = length_m / self.rest_m
         density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
         density_Pa = density_Pa + self.material.c01_Pa * (2 * stretch + stretch**-2 - 3)
-        return float(self.area_m2 * self.rest_m * density_Pa.sum())
+        return float(self.rest_m * (self.area_m2 @ density_Pa))
 
     def bending_J(self, curvature_1_m: Array) -> float:
         return float(self.bending_N_m3 @ (curvature_1_m**2).sum(axis=1)) / 2
@@ -121,16 +122,18 @@ def chain(plan: PanelPlan) -> Chain:
         curvature[k, k : k + 3] = np.array([before, -before - after, after]) / stands_for[k]
     area_m2 = rectangle.width_m * plan.thickness_m
     bending_N_m2 = plan.material.youngs_modulus_Pa * area_m2 * plan.thickness_m**2 / 12
+    bent_m = np.clip([rows_m[1:-1] - cell / 2, rows_m[1:-1] + cell / 2], 0, rectangle.length_m)
+    weights_N_m3 = bending_N_m2 * left(plan, *bent_m).bending * stands_for
     springs = slice(first, last + 1)
     return Chain(
         rows_m,
         held,
         springs,
         cell,
-        area_m2,
+        area_m2 * left(plan, free[:-1], free[1:]).tension,
         plan.material,
         curvature,
-        bending_N_m2 * stands_for,
+        weights_N_m3,
         np.flatnonzero(held[1:-1] >= 0),
         rectangle.along,
     )

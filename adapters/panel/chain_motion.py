@@ -39,9 +39,7 @@ class ChainMotion:
         self.velocity_m_s = np.zeros_like(position_m)
         springs, bends = chain.springs.stop - chain.springs.start - 1, len(chain.bending_N_m3)
         axial_N_m = chain.material.youngs_modulus_Pa * chain.area_m2 / chain.rest_m
-        self._stiffness = np.concatenate(
-            [np.full(springs, axial_N_m), np.repeat(chain.bending_N_m3, 3)]
-        )
+        self._stiffness = np.concatenate([axial_N_m, np.repeat(chain.bending_N_m3, 3)])
         self._springs = springs
         self._branches = Branches(branches, springs + 3 * bends)
         self._strain = self._new_strain = self._elastic()[1]

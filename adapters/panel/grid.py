@@ -22,6 +22,16 @@ def _with_middles(breaks_m: Array) -> Array:
     return nodes
 
 
+def _breaks_m(length_m: float, cells: int, margin_m: float) -> Array:
+    """Borders of ``cells`` cells, two of them at ``margin_m`` from the ends if that is not near
+    an end or the middle."""
+    outside = round(cells * margin_m / length_m)
+    if outside == 0 or 2 * outside >= cells:
+        return np.linspace(0.0, length_m, cells + 1)
+    at = [0, outside, cells - outside, cells]
+    return np.interp(np.arange(cells + 1), at, [0.0, margin_m, length_m - margin_m, length_m])
+
+
 def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices, Array]:
     """First node (n,) and the three shape functions (n, 3) of the cell that holds each value."""
     outside = (value_m < breaks_m[0] - slack_m) | (value_m > breaks_m[-1] + slack_m)
@@ -45,15 +55,20 @@ class Grid:
     y_m: Array
 
     @staticmethod
-    def of(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
-        """``cells`` equal cells along the free length and across, and one more column under each
-        clamp (none where ``clamp_m`` is 0: such an edge is held at its points only, a hinge)."""
+    def of(rectangle: Rectangle, cells: tuple[int, int], region_m: Array | None = None) -> Grid:
+        """``cells`` cells along the free length and across, and one more column under each
+        clamp (none where ``clamp_m`` is 0: such an edge is held at its points only, a hinge).
+
+        They are equal, or, with the lowest and highest (s, y) of a region in the middle, (2, 2),
+        equal inside and outside of it, unless its border is nearer than half a cell to the edge.
+        """
         if min(cells) < 1:
             raise ValueError(f"a panel needs at least one cell along and across, got {cells}")
-        free = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
+        margin_m = np.zeros(2) if region_m is None else region_m[0]
+        free = _breaks_m(rectangle.length_m, cells[0], margin_m[0])
         under = [rectangle.clamp_m] if rectangle.clamp_m > 0.0 else []
         s = np.concatenate([[-c for c in under], free, [rectangle.length_m + c for c in under]])
-        return Grid(s, np.linspace(0.0, rectangle.width_m, cells[1] + 1))
+        return Grid(s, _breaks_m(rectangle.width_m, cells[1], margin_m[1]))
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -38,7 +38,10 @@ class RigidPanel:
         self._rows_m, self._width_m = np.array(rows), rectangle.width_m
         material_m = bilinear.points_m(self._rows_m, rectangle.width_m)
         per_length = plan.material.density_kg_m3 * plan.thickness_m * rectangle.width_m
-        self._mass_kg = bilinear.half_row_mass_kg(self._rows_m, per_length)[:, None]
+        solid = np.ones(len(rows) - 1)
+        if plan.apertures:
+            solid[len(solid) // 2] = plan.apertures.material_share(rectangle)
+        self._mass_kg = bilinear.half_row_mass_kg(self._rows_m, per_length * solid)[:, None]
         self._gravity_m_s2 = plan.gravity_m_s2
         end = rectangle.end(material_m).astype(int)
         position_m = rectangle.mounted(material_m)

@@ -2,24 +2,28 @@
 
 The unknown is the world position x(s, y) of the mid-surface.  Membrane: two-parameter
 Mooney-Rivlin in plane stress, incompressible, so that C33 = 1/det C.  Bending: ``bending``.
+Openings, if any: ``perforated_sheet``.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from adapters.panel.bending import Bending, stiffness_matrix
+from adapters.panel.bending import Bending, plate, stiffness_matrix
 from adapters.panel.compiled import function_space
 from adapters.panel.grid import Grid, Surface
 from adapters.panel.material import Law
 from adapters.panel.structure import Structure
 from orchestrator.plans import Hyperelastic, PanelPlan
 from orchestrator.ports import Array
+
+if TYPE_CHECKING:
+    from adapters.panel.perforated_sheet import Perforated
 
 QUADRATURE_DEGREE = 4  # 3 x 3 Gauss points
 POISSON_RATIO = 0.5
@@ -60,38 +64,63 @@ def _scaled_strain(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
 
 def sheet(plan: PanelPlan) -> tuple[Structure, Surface]:
     """The structure of ``plan``; its surface is all its nodes."""
-    grid = Grid.of(plan.rectangle, plan.cells)
+    pattern = plan.apertures
+    region_m = pattern.region_m(plan.rectangle) if pattern else None
+    grid = Grid.of(plan.rectangle, plan.cells, region_m)
     flat = flat_mesh(grid)
+    holes = _holes(plan, flat)
     space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
     scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()
     nodes = grid.numbers_of(material_m)
     held = nodes[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
     areal_mass_kg_m2 = plan.material.density_kg_m3 * plan.thickness_m
-    membrane = law(plan, fem.Function(space))
-    structure = Structure(membrane, areal_mass_kg_m2, held, bending(plan, scalars, material_m))
-    return structure, Surface(grid, nodes)
+    if holes:
+        areal_mass_kg_m2 = holes.areal_mass_kg_m2(areal_mass_kg_m2)
+    membrane = law(plan, fem.Function(space), holes)
+    bent = bending(plan, scalars, material_m, holes)
+    return Structure(membrane, areal_mass_kg_m2, held, bent), Surface(grid, nodes)
 
 
-def law(plan: PanelPlan, position: Any) -> Law:
+def _holes(plan: PanelPlan, flat: Any) -> Perforated | None:
+    """The openings of ``plan`` on its mesh."""
+    if plan.apertures is None:
+        return None
+    from adapters.panel.perforated_sheet import perforated
+
+    return perforated(plan, plan.apertures, flat)
+
+
+def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
     """The membrane on the field ``position``."""
     gradient = ufl.grad(position)
     C = ufl.transpose(gradient) * gradient
     measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
+    energy = _membrane_energy(plan.material, plan.thickness_m, C)
+    strain = _scaled_strain(plan.material, plan.thickness_m, C)
+    if holes:
+        stiffness_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m
+        energy = holes.membrane_energy(energy, stiffness_N_m, C)
+        strain = holes.scaled_strain(stiffness_N_m, C)
     return Law(
         position,
-        {"membrane": _membrane_energy(plan.material, plan.thickness_m, C) * measure},
-        _scaled_strain(plan.material, plan.thickness_m, C),
+        {"membrane": energy * measure},
+        strain,
         QUADRATURE_DEGREE,
         plan.material.branches,
     )
 
 
-def bending(plan: PanelPlan, scalars: Any, material_m: Array) -> Bending:
-    """Plate bending stiffness  E t^3 / (12 (1 - nu^2))  at every point."""
+def bending(
+    plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None
+) -> Bending:
+    """Plate bending stiffness  E t^3 / (12 (1 - nu^2))  where there are no openings."""
     rectangle, material = plan.rectangle, plan.material
-    plate_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / (12 * (1 - POISSON_RATIO**2))
+    beam_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / 12
+    moment = plate(beam_N_m / (1 - POISSON_RATIO**2), POISSON_RATIO)
+    if holes:
+        moment = holes.moment(beam_N_m)
     sides = np.stack((rectangle.along, rectangle.across))
     flat_m = rectangle.corner_m + material_m[:, :2] @ sides
-    matrix = stiffness_matrix(scalars, plate_N_m, POISSON_RATIO)
+    matrix = stiffness_matrix(scalars, moment)
     return Bending(matrix, flat_m, material.branches)

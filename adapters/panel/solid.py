@@ -21,8 +21,11 @@ except ImportError as missing:
 def build(plan: PanelPlan) -> ElasticPanel:
     """The solid at rest between its clamps.
 
-    ValueError for a step that is too large, SolverFailed if no resting shape is found.
+    ValueError for apertures and for a step that is too large, SolverFailed if no resting shape is
+    found.
     """
+    if plan.apertures:
+        raise ValueError(f"panel {plan.name}: the solid knows no apertures; take the sheet")
     return opening.open_panel(plan, *solid(plan))
 
 

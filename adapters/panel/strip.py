@@ -20,6 +20,7 @@ from adapters.panel import bilinear
 from adapters.panel.chain import Chain, chain
 from adapters.panel.chain_at_rest import first_guess_m, settled
 from adapters.panel.chain_motion import ChainMotion, shares
+from adapters.panel.perforated_strip import left
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
@@ -50,7 +51,8 @@ def largest_step_s(plan: PanelPlan) -> float:
     mass_kg = row_mass_kg(plan, links)
     free = np.flatnonzero(links.held < 0)
     joined = np.diff(np.eye(len(mass_kg))[links.springs], axis=0)
-    axial = plan.material.youngs_modulus_Pa * links.area_m2 / links.rest_m * joined.T @ joined
+    axial_N_m = plan.material.youngs_modulus_Pa * links.area_m2 / links.rest_m
+    axial = joined.T @ (axial_N_m[:, None] * joined)
     bending = links.curvature_1_m2.T @ (links.bending_N_m3[:, None] * links.curvature_1_m2)
     scale = np.sqrt(np.outer(mass_kg, mass_kg))
     square = sum(
@@ -62,7 +64,9 @@ def largest_step_s(plan: PanelPlan) -> float:
 
 def row_mass_kg(plan: PanelPlan, links: Chain) -> Array:
     """Lumped mass (r,) of the rows."""
-    per_length = plan.material.density_kg_m3 * links.area_m2
+    area_m2 = plan.rectangle.width_m * plan.thickness_m
+    solid = left(plan, links.rows_m[:-1], links.rows_m[1:]).mass
+    per_length = plan.material.density_kg_m3 * area_m2 * solid
     return 2 * bilinear.half_row_mass_kg(links.rows_m, per_length)[::2]
 
 

@@ -15,9 +15,10 @@ from adapters.panel.maxwell import Branches
 from orchestrator.ports import Array, Indices
 
 
-def lumped_mass_kg(space: Any, mass_per_measure: float) -> Array:
+def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
     """(nodes,): the integral of each shape function.  For quadratic cells on a rectangular grid
-    this is the mass collocated at the Gauss-Lobatto points: positive."""
+    this is the mass collocated at the Gauss-Lobatto points: positive.  ``mass_per_measure`` is a
+    number, or a UFL expression that is constant in each cell."""
     ones = ufl.as_vector([1.0, 1.0, 1.0])
     integral = mass_per_measure * ufl.inner(ones, ufl.TestFunction(space)) * ufl.dx
     mass: Array = fem.assemble_vector(form(integral)).array[::3].copy()
@@ -45,7 +46,7 @@ class Structure:
     """
 
     def __init__(
-        self, law: Law, mass_per_measure: float, held: Indices, bending: Bending | None = None
+        self, law: Law, mass_per_measure: Any, held: Indices, bending: Bending | None = None
     ) -> None:
         self.space = law.position.function_space
         self.material_m: Array = self.space.tabulate_dof_coordinates()  # s, y, height
