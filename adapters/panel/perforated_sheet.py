@@ -25,7 +25,11 @@ from orchestrator.ports import Array
 
 @dataclass(frozen=True)
 class Perforated:
-    """The pattern's stiffness and solid share, and where it is: ``share`` on ``flat``'s cells."""
+    """The pattern's stiffness and solid share, and where it is: ``share`` on a mesh's cells.
+
+    Figures of the pattern are constants, not numbers, of the forms: other patterns need no other
+    code.
+    """
 
     cell: CellStiffness
     solid_share: float
@@ -43,9 +47,11 @@ class Perforated:
         """
         factor = float(eigh(self.cell.membrane, SOLID, eigvals_only=True)[0])
         rest = stiffness_N_m * (self.cell.membrane - factor * SOLID)
+        flat = self.share.function_space.mesh
+        share_of_solid, stiffer = fem.Constant(flat, factor), fem.Constant(flat, rest)
         H = (C - ufl.inv(C)) / 4
         h = ufl.as_vector([H[0, 0], H[1, 1], 2 * H[0, 1]])
-        soft = factor * solid + 0.5 * ufl.inner(h, ufl.as_matrix(rest.tolist()) * h)
+        soft = share_of_solid * solid + 0.5 * ufl.inner(h, stiffer * h)
         return (1.0 - self.share) * solid + self.share * soft
 
     def scaled_strain(self, stiffness_N_m: float, C: Any) -> Any:
@@ -62,8 +68,9 @@ class Perforated:
 
     def moment(self, plate_N_m: float) -> Callable[[Any], Any]:
         """Bending moment of a curvature (2 x 2), for E t^3 / 12 = ``plate_N_m``."""
-        more = (self.cell.bending - SOLID).tolist()
-        law = plate_N_m * (ufl.as_matrix(SOLID.tolist()) + self.share * ufl.as_matrix(more))
+        flat = self.share.function_space.mesh
+        solid = fem.Constant(flat, plate_N_m * SOLID)
+        law = solid + self.share * fem.Constant(flat, plate_N_m * (self.cell.bending - SOLID))
 
         def moment(curvature: Any) -> Any:
             m = law * ufl.as_vector(

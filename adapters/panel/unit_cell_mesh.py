@@ -15,7 +15,7 @@ from orchestrator.plans import SolverMissing
 from orchestrator.ports import Array, Indices
 
 TRIANGLES_PER_LAND = 6
-MOST_TRIANGLES = 12_000
+MOST_TRIANGLES = 6_000
 
 
 def cell_m(apertures: Apertures) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from importlib import import_module
 import numpy as np
 
 from orchestrator.clock import Interval
+from orchestrator.geometry import Apertures
 from orchestrator.plans import PanelPlan
 from orchestrator.ports import Account, Array, Load, MeshedPanel, Motion, Panel, PanelState
 from tests.panel.elastic_plans import plan
@@ -44,14 +45,23 @@ def small(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
     return plan(length_m=0.12, span_m=0.123, cells=cells, integrator=integrator, branches=DAMPED)
 
 
+def perforated(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
+    """3 x 3 openings of 16 x 8 mm, half a land at the sides."""
+    openings = Apertures("rectangle", 0.016, 0.008, 0.024, 0.014, 0.0, 0.02, 0.0)
+    return replace(small(integrator, cells), apertures=openings)
+
+
 CASES = {
     "rigid": Case("rigid", small("explicit"), 1e-12),
     "strip": Case("strip", small("explicit"), 1e-9),
     "sheet-explicit": Case("sheet", small("explicit", (6, 1)), 1e-4),
     "sheet-implicit": Case("sheet", small("implicit", (6, 1)), 1e-4),
     "solid": Case("solid", small("implicit", (4, 1)), 1e-4),
+    "rigid-openings": Case("rigid", perforated("explicit"), 1e-12),
+    "strip-openings": Case("strip", perforated("explicit"), 1e-9),
+    "sheet-openings": Case("sheet", perforated("explicit", (6, 3)), 1e-4),
 }
-NEEDS_SOLVER = {"sheet-explicit", "sheet-implicit", "solid"}
+NEEDS_SOLVER = {"sheet-explicit", "sheet-implicit", "solid", "strip-openings", "sheet-openings"}
 
 
 def held(panel: Panel) -> Motion:

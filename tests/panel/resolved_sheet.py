@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
@@ -21,7 +23,7 @@ def lines_m(length_m, centres_m, size_m, clamp_m, per_opening, per_land):
     stops = [*([-clamp_m] if clamp_m else []), 0.0, *edges, length_m]
     stops += [length_m + clamp_m] if clamp_m else []
     lines = [np.array(stops[:1])]
-    for low, high in zip(stops[:-1], stops[1:], strict=True):
+    for low, high in pairwise(stops):
         inside = any(low < c < high for c in centres_m)
         pieces = per_opening if inside else per_land
         lines.append(np.linspace(low, high, pieces + 1)[1:])
@@ -34,7 +36,10 @@ def resolved(plan, pieces_along, pieces_across):
     pattern, rectangle = plan.apertures, plan.rectangle
     centres = pattern.centres_m(rectangle)
     s = lines_m(
-        rectangle.length_m, np.unique(centres[:, 0]), pattern.length_m, rectangle.clamp_m,
+        rectangle.length_m,
+        np.unique(centres[:, 0]),
+        pattern.length_m,
+        rectangle.clamp_m,
         *pieces_along,
     )
     y = lines_m(rectangle.width_m, np.unique(centres[:, 1]), pattern.width_m, 0.0, *pieces_across)

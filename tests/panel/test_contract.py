@@ -30,9 +30,11 @@ GRAVITY_M_S2 = np.array([0.0, 0.0, -9.81])
 
 
 def mass_kg(case: Case) -> float:
-    """From the plan: the whole panel with the parts under its clamps."""
+    """From the plan: the whole panel with the parts under its clamps, less its openings."""
     plan = case.plan
     area_m2 = (plan.rectangle.length_m + 2 * plan.rectangle.clamp_m) * plan.rectangle.width_m
+    if plan.apertures:
+        area_m2 -= len(plan.apertures.centres_m(plan.rectangle)) * plan.apertures.opening_m2
     return area_m2 * plan.thickness_m * plan.material.density_kg_m3
 
 

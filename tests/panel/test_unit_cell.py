@@ -1,0 +1,102 @@
+"""The stiffness of perforated sheets against closed forms, bounds and three dimensions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestrator.geometry import Apertures
+
+pytestmark = pytest.mark.solver
+
+
+def cell(pattern: Apertures, thickness_m: float = 0.004):
+    from adapters.panel.unit_cell import cell_stiffness
+
+    return cell_stiffness(pattern, thickness_m)
+
+
+def modulus(stiffness, axis: int) -> float:
+    return 1 / np.linalg.inv(stiffness)[axis, axis]
+
+
+def hexagonal(diameter: float) -> Apertures:
+    """Round holes at the corners of equilateral triangles of side 1."""
+    return Apertures("slot", diameter, diameter, 3**0.5 / 2, 1.0, 0.5)
+
+
+def open_share(pattern: Apertures) -> float:
+    """Of the polygons that stand for round holes."""
+    x, y = pattern.outline_m().T
+    area = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2
+    return area / (pattern.pitch_along_m * pattern.pitch_across_m)
+
+
+def test_few_round_holes_soften_by_three_times_their_share():
+    """E / E0 = 1 - 3 f (Day, Snyder, Garboczi and Thorpe, J. Mech. Phys. Solids 40 (1992)
+    1031-1051, doi 10.1016/0022-5096(92)90061-6), to second order in f."""
+    pattern = hexagonal(0.12)
+    f = open_share(pattern)
+    found = cell(pattern).membrane
+    for axis in (0, 1):
+        assert modulus(found, axis) == pytest.approx(1 - 3 * f, abs=9 * f**2)
+
+
+@pytest.mark.parametrize("diameter", [0.3, 0.5, 0.7])
+def test_a_hexagonal_pattern_is_isotropic_and_within_the_bound(diameter: float):
+    """Alike in all directions (1 %: the holes are polygons), and below the upper bound
+    (1 - f) / (1 + 2 f) of Hashin and Shtrikman for Young's modulus of a sheet with holes (Z.
+    Hashin, J. Mech. Phys. Solids 13 (1965) 119-134), which this pattern almost reaches while
+    holes are not close."""
+    pattern = hexagonal(diameter)
+    found, f = cell(pattern).membrane, open_share(pattern)
+    assert found[0, 0] == pytest.approx(found[1, 1], rel=0.01)
+    assert (found[0, 0] - found[0, 1]) / 2 == pytest.approx(found[2, 2], rel=0.01)
+    bound = (1 - f) / (1 + 2 * f)
+    assert (1 - f**2) * bound < modulus(found, 0) < 1.002 * bound
+
+
+@pytest.mark.parametrize("stagger", [0.0, 0.3, 0.5])
+def test_slots_lie_between_bars_and_mixture(stagger: float):
+    """Stretching: no softer than the straight bars that run through, no stiffer than the share of
+    material (least complementary and least potential energy); bending likewise."""
+    pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, stagger)
+    found = cell(pattern)
+    for stiffness in (found.membrane, found.bending):
+        assert (0.5 if stagger in (0.0,) else 0.0) < modulus(stiffness, 0) < 0.6
+        assert 5 / 25 < modulus(stiffness, 1) < 0.6
+
+
+def test_long_slots_leave_bars_that_twist_as_saint_venant_says():
+    """Bars of 3 x 4 mm, 6 mm apart: twist stiffness G J / (4 pitch), J = 0.1786 x 4 x 3^3 mm4 x
+    ... by the series of Timoshenko and Goodier (Theory of Elasticity, art. 109).  2 %: ends of
+    the slots, and Reissner-Mindlin theory with factor 5/6 itself."""
+    width, thickness, pitch = 0.003, 0.004, 0.006
+    pattern = Apertures("rectangle", 0.3, width, 0.302, pitch)
+    short, long = sorted((width, thickness))
+    odd = np.arange(1, 60, 2)
+    series = np.sum(np.tanh(odd * np.pi * long / (2 * short)) / odd**5)
+    J_m4 = long * short**3 / 3 * (1 - 192 / np.pi**5 * short / long * series)
+    exact = J_m4 / (pitch * thickness**3)  # G J / (4 pitch) over E t^3 / 12
+    assert cell(pattern, thickness).bending[2, 2] == pytest.approx(exact, rel=0.02)
+
+
+def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
+    """1 % at twice the triangles per land: corners of the openings converge slowly."""
+    from adapters.panel import unit_cell, unit_cell_mesh
+
+    pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006)
+    usual = cell(pattern)
+    monkeypatch.setattr(unit_cell_mesh, "TRIANGLES_PER_LAND", 12)
+    fine = unit_cell.cell_stiffness.__wrapped__(pattern, 0.004)
+    assert usual.membrane == pytest.approx(fine.membrane, rel=0.015, abs=1e-9)
+    assert usual.bending == pytest.approx(fine.bending, rel=0.01, abs=1e-9)
+
+
+def test_the_membrane_s_factors_would_not_do_for_bending():
+    """Along and across they are alike, but twisted lands are ten times as stiff as sheared ones:
+    why bending has a cell problem of its own."""
+    found = cell(Apertures("rectangle", 0.020, 0.003, 0.025, 0.006))
+    for axis in (0, 1):
+        assert modulus(found.bending, axis) == pytest.approx(modulus(found.membrane, axis), 0.02)
+    assert found.bending[2, 2] > 9 * found.membrane[2, 2]
