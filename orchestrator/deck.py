@@ -57,6 +57,17 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
     )
 
 
+def perforated(case: Case) -> list[tuple[SinglePanel, ...]]:
+    """The panels that have openings, equal ones together, in the order of the case."""
+    alike: dict[object, list[SinglePanel]] = {}
+    for panel in single_panels(case):
+        if panel.apertures is not None:
+            r = panel.rectangle
+            shape = (panel.apertures, r.length_m, r.width_m, r.clamp_m, panel.table.thickness_m)
+            alike.setdefault(shape, []).append(panel)
+    return [tuple(panels) for panels in alike.values()]
+
+
 def span_m(panel: Panel) -> float:
     """Distance between the clamps' inner edges."""
     return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from orchestrator.case import Case
-from orchestrator.deck import single_panels
+from orchestrator.deck import perforated
 from orchestrator.geometry import Apertures, Rectangle
 
 
@@ -24,17 +24,15 @@ def straight_passing(apertures: Apertures, diameter_m: float) -> float:
 
 
 def openings(case: Case) -> Iterator[str]:
-    """Lines about each row of panels with openings, and which particles they let through."""
-    seen = set()
-    for panel in single_panels(case):
+    """Lines about panels with openings, equal ones together, and what these let through."""
+    sizes_m = sorted(_diameters_m(case))
+    for panel, *others in perforated(case):
         pattern = panel.apertures
-        if pattern is None or panel.table_name in seen:
-            continue
-        seen.add(panel.table_name)
-        yield f"  openings   {panel.table_name}: {_pattern(pattern, panel.rectangle)}"
-        sizes_m = sorted(_diameters_m(case))
+        assert pattern is not None, "only panels with apertures are perforated"
+        who = f"{panel.name} and {len(others)} more" if others else panel.name
+        yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)}"
         if sizes_m:
-            yield f"  openings   {panel.table_name}: {_passing(pattern, sizes_m)}"
+            yield f"             {_passing(pattern, sizes_m)}"
 
 
 def _pattern(pattern: Apertures, rectangle: Rectangle) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import SinglePanel, single_panels
+from orchestrator.deck import SinglePanel, perforated
 from orchestrator.geometry import Apertures
 from orchestrator.plans import SolverMissing
 
@@ -16,9 +16,10 @@ PLATE = 3.0  # thicknesses over an opening's larger pitch above which a panel is
 
 def openings(case: Case) -> Iterator[Mistake]:
     """Openings that overlap, do not fit, or leave too little land; solvers without openings."""
-    for name, panel in _rows(case).items():
+    for panel, *_ in perforated(case):
+        name = panel.table_name
         key: Key = ("screen", "panels", name, "apertures")
-        assert panel.apertures is not None, "_rows has only panels with apertures"
+        assert panel.apertures is not None, "only panels with apertures are perforated"
         found = [*_lands(key, panel.apertures)] or [*_room(key, panel)]
         yield from found or _thickness(key, panel, panel.apertures)
         if case.panel.solver == "solid":
@@ -29,7 +30,7 @@ def openings(case: Case) -> Iterator[Mistake]:
 def triangles(case: Case) -> Iterator[Mistake]:
     """What the mesh generator makes of the openings.  One that is not installed is not asked:
     missing_solvers says so."""
-    if not _rows(case):
+    if not perforated(case):
         return
     from orchestrator.perforated_grid import BadMesh
     from orchestrator.surface_grids import surface_grids
@@ -40,12 +41,6 @@ def triangles(case: Case) -> Iterator[Mistake]:
         yield Mistake(("panel", "surface_cells"), str(bad))
     except SolverMissing:
         return
-
-
-def _rows(case: Case) -> dict[str, SinglePanel]:
-    """The first panel of each row that has apertures, by the row's name."""
-    first = {panel.table_name: panel for panel in reversed(single_panels(case))}
-    return {name: first[name] for name in case.screen.panels if first[name].apertures}
 
 
 def _lands(key: Key, apertures: Apertures) -> Iterator[Mistake]:
@@ -66,7 +61,7 @@ def _lands(key: Key, apertures: Apertures) -> Iterator[Mistake]:
 
 def _room(key: Key, panel: SinglePanel) -> Iterator[Mistake]:
     apertures, rectangle = panel.apertures, panel.rectangle
-    assert apertures is not None
+    assert apertures is not None, "only panels with apertures are perforated"
     for way, count, whole_m, margin_m, pitch_m in zip(
         ("along", "across"),
         apertures.counts(rectangle),

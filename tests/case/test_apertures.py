@@ -1,0 +1,167 @@
+"""Panels with openings: patterns, triangles, mistakes and what ``flipflow check`` says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.openings import straight_passing
+from orchestrator.overview import overview
+from orchestrator.perforated_grid import BadMesh, perforated_grid, quality
+from orchestrator.surface_grids import surface_grids
+from tests.case.cases import complaints, loaded, only_complaint
+
+FFS0827 = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)
+KEYS = (
+    "length_m=0.02, width_m=0.003, pitch_along_m=0.025, pitch_across_m=0.006, "
+    "margin_along_m=0.03, margin_across_m=0.01"
+)
+SLOTTED = f"screen.panels.deck.apertures={{{KEYS}}}"
+KEY = "screen.panels.deck.apertures."
+
+
+def panel(length_m: float = 0.3, width_m: float = 0.8, clamp_m: float = 0.019) -> Rectangle:
+    x, y, _ = np.eye(3)
+    return Rectangle(np.zeros(3), x, y, length_m, length_m, width_m, clamp_m)
+
+
+def test_the_pattern_is_centred_and_whole_pitches_fit() -> None:
+    assert FFS0827.counts(panel()) == (9, 126)
+    assert FFS0827.region_m(panel()) == pytest.approx(np.array([[0.0375, 0.022], [0.2625, 0.778]]))
+    centres = FFS0827.centres_m(panel())
+    assert centres.mean(axis=0) == pytest.approx([0.15, 0.4])
+    assert FFS0827.solid_share == pytest.approx(1 - 60 / 150)
+    assert FFS0827.land_m == pytest.approx(0.003)
+
+
+def test_a_slice_of_whole_pitches_is_perforated_to_its_edges() -> None:
+    slice_pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
+    assert slice_pattern.counts(panel(width_m=0.03)) == (9, 5)
+    assert slice_pattern.region_m(panel(width_m=0.03))[:, 1] == pytest.approx([0.0, 0.03])
+
+
+def test_staggered_rows_are_shifted_and_keep_what_fits() -> None:
+    pattern = Apertures("slot", 0.010, 0.006, 0.015, 0.010, 0.5, 0.0, 0.0)
+    centres = pattern.centres_m(panel(0.03, 0.05))
+    assert centres[:, 0] == pytest.approx([0.0075] * 5 + [0.0225] * 4)
+    assert centres[5:, 1] == pytest.approx([0.01, 0.02, 0.03, 0.04])
+
+
+@pytest.mark.parametrize(
+    ("pattern", "largest", "per_opening"),
+    [
+        (FFS0827, 0.0225, 7),
+        (Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.5, 0.03, 0.02), 0.0225, 7),
+        (Apertures("slot", 0.020, 0.003, 0.025, 0.006, 0.0, 0.03, 0.02), 0.0225, 13),
+        (Apertures("rectangle", 0.006, 0.006, 0.010, 0.010, 0.0, 0.03, 0.02), 0.0225, 7),
+        (Apertures("slot", 0.010, 0.010, 0.015, 0.017, 0.5, 0.02, 0.01), 0.0225, 24),
+        (Apertures("slot", 0.005, 0.030, 0.010, 0.040, 0.3, 0.02, 0.01), 0.0225, 26),
+    ],
+    ids=["slots", "staggered", "round-ends", "squares", "round", "across"],
+)
+def test_triangles_cover_the_material_and_nothing_else(
+    pattern: Apertures, largest: float, per_opening: int
+) -> None:
+    """Open area within 2 % of the exact one (straight sides: exact), edges no longer than a cell
+    or an opening allows, no slivers, normals up, and not many triangles."""
+    rectangle = panel()
+    grid = perforated_grid(rectangle, pattern, (22, 8))
+    count, found = len(pattern.centres_m(rectangle)), quality(grid)
+    whole_m2 = (rectangle.length_m + 2 * rectangle.clamp_m) * rectangle.width_m
+    open_m2 = whole_m2 - found.covered_m2
+    tolerance = 1e-9 if pattern.shape == "rectangle" else 0.02
+    assert open_m2 == pytest.approx(count * pattern.opening_m2, rel=tolerance)
+    assert found.least_angle_deg > 3.0
+    assert found.longest_m < 1.6 * largest
+    assert len(grid.triangles) < per_opening * count + 500
+    inside = grid.coordinates_m[grid.triangles].mean(axis=1)
+    half = np.array([pattern.length_m, pattern.width_m]) / 2
+    for centre in pattern.centres_m(rectangle)[::97]:
+        apart = np.abs(inside - centre) / half
+        assert (np.hypot(*apart.T) > 0.9).all()  # no triangle in an opening
+
+
+def test_every_edge_but_rims_and_borders_has_two_triangles() -> None:
+    """No gap, no crack, no overlap: Euler's formula with one hole per opening."""
+    grid = perforated_grid(panel(), FFS0827, (22, 8))
+    edges = np.sort(grid.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    unique, count = np.unique(edges, axis=0, return_counts=True)
+    assert set(count) == {1, 2}
+    points = len(np.unique(grid.triangles))
+    assert points - len(unique) + len(grid.triangles) == 1 - len(FFS0827.centres_m(panel()))
+
+
+def test_the_same_twice_to_the_last_bit() -> None:
+    one, two = (perforated_grid(panel(), FFS0827, (22, 8)) for _ in range(2))
+    assert (one.coordinates_m == two.coordinates_m).all()
+    assert (one.triangles == two.triangles).all()
+
+
+def test_few_triangles_for_the_ffs0827_panel_and_its_slice() -> None:
+    """What docs/theory/perforated_panel.md says they cost."""
+    assert len(perforated_grid(panel(), FFS0827, (22, 8)).triangles) < 8000
+    thin = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
+    assert len(perforated_grid(panel(width_m=0.03), thin, (22, 2)).triangles) < 350
+
+
+def test_slivers_are_refused() -> None:
+    """Lands of 0.2 mm along openings that long facets divide."""
+    thin = Apertures("rectangle", 0.020, 0.0058, 0.025, 0.006, 0.0, 0.03, 0.02)
+    with pytest.raises(BadMesh, match=r"an angle of 0\.\d+ deg"):
+        perforated_grid(panel(), thin, (8, 8))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ("pitch_across_m=0.003", "0.003 m leaves no land between openings of 0.003 m across"),
+        ("pitch_along_m=0.015", "0.015 m leaves no land between openings of 0.02 m along"),
+        ("pitch_across_m=0.00301", "pitch_across_m: leaves lands of 1e-05 m, too thin for a mesh"),
+        ("margin_along_m=0.15", "0.15 m at both ends leaves 0 m of the panel's 0.3 m"),
+        ("margin_across_m=0.099", "margin_across_m: 0.099 m at both ends leaves 0.002 m"),
+        ("pitch_across_m=0.25", "pitch_across_m: 0.25 m is larger than the panel, 0.2 m"),
+        ("length_m=-0.02", "length_m: -0.02 is wrong, greater than 0 is wanted"),
+        ("margin_along_m=-0.1", "greater than or equal to 0 is wanted"),
+        ("stagger=1", "less than 1 is wanted"),
+        ("shape=hexagon", "'hexagon' is not one of 'rectangle' or 'slot'"),
+    ],
+)
+def test_patterns_that_cannot_be(tmp_path: Path, change: str, said: str) -> None:
+    assert said in only_complaint(tmp_path, SLOTTED, KEY + change)
+
+
+def test_an_opening_in_millimetres(tmp_path: Path) -> None:
+    """The range of an opening's width is not that of a panel's."""
+    found = complaints(tmp_path, SLOTTED, f"{KEY}width_m=3")
+    assert any("width_m: 3 is out of the range 0.0001 to 1; looks like mm" in x for x in found)
+
+
+def test_no_plate_and_no_solid(tmp_path: Path) -> None:
+    fine = f"{KEY}pitch_along_m=0.002"
+    sizes = [f"{KEY}length_m=0.001", f"{KEY}width_m=0.001", f"{KEY}pitch_across_m=0.002"]
+    thick = only_complaint(tmp_path, SLOTTED, fine, *sizes, "screen.panels.deck.thickness_m=0.02")
+    assert "0.02 m thick, its openings are only 0.002 m apart: no plate" in thick
+    assert "solid knows no apertures" in only_complaint(tmp_path, SLOTTED, "panel.solver=solid")
+    assert complaints(tmp_path, SLOTTED) == []
+
+
+def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
+    lines = list(overview(loaded(tmp_path, [SLOTTED])))
+    openings = [line for line in lines if "mm" in line]
+    assert "270 rectangles of 20 x 3 mm in 9 rows, lands 5 and 3 mm, 40.0% open" in openings[0]
+    assert "none of the particles of 20 to 20 mm can pass" in openings[1]
+    triangles = len(surface_grids(loaded(tmp_path, [SLOTTED]).case)["deck"].triangles)
+    assert any(f"{triangles} on each panel" in line for line in lines)
+    small = [SLOTTED, "bed.particles.ball.diameter_m=0.001"]
+    assert any("probability 0.25" in line for line in overview(loaded(tmp_path, small)))
+
+
+def test_straight_passing() -> None:
+    """Gaudin's (a - d)(b - d) over the cell; for round holes the smaller circle's area."""
+    assert straight_passing(FFS0827, 0.001) == pytest.approx(19 * 2 / 150)
+    assert straight_passing(FFS0827, 0.003) == 0.0
+    hole = Apertures("slot", 0.01, 0.01, 0.02, 0.02)
+    assert straight_passing(hole, 0.004) == pytest.approx(np.pi * 3e-3**2 / 4e-4)
