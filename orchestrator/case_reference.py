@@ -39,6 +39,7 @@ DIMENSIONLESS = frozenset(
         "along",
         "across",
         "axis",
+        "stagger",
         "start",
         "at",
         "poisson_ratio",

@@ -81,7 +81,9 @@ def as_given(mistake: Mistake, decks: Mapping[str, Any]) -> Mistake:
         case ("screen", "panels" | "surfaces", str(part), *inner):
             name = next((name for name in decks if part.startswith(f"{name}-")), None)
             if name is not None:
-                field = inner if inner and inner[0] in Deck.model_fields else []
+                field = inner[:1] if inner and inner[0] in Deck.model_fields else []
+                if field == ["apertures"]:  # the same table in both
+                    field = inner
                 key = ("screen", "decks", name, *field)
                 what = mistake.what if part in mistake.what else f"{part}: {mistake.what}"
                 return replace(mistake, key=key, what=what)

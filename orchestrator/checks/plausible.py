@@ -11,7 +11,7 @@ from typing import Any
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
 
-# key, or table.key: (smallest, largest) size of a value that is not zero
+# key: (smallest, largest) size of a value that is not zero
 RANGES: dict[str, tuple[float, float]] = {
     "duration_s": (1e-6, 1e4),
     "position_m": (0.0, 100.0),
@@ -46,8 +46,6 @@ RANGES: dict[str, tuple[float, float]] = {
     "tension_m": (0.0, 0.1),
     "span_m": (0.01, 5.0),
     "pitch_m": (0.01, 10.0),
-    "apertures.length_m": (1e-4, 1.0),
-    "apertures.width_m": (1e-4, 1.0),
     "pitch_along_m": (1e-4, 1.0),
     "pitch_across_m": (1e-4, 1.0),
     "margin_along_m": (0.0, 5.0),
@@ -60,6 +58,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "rate_kg_s": (1e-6, 1e3),
     "sync_interval_s": (1e-7, 0.02),
 }
+OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # smaller than panels are
 # unit: what it may have been mistaken for, and that unit in SI
 MISTAKEN: dict[str, dict[str, float]] = {
     "_m": {"mm": 1e-3, "cm": 1e-2, "um": 1e-6},
@@ -90,25 +89,25 @@ def _walk(value: Any, key: Key) -> Iterator[Mistake]:
         for number, inner in enumerate(value):
             yield from _walk(inner, (*key, number))
     elif isinstance(value, float):
-        *tables, name = (part for part in key if isinstance(part, str))
-        if tables and f"{tables[-1]}.{name}" in RANGES:
-            name = f"{tables[-1]}.{name}"
-        if name in RANGES and value != 0 and not _inside(value, RANGES[name]):
-            yield Mistake(key, f"{value:g} is out of the range {_range(name)}", _hint(name, value))
+        name = next(part for part in reversed(key) if isinstance(part, str))
+        ranges = RANGES | OF_APERTURES if "apertures" in key else RANGES
+        if name in ranges and value != 0 and not _inside(value, ranges[name]):
+            what = f"{value:g} is out of the range {_range(ranges[name])}"
+            yield Mistake(key, what, _hint(name, value, ranges[name]))
 
 
 def _inside(value: float, limits: tuple[float, float]) -> bool:
     return limits[0] <= abs(value) <= limits[1]
 
 
-def _range(name: str) -> str:
-    low, high = RANGES[name]
+def _range(limits: tuple[float, float]) -> str:
+    low, high = limits
     return f"{low:g} to {high:g}" if low else f"up to {high:g}"
 
 
-def _hint(name: str, value: float) -> str:
+def _hint(name: str, value: float, limits: tuple[float, float]) -> str:
     unit = max((unit for unit in MISTAKEN if name.endswith(unit)), key=len, default="")
     for other, factor in MISTAKEN.get(unit, {}).items():
-        if _inside(value * factor, RANGES[name]):
+        if _inside(value * factor, limits):
             return f"looks like {other}: that is {value * factor:g} in {name}"
     return ""
