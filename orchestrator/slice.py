@@ -105,7 +105,26 @@ def _mistakes(case: Case) -> list[Mistake]:
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
             found.append(Mistake(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
-    return found + _in_periodic(case)
+    return found + _through_openings(case) + _in_periodic(case)
+
+
+def _through_openings(case: Case) -> list[Mistake]:
+    """A slice that would cut openings, or lie partly in the strips without any."""
+    assert case.slice is not None
+    width_m = case.slice.width_m
+    for name, panel in case.screen.panels.items():
+        openings = panel.apertures
+        if openings is None:
+            continue
+        pitch_m = openings.pitch_across_m
+        most = int((panel.width_m - 2 * openings.margin_across_m) / pitch_m + 1e-6)
+        pitches = width_m / pitch_m
+        if abs(pitches - round(pitches)) > 1e-6 or pitches > most + 1e-6:
+            what = f"{width_m:g} m is {pitches:.6g} pitches of the openings of panel {name}"
+            fitting = max(min(round(pitches), most), 1)
+            hint = f"take a whole number of at most {most}: {fitting * pitch_m:g} m is {fitting}"
+            return [Mistake(("slice", "width_m"), what, hint)]
+    return []
 
 
 def _in_periodic(case: Case) -> list[Mistake]:
@@ -163,9 +182,13 @@ def _exciter(row: Exciter, part: float) -> Exciter:
 
 
 def _panel(row: Panel, y_m: tuple[float, float]) -> Panel:
+    """The part of a panel that the slice has, perforated from side to side."""
     x, _, z = row.corner_m
     corner_m = (x, y_m[0] if row.across[1] > 0 else y_m[1], z)
-    return row.model_copy(update={"corner_m": corner_m, "width_m": y_m[1] - y_m[0]})
+    update: dict[str, object] = {"corner_m": corner_m, "width_m": y_m[1] - y_m[0]}
+    if row.apertures is not None:
+        update["apertures"] = row.apertures.model_copy(update={"margin_across_m": 0.0})
+    return row.model_copy(update=update)
 
 
 def _bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from orchestrator.deck import single_panels
 from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.openings import straight_passing
 from orchestrator.overview import overview
@@ -20,6 +21,7 @@ KEYS = (
     "margin_along_m=0.03, margin_across_m=0.01"
 )
 SLOTTED = f"screen.panels.deck.apertures={{{KEYS}}}"
+ROOM = "domain_m=[[-1, -1, -1], [2, 1, 1]]"
 KEY = "screen.panels.deck.apertures."
 
 
@@ -146,6 +148,27 @@ def test_no_plate_and_no_solid(tmp_path: Path) -> None:
     assert "0.02 m thick, its openings are only 0.002 m apart: no plate" in thick
     assert "solid knows no apertures" in only_complaint(tmp_path, SLOTTED, "panel.solver=solid")
     assert complaints(tmp_path, SLOTTED) == []
+
+
+def test_a_slice_takes_whole_pitches_from_side_to_side(tmp_path: Path) -> None:
+    sliced = ["particles.solver=liggghts", SLOTTED]
+    case = loaded(tmp_path, [*sliced, "slice.width_m=0.09"]).case
+    pattern, rectangle = single_panels(case)[0].apertures, single_panels(case)[0].rectangle
+    assert pattern is not None
+    assert pattern.counts(rectangle) == (9, 15)
+    assert pattern.region_m(rectangle)[:, 1] == pytest.approx([0.0, 0.09])
+    said = only_complaint(tmp_path, *sliced, "slice.width_m=0.1")
+    assert "0.1 m is 16.6667 pitches of the openings of panel deck" in said
+    assert "take a whole number of at most 30: 0.102 m is 17" in said
+    assert "0.18 m is 30" in only_complaint(tmp_path, *sliced, "slice.width_m=0.198")
+
+
+def test_equal_panels_share_their_triangles_and_their_mistakes(tmp_path: Path) -> None:
+    row = ["screen.panels.deck.count=2", "screen.panels.deck.pitch_m=0.35", ROOM]
+    row += ["probes.middle.panel=deck-1"]
+    grids = surface_grids(loaded(tmp_path, [SLOTTED, *row]).case)
+    assert grids["deck-1"] is grids["deck-2"]
+    assert "no land" in only_complaint(tmp_path, SLOTTED, *row, f"{KEY}pitch_across_m=0.003")
 
 
 def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
