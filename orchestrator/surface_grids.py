@@ -5,18 +5,23 @@ from __future__ import annotations
 from orchestrator.case import Case
 from orchestrator.deck import single_panels
 from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.left_out import has_particles
 from orchestrator.mapping import Grid, grid
 
 
 def surface_grids(case: Case) -> dict[str, Grid]:
-    """By the panel's name.  Raises SolverMissing (gmsh) and BadMesh for panels with apertures."""
+    """By the panel's name.  Raises SolverMissing (gmsh) and BadMesh for panels with apertures.
+
+    Openings are resolved for particles only: without any, the surface is just looked at.
+    """
     made: dict[object, Grid] = {}
     grids = {}
     for panel in single_panels(case):
         r = panel.rectangle
-        shape = (r.length_m, r.width_m, r.clamp_m, panel.apertures)
+        apertures = panel.apertures if has_particles(case) else None
+        shape = (r.length_m, r.width_m, r.clamp_m, apertures)
         if shape not in made:
-            made[shape] = _grid(r, panel.apertures, case.panel.surface_cells)
+            made[shape] = _grid(r, apertures, case.panel.surface_cells)
         grids[panel.name] = made[shape]
     return grids
 

@@ -22,7 +22,7 @@ HELD = (
     '[screen.bushings.shear]\nbetween = ["driving", "driven"]\n'
     "positions_m = [[0.0, 0.0, 0.0]]\nstiffness_N_m = [1e4, 1e4, 1e4]\n"
 )
-HEAD = f'source = "made up"\n[runs.speed]\nvary = "{SPEED}=60,70,80,90"\n'
+HEAD = f'source = "made up"\n[runs.speed]\nvary = "{SPEED}=70,60,80,90"\n'
 ROW = """
 [[rows]]
 what = "a"

@@ -40,11 +40,13 @@ class Sweep:
         return Sweep(self.vary, found)
 
     def between(self, limits: tuple[float, float] | None) -> Sweep:
-        """The runs of values in a range."""
-        if limits is None:
-            return self
-        low, high = limits
-        return Sweep(self.vary, [p for p in self.points if low <= float(p.value) <= high])
+        """The runs of values in a range, in order.  Raises Unknown if they are no numbers."""
+        low, high = limits or (-np.inf, np.inf)
+        try:
+            inside = [point for point in self.points if low <= float(point.value) <= high]
+        except ValueError:
+            raise Unknown(f"values of {self.vary.name} are no numbers") from None
+        return Sweep(self.vary, sorted(inside, key=lambda point: float(point.value)))
 
     @property
     def values(self) -> Array:

@@ -9,11 +9,12 @@ import pytest
 
 from orchestrator.deck import single_panels
 from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.levels import load
 from orchestrator.openings import straight_passing
 from orchestrator.overview import overview
 from orchestrator.perforated_grid import BadMesh, perforated_grid, quality
 from orchestrator.surface_grids import surface_grids
-from tests.case.cases import complaints, loaded, only_complaint
+from tests.case.cases import CASE, complaints, loaded, only_complaint, written
 
 FFS0827 = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)
 KEYS = (
@@ -169,6 +170,15 @@ def test_equal_panels_share_their_triangles_and_their_mistakes(tmp_path: Path) -
     grids = surface_grids(loaded(tmp_path, [SLOTTED, *row]).case)
     assert grids["deck-1"] is grids["deck-2"]
     assert "no land" in only_complaint(tmp_path, SLOTTED, *row, f"{KEY}pitch_across_m=0.003")
+
+
+def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
+    """Whatever the surface is made of, the plan has them: stiffness and mass are the panel's."""
+    start, _, rest = CASE.partition("[bed.particles.ball]")
+    empty = start + rest[rest.index("[probes.middle]") :]
+    case = load(written(tmp_path, empty), None, [SLOTTED, "panel.surface_cells=[6, 4]"]).case
+    assert len(surface_grids(case)["deck"].triangles) == 2 * (6 + 2) * 4
+    assert single_panels(case)[0].apertures is not None
 
 
 def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
