@@ -38,7 +38,7 @@ def over_the_deck_m(loaded: LoadedCase, position_m: Array) -> Array:
 @pytest.mark.slow
 @pytest.mark.parametrize("panel", ["strip", "sheet"])
 def test_fines_fall_through_a_shaken_screen_and_the_books_close(tmp_path: Path, panel: str) -> None:
-    """60 ms: of 150 fines some have come out under the panels, through openings of 7 mm and past the
+    """60 ms: of 150 fines some come out under the panels, through openings of 7 mm and past the
     large ones, of those of 8-11 mm none; momentum is handed over to rounding."""
     loaded = written(tmp_path, CASE + OPENINGS, [f"panel.solver={panel}"])
     assert mistakes(loaded) == []
