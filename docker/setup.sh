@@ -20,6 +20,7 @@ packages=(
     python3-h5py python3-h5py-mpi                              # results
     libegl1 libgl1 libxrender1                                 # off-screen pictures
     libglu1-mesa libxft2 libxinerama1 libxcursor1 libfontconfig1  # gmsh loads them, with or without a screen
+    chromium-headless-shell                                    # tests look at reports in a browser (96 MB)
 )
 missing=()
 for package in "${packages[@]}"; do

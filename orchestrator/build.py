@@ -12,6 +12,7 @@ from orchestrator import adapter
 from orchestrator.bushing_forces import BushingForces
 from orchestrator.case import Case
 from orchestrator.coupling import SCHEMES, Solvers
+from orchestrator.deck import single_panels
 from orchestrator.geometry import TriangleSurface
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
@@ -68,15 +69,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
         stopwatch=stopwatch,
         surface=surface,
         panel_of_triangle=_panel_of_triangle([*panels, *walls], len(panels)),
-        panels=tuple(
-            PanelPoints(
-                piece.name,
-                together.surface[number],
-                together.clamps[number],
-                together.surface[number].start + piece.centre_line,
-            )
-            for number, piece in enumerate(panels)
-        ),
+        panels=_panels(case, panels, together),
         centres=centres,
         probes=_probes(case, pieces, together),
         bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
@@ -143,6 +136,19 @@ def _surface(
             [NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]
         ),
     )
+
+
+def _panels(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelPoints, ...]:
+    """Where the panels' points lie; a clamp is the first up to the middle of the span."""
+    found = []
+    for number, (piece, single) in enumerate(zip(panels, single_panels(case), strict=True)):
+        surface, clamps, at = together.surface[number], together.clamps[number], single.rectangle
+        along_m = (together.mount.position_m[clamps] - at.corner_m) @ at.along
+        first = along_m < at.span_m / 2
+        first_clamp, second_clamp = (clamps.start + np.flatnonzero(end) for end in (first, ~first))
+        line = surface.start + piece.centre_line
+        found.append(PanelPoints(piece.name, surface, clamps, line, first_clamp, second_clamp))
+    return tuple(found)
 
 
 def _panel_of_triangle(touched: list[Piece], panels: int) -> Any:

@@ -1,4 +1,4 @@
-"""The command line: ``flipflow run``, ``check``, ``list``, ``bench``; study_cli.py has ``study``"""
+"""The command line ``flipflow``; its commands ``study ...`` are in study_cli.py."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ Examples:
   flipflow run cases/quickstart --set panel.solver=rigid --out runs/rigid
 
   mpirun -n 4 flipflow run cases/quickstart            on four processes
+
+  flipflow report runs/quickstart-1                    one HTML page about a run
 
   flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
 
@@ -85,6 +87,26 @@ def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> N
     console = Console(highlight=False, markup=False, soft_wrap=True)
     for line in overview(_checked(case, level, overrides)):
         console.print(line)
+
+
+@app.command()
+def report(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
+) -> None:
+    """Make one HTML page about a run: RUN/report.html.
+
+    It holds everything in itself (figures, tables, a film of the deck) and can be sent to anybody.
+    Works for interrupted and failed runs, too, and says what is missing.
+
+    Exit code 0: made; 2: the folder is no run, or has not ended.
+    """
+    from orchestrator.report.command import report as made
+    from orchestrator.run_folder import FolderUnusable
+
+    try:
+        Console(highlight=False, markup=False, soft_wrap=True).print(made(run))
+    except FolderUnusable as error:
+        _refuse(str(error), 2)
 
 
 @app.command(name="list")

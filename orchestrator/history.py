@@ -72,14 +72,14 @@ class History:
             dataset = self._file.create_dataset(
                 where, shape=(0, *inner), maxshape=(None, *inner), dtype=dtype
             )
-            dataset.attrs["unit"] = _unit(where)
+            dataset.attrs["unit"] = unit_of(where)
         dataset = self._file[where]
         before = len(dataset)
         dataset.resize(before + len(block), axis=0)
         dataset[before:] = block
 
 
-def _unit(name: str) -> str:
+def unit_of(name: str) -> str:
     """The unit that a name carries: position_m -> m, speed_m_s -> m/s, force_N -> N."""
     for ending, unit in _UNITS.items():
         if name.endswith(ending):
@@ -92,11 +92,16 @@ _UNITS = {
     "_kg_m3": "kg/m3",
     "_m_s2": "m/s2",
     "_rad_s": "rad/s",
+    "_kg_s_m": "kg/(s m)",
     "_kg_s": "kg/s",
+    "_kg_m": "kg/m",
+    "_percent": "%",
+    "_deg": "degree",
+    "_rad": "rad",
+    "_g": "9.80665 m/s2",
     "_N_s": "N s",
     "_m_s": "m/s",
     "_kg": "kg",
-    "_rad": "rad",
     "_J": "J",
     "_N": "N",
     "_s": "s",

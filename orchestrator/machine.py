@@ -16,12 +16,14 @@ from orchestrator.stopwatch import Stopwatch
 @dataclass(frozen=True)
 class PanelPoints:
     """Where one panel lies in the concatenated surface and clamps; ``centre_line`` indexes the
-    surface."""
+    surface, ``first_clamp`` and ``second_clamp`` the clamps."""
 
     name: str
     surface: slice
     clamps: slice
     centre_line: Indices
+    first_clamp: Indices
+    second_clamp: Indices
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion),
 ``forces/<panel>`` and ``bushings/<name>`` at every sync point; ``panels/<name>`` (centre line),
-``energy`` and ``bed`` at every output time; ``fed`` and ``removed``: a row for each particle that
-came or went.
+``energy``, ``bed`` and what deck_record.py adds at every output time; ``fed`` and ``removed``: a
+row for each particle that came or went.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.coupling import State
+from orchestrator.deck_record import deck_record
 from orchestrator.frame_rotation import rotations
 from orchestrator.history import History
 from orchestrator.ledger import Ledger
@@ -26,7 +27,15 @@ from orchestrator.snapshots import Series, particle_mesh, surface_mesh
 class Recorder:
     """On every rank (snapshots and accounts are collective); rank 0 writes."""
 
-    def __init__(self, folder: Path, machine: Machine, ledger: Ledger, start: State, world: Any):
+    def __init__(
+        self,
+        folder: Path,
+        machine: Machine,
+        ledger: Ledger,
+        start: State,
+        cycle_s: float,
+        world: Any,
+    ):
         self._machine, self._ledger, self._start = machine, ledger, start
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
@@ -39,6 +48,8 @@ class Recorder:
                 exits = machine.material.exits
                 self._history.describe("removed", "names", [one.name for one in exits])
                 self._history.describe("removed", "products", [one.product for one in exits])
+            lines = [panel.centre_line for panel in machine.panels]
+            self._deck = deck_record(start.panel.surface, lines, cycle_s, np.empty((0, 3)))
 
     def sync_point(self, time_s: float, state: State) -> None:
         """Every sync point: motions and forces."""
@@ -60,10 +71,13 @@ class Recorder:
         for name, *row in zip(self._machine.bushings.names, *stretched, strict=True):
             values = dict(zip(("deformation_m", "force_N"), row, strict=True))
             self._history.add(f"bushings/{name}", time_s, values)
+        reaction_N = state.panel.reaction.force_N
         for panel in self._machine.panels:
             values = {
                 "load_N": state.load.force_N[panel.surface].sum(axis=0),
-                "reaction_N": state.panel.reaction.force_N[panel.clamps].sum(axis=0),
+                "reaction_N": reaction_N[panel.clamps].sum(axis=0),
+                "first_clamp_N": reaction_N[panel.first_clamp].sum(axis=0),
+                "second_clamp_N": reaction_N[panel.second_clamp].sum(axis=0),
             }
             self._history.add(f"forces/{panel.name}", time_s, values)
 
@@ -86,6 +100,9 @@ class Recorder:
             self._surface.add(time_s, mesh)
         if particles is not None:
             self._history.add("bed", time_s, _bed(particles))
+            if self._deck is not None:
+                for group, values in self._deck.at(time_s, surface, particles).items():
+                    self._history.add(group, time_s, values)
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
         return count

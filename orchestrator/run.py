@@ -22,6 +22,8 @@ from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine
 from orchestrator.metered import named
 from orchestrator.recorder import Recorder
+from orchestrator.results.compute import results
+from orchestrator.results.store import store
 from orchestrator.run_folder import LOG, write_json
 from orchestrator.slice import share
 from orchestrator.stopwatch import Stopwatch
@@ -60,7 +62,8 @@ class Run:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
         with written(0.0):
-            recorder = Recorder(self._folder, machine, ledger, state, self._world)
+            cycle_s = summary.cycle_s(self._case)
+            recorder = Recorder(self._folder, machine, ledger, state, cycle_s, self._world)
         interrupted = None
         try:
             self._record(recorder, state, 0)
@@ -127,9 +130,22 @@ class Run:
         if figures["sync_intervals"]:
             figures["probes"] = summary.probes(self._folder / "history.h5", figures["cycle_s"])
         write_json(self._folder / "summary.json", figures)
+        if figures["sync_intervals"]:
+            self._add_results(figures)
         if self._case.output.pictures and figures["sync_intervals"]:
             draw(self._folder)
         return figures
+
+    def _add_results(self, figures: dict[str, Any]) -> None:
+        """To ``summary.json`` and ``history.h5``.  A mistake in them loses nothing else."""
+        try:
+            figures["results"] = results(self._folder)
+            store(self._folder / "history.h5", figures["results"])
+            write_json(self._folder / "summary.json", figures)
+        except OSError:
+            raise
+        except Exception as error:
+            LOG.exception("no results: %s", error)
 
 
 @contextmanager

@@ -137,9 +137,14 @@ def provenance(ranks: int) -> dict[str, Any]:
 
 
 def write_json(path: Path, value: Any) -> None:
+    """Whole or not at all."""
+    write_text(path, json.dumps(value, indent=2, default=float) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
     """Whole or not at all: written aside, then renamed."""
     aside = path.with_name(f".{path.name}")
-    aside.write_text(json.dumps(value, indent=2, default=float) + "\n")
+    aside.write_text(text, encoding="utf-8")
     aside.replace(path)
 
 

@@ -82,3 +82,5 @@ class Output(Table):
     """Time between snapshots for ParaView, shapes and the energy ledger."""
     pictures: Switch = True
     """Make pictures at the end of the run."""
+    cut_size_m: Positive | None = None
+    """Size that divides fine from coarse in the results; else the openings' smaller side."""

@@ -1,0 +1,1 @@
+"""``flipflow report RUN``: one self-contained HTML page about a run."""

@@ -1,0 +1,56 @@
+"""One style for all figures of the page, and how they get into it."""
+
+from __future__ import annotations
+
+import base64
+import io
+from typing import Any
+
+import matplotlib
+from cycler import cycler
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+FEED, UNDER, OVER, HELD = "#4a5560", "#0f8a8a", "#d9822b", "#3b5ba5"
+LINES = ("#3b5ba5", "#d9822b", "#0f8a8a", "#a23b72", "#6b7f1f", "#7a5195", "#4a5560", "#c1443c")
+WIDE, HALF, TALL = 10.7, 5.4, 3.4  # inches
+
+STYLE = {
+    "font.size": 9.5,
+    "font.family": "DejaVu Sans",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.prop_cycle": cycler(color=LINES),
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+    "lines.linewidth": 1.4,
+    "svg.hashsalt": "flipflow",
+    "figure.constrained_layout.use": True,
+}
+
+
+plt.rcParams.update(STYLE)
+
+
+def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float = TALL) -> Any:
+    """A figure and its axes (rows, columns), in the page's style."""
+    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False)
+
+
+def embedded(drawn: Any) -> str:
+    """The figure as a data URI; closes it."""
+    made = io.BytesIO()
+    drawn.savefig(made, format="svg", metadata={"Date": None})
+    plt.close(drawn)
+    return data_uri(made.getvalue(), "image/svg+xml")
+
+
+def data_uri(content: bytes, kind: str) -> str:
+    """A file's content, for an ``src`` that asks nobody for anything."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

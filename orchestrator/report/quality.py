@@ -1,0 +1,71 @@
+"""Whether the numbers of a run can be trusted, and what it warned of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from orchestrator.report.words import number
+from orchestrator.summary import closing_lines
+
+SHOWN = 12
+UNSETTLED = 0.1
+
+
+def quality(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows about momentum, energy and speed; fewer for a run that failed."""
+    rows = []
+    if "momentum_residual_relative" in summary:
+        residual = f"{summary['momentum_residual_relative']:.1e}"
+        rows.append(("momentum residual, worst member (1e-12 is rounding)", residual))
+    if "energy_ledger_J" in summary:
+        ledger = summary["energy_ledger_J"]
+        for interface in ("particles-panel", "panel-frames"):
+            if f"created.{interface}" in ledger:
+                created = number(ledger[f"created.{interface}"])
+                rows.append(
+                    (f"energy created between {interface.replace('-', ' and ')}", f"{created} J")
+                )
+        turned = sum(abs(v) for k, v in ledger.items() if k.startswith(("supplied.", "lost.")))
+        rows.append(("energy supplied and lost", f"{number(turned)} J"))
+    rows.append(("sync intervals", f"{summary['sync_intervals']}"))
+    if summary["particle_steps_per_s"]:
+        rows.append(("particle steps per second", f"{summary['particle_steps_per_s']:.2e}"))
+    return rows
+
+
+def warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
+    """How the run ended, what is not steady, what is missing, and what the log warned of."""
+    said = []
+    if summary["status"] != "done":
+        said.append(f"The run was {summary['status']}: {summary['reason']}")
+    state = found.get("steady")
+    if state and not state["is_steady"]:
+        said.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")
+    said += [f"{name} has not settled to its periodic motion" for name in _unsettled(found)]
+    if "energy_ledger_J" in summary:
+        said += [line for line in closing_lines(summary) if line.startswith("WARNING")]
+    if lost := found.get("screening", {}).get("lost_particles"):
+        said.append(f"{lost} particles left elsewhere than through an exit.")
+    return said + _logged(folder)
+
+
+def _unsettled(found: dict[str, Any]) -> Iterator[str]:
+    """Frames whose motion along the deck is by more than a tenth no first harmonic."""
+    for name, orbit in found.get("motion", {}).get("frames", {}).items():
+        if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
+            yield name
+
+
+def _logged(folder: Path) -> list[str]:
+    """Warnings and errors of the log; each once, the first few."""
+    log = folder / "run.log"
+    if not log.is_file():
+        return []
+    kinds = (" WARNING ", " ERROR ")
+    lines = log.read_text(errors="replace").splitlines()
+    found = [line.split(kind, 1)[1].strip() for line in lines for kind in kinds if kind in line]
+    once = list(dict.fromkeys(found))
+    more = [f"and {len(once) - SHOWN} more in run.log"] if len(once) > SHOWN else []
+    return once[:SHOWN] + more

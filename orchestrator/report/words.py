@@ -1,0 +1,52 @@
+"""Numbers as a reader wants them: three digits, the interval, the unit."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+NONE = "–"
+DIGITS = 3
+MOST_DIGITS = 5  # of a value with a very narrow interval
+LEAST = 1e-9  # smaller numbers are rounding
+
+
+def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str:
+    """``digits`` significant digits, no exponent for anything a designer meets."""
+    if value is None or not math.isfinite(value):
+        return NONE
+    scaled = value * scale
+    if abs(scaled) < LEAST:
+        return "0"
+    if not 1e-4 <= abs(scaled) < 1e7:
+        return f"{scaled:.{digits - 1}e}".replace("-", "−")
+    decimals = max(digits - 1 - math.floor(math.log10(abs(scaled))), 0)
+    return f"{scaled:.{decimals}f}".replace("-", "−")
+
+
+def interval(found: dict[str, Any] | None, scale: float = 1.0) -> str:
+    """ "82.31 ± 0.42": the value to the second digit of its half width."""
+    if found is None or found["value"] is None:
+        return NONE
+    width, size = found["half_width"], abs(found["value"] * scale)
+    if width is None or size < LEAST:
+        return number(found["value"], scale)
+    shown = max(abs(width * scale), LEAST)
+    most = MOST_DIGITS - 1 - math.floor(math.log10(size))
+    decimals = max(min(1 - math.floor(math.log10(shown)), most), 0)
+    text = f"{found['value'] * scale:.{decimals}f} ± {shown:.{decimals}f}"
+    return text.replace("-", "−")
+
+
+def vector(values: list[float], scale: float = 1.0, axes: tuple[int, ...] = (0, 2)) -> list[str]:
+    """Some components."""
+    return [number(values[axis], scale) for axis in axes]
+
+
+def duration(seconds: float) -> str:
+    """Seconds, minutes or hours."""
+    if seconds < 120:
+        return f"{number(seconds)} s"
+    if seconds < 7200:
+        return f"{seconds / 60:.0f} min"
+    return f"{seconds / 3600:.1f} h"

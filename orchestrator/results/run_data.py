@@ -1,0 +1,61 @@
+"""A run's folder, opened for its results."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case import Case
+from orchestrator.deck import axes
+from orchestrator.levels import load
+from orchestrator.ports import Array
+from orchestrator.summary import cycle_s
+
+CYCLES_WITHOUT_DRIVE = 50
+
+
+@dataclass(frozen=True)
+class RunData:
+    """``history`` is the open file; ``end_s`` the simulated time; ``cycle_s`` the machine's cycle,
+    or a part of the run where nothing drives it."""
+
+    case: Case
+    history: Any
+    end_s: float
+    cycle_s: float
+
+    @property
+    def edges_s(self) -> Array:
+        """(cycles + 1,) where whole cycles begin and end; a little short of one counts as one."""
+        whole = int(self.end_s / self.cycle_s + 1e-6) if self.end_s > 0 else 0
+        return self.cycle_s * np.arange(whole + 1)
+
+    @property
+    def deck_axes(self) -> Array:
+        """(3, 3): columns are the deck axes in the world."""
+        return axes(self.case)
+
+    def read(self, path: str) -> Array:
+        """A whole dataset."""
+        return np.asarray(self.history[path][:])
+
+    def names(self, group: str) -> list[str]:
+        """Groups in a group; none if it is not there."""
+        return list(self.history.get(group, {}))
+
+
+def run_data(folder: Path, history: Any) -> RunData:
+    """Raises CaseError if the case in the folder cannot be read."""
+    case = load(folder / "case.toml").case
+    end_s = float(history["energy/time_s"][-1]) if "energy" in history else 0.0
+    cycle = cycle_s(case)
+    driven = cycle != case.duration_s
+    return RunData(case, history, end_s, cycle if driven else end_s / CYCLES_WITHOUT_DRIVE)
+
+
+def cut_size_m(case: Case) -> float | None:
+    """``output.cut_size_m``; None without it."""
+    return case.output.cut_size_m

@@ -1,0 +1,155 @@
+"""All results of a screen made by hand (``synthetic.py``), against its figures by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from orchestrator.results.compute import results
+from orchestrator.results.store import store
+from tests.results.synthetic import (
+    BIN_KG,
+    CYCLE_S,
+    DEPTH_M,
+    FILLED,
+    LEAVES,
+    MASS_KG,
+    PANEL_M,
+    VELOCITY_M_S,
+    folder_of,
+)
+from tests.runs.test_manual import documented
+
+FINE = np.array([True, True, False])
+OUT_KG = LEAVES * MASS_KG  # a cycle, by exit and size
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return folder_of(tmp_path_factory.mktemp("by-hand") / "run")
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path) -> dict[str, Any]:
+    return results(folder)
+
+
+def value(estimate: dict[str, Any]) -> Any:
+    assert estimate["half_width"] == pytest.approx(0.0, abs=1e-9)  # every cycle is alike
+    return estimate["value"]
+
+
+def test_it_is_steady_once_the_deck_is_full(found: dict[str, Any]) -> None:
+    state = found["steady"]
+    assert state["is_steady"]
+    assert state["imbalance_percent"] == pytest.approx(0.0, abs=1e-9)
+    assert FILLED * CYCLE_S <= state["start_s"] < (FILLED + 2.5) * CYCLE_S
+    assert state["end_s"] == pytest.approx(60 * CYCLE_S)
+
+
+def test_the_manual_knows_every_key(found: dict[str, Any]) -> None:
+    assert set(found["screening"]) == documented("### `results.screening`")
+    assert set(found) == documented("### `results`")
+
+
+def test_flows(found: dict[str, Any]) -> None:
+    screening = found["screening"]
+    assert value(screening["feed_kg_s"]) == pytest.approx(OUT_KG.sum() / CYCLE_S)
+    assert value(screening["undersize_kg_s"]) == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
+    assert value(screening["oversize_kg_s"]) == pytest.approx(OUT_KG[2].sum() / CYCLE_S)
+    assert value(screening["hold_up_kg"]) == pytest.approx(FILLED * OUT_KG.sum())
+    assert screening["lost_particles"] == 0
+
+
+def test_separation(found: dict[str, Any]) -> None:
+    screening = found["screening"]
+    fines = OUT_KG[:, FINE].sum(axis=1)
+    recovery = 100 * fines[:2].sum() / fines.sum()
+    for name in ("fine_placement", "efficiency"):  # no coarse passes
+        assert value(screening[f"{name}_percent"]) == pytest.approx(recovery)
+    assert value(screening["coarse_placement_percent"]) == pytest.approx(100.0)
+    assert value(screening["misplaced_percent"]) == pytest.approx(100 * fines[2] / OUT_KG.sum())
+    one, two = screening["sections"]
+    assert (one["exit"], two["exit"]) == ("one", "two")
+    assert value(two["yield_percent"]) == pytest.approx(100 * OUT_KG[1].sum() / OUT_KG.sum())
+    assert value(two["cumulative_efficiency_percent"]) == pytest.approx(recovery)
+    local = 100 * fines[1] / fines[1:].sum()
+    assert value(two["local_efficiency_percent"]) == pytest.approx(local)
+
+
+def test_partition(found: dict[str, Any]) -> None:
+    """0, 1/3 and 1 of the three sizes go over: 50 % lie a quarter of the way from 2.8 to 5 mm."""
+    table = found["screening"]["partition"]
+    there = [number for number in table["oversize_percent"] if number is not None]
+    assert there == pytest.approx([0.0, 100 / 3, 100.0])
+    assert value(table["d50_m"]) == pytest.approx(0.0028 + 0.25 * 0.0022)
+
+
+def test_transport(found: dict[str, Any]) -> None:
+    transport = found["transport"]
+    assert value(transport["residence_s"]) == pytest.approx(FILLED * CYCLE_S)
+    passing = transport["passing"]
+    step = passing["along_m"][1] - passing["along_m"][0]
+    assert np.sum(passing["rate_kg_s_m"]) * step == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
+    assert np.flatnonzero(passing["rate_kg_s_m"]).tolist() == [1, 5]  # 0.1 and 0.4 of 0.638 m
+
+
+def test_bed(found: dict[str, Any]) -> None:
+    bed = found["bed"]
+    assert value(bed["on_deck_kg"]) == pytest.approx(8 * BIN_KG)
+    assert value(bed["velocity_m_s"]) == pytest.approx(VELOCITY_M_S)
+    assert value(bed["largest_depth_m"]) == pytest.approx(DEPTH_M)
+    assert bed["profile"]["depth_m"] == pytest.approx(DEPTH_M - 0.005 * np.arange(8))
+    assert value(found["held"]["stickers"]) == 7.0
+
+
+def test_motion(found: dict[str, Any]) -> None:
+    motion = found["motion"]
+    assert motion["frames"]["driven"]["amplitude_m"] == pytest.approx([0.008, 0, 0.005], abs=1e-9)
+    assert motion["frames"]["driving"]["major_m"] == pytest.approx(0.0035)
+    assert value(motion["relative"]["driven-driving"]["along_m"]) == pytest.approx(0.006)
+    peak = motion["panel_points"]["middle-1"]["peak_normal_g"]
+    assert peak == pytest.approx(PANEL_M * 78.5**2 / 9.80665, rel=2e-3)
+    panel = motion["panels"]["deck-1"]
+    assert panel["tension_mean_N"] == pytest.approx(150.0, rel=1e-3)
+    assert panel["tension_largest_N"] == pytest.approx(200.0, rel=1e-3)
+    assert panel["stretch_largest_percent"] == pytest.approx(2.0, rel=0.01)
+
+
+def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
+    store(folder / "history.h5", found)
+    store(folder / "history.h5", found)  # anew, not twice
+    with h5py.File(folder / "history.h5") as history:
+        group = history["results"]
+        efficiency = group["screening/efficiency_percent"]
+        assert efficiency[()] == found["screening"]["efficiency_percent"]["value"]
+        assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 20)
+        assert group["transport/passing/rate_kg_s_m"].attrs["unit"] == "kg/(s m)"
+        assert group["screening/sections/2/exit"].asstr()[()] == "two"
+        depth = group["bed/profile/depth_m"]
+        assert depth[:] == pytest.approx(found["bed"]["profile"]["depth_m"])
+
+
+def test_a_short_run_says_that_it_is_transient(tmp_path: Path) -> None:
+    found = results(folder_of(tmp_path / "run", cycles=15))
+    assert not found["steady"]["is_steady"]
+    assert "20 are needed" in found["steady"]["reason"]
+    efficiency = found["screening"]["efficiency_percent"]
+    assert efficiency["value"] is not None
+    assert efficiency["half_width"] is None
+
+
+def test_an_empty_machine_has_its_motion(tmp_path: Path) -> None:
+    found = results(folder_of(tmp_path / "run", particles=False))
+    assert "no particles" in found["missing"]["screening"]
+    assert "screening" not in found
+    assert found["motion"]["relative"]["driven-driving"]["along_m"]["value"] == pytest.approx(0.006)
+
+
+def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
+    found = results(folder_of(tmp_path / "run", cycles=0))
+    assert list(found["missing"]) == ["everything"]

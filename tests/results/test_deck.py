@@ -1,0 +1,162 @@
+"""The bed seen from the deck: heights, depth and velocity in bins, particles that are stuck."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestrator.deck_line import DeckLine, deck_line, joined, over
+from orchestrator.deck_profile import bins_m, profile
+from orchestrator.held import HELD_CYCLES, Held
+from orchestrator.ports import Array, ParticleSnapshot
+
+ACROSS = np.array([0.0, 1.0, 0.0])
+CYCLE_S = 0.08
+
+
+def straight(slope_deg: float, panels: int = 2, length_m: float = 0.3) -> list[Array]:
+    """Panels end to end down a slope, 0.3 m each, ten points a panel."""
+    turn = np.radians(slope_deg)
+    down = np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    along = np.linspace(0.0, length_m, 10)
+    return [np.outer(along + i * length_m, down) + 0.05 * ACROSS for i in range(panels)]
+
+
+def deck_of(lines: list[Array]) -> tuple[DeckLine, Array]:
+    deck = deck_line(lines)
+    assert deck is not None
+    return deck, joined(deck.panels, lines)
+
+
+def snapshot(position: Array, diameter: Array, velocity: Array | None = None) -> ParticleSnapshot:
+    n = len(position)
+    still = np.zeros((n, 3))
+    return ParticleSnapshot(
+        np.arange(1, n + 1),
+        position,
+        still if velocity is None else velocity,
+        still,
+        diameter,
+        np.full(n, 1430.0),
+        np.zeros(n, dtype=np.int64),
+    )
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1)])
+@pytest.mark.parametrize("backwards", [False, True])
+def test_panels_are_joined_downhill(order: tuple[int, ...], backwards: bool) -> None:
+    lines = straight(20.0, 3)
+    deck, line = deck_of([lines[i][::-1] if backwards else lines[i] for i in order])
+    assert deck.length_m == pytest.approx(0.9, rel=1e-12)
+    assert deck.along == pytest.approx([1.0, 0.0, 0.0])
+    assert (np.diff(line[:, 2]) <= 1e-12).all()
+
+
+def test_decks_above_each_other_are_none() -> None:
+    lines = straight(20.0, 1)
+    assert deck_line([*lines, lines[0] + [0.0, 0.0, 0.5]]) is None
+
+
+@pytest.mark.parametrize("slope_deg", [0.0, 15.0, 40.0])
+def test_heights_are_normal_to_the_slope(slope_deg: float) -> None:
+    deck, line = deck_of(straight(slope_deg))
+    turn = np.radians(slope_deg)
+    normal = np.array([np.sin(turn), 0.0, np.cos(turn)])
+    foot = 0.25 * np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    seen = over(deck, line, np.tile(2.0 * normal, (len(line), 1)), (foot + 0.02 * normal)[None])
+    assert seen.height_m == pytest.approx([0.02], rel=1e-12)
+    assert seen.rise_m_s == pytest.approx([2.0], rel=1e-12)
+    assert seen.inside.all()
+    # a point over the deck is taken to stand over the spot vertically below it
+    assert seen.station_m == pytest.approx([0.25 + 0.02 * np.tan(turn)], rel=1e-9)
+
+
+def test_stations_stick_to_the_panel() -> None:
+    deck, line = deck_of(straight(10.0))
+    shift = np.array([0.006, 0.0, 0.004])
+    place = np.array([[0.2, 0.05, 0.0]])
+    before = over(deck, line, 0 * line, place)
+    after = over(deck, line + shift, 0 * line, place + shift)
+    assert after.station_m == pytest.approx(before.station_m, rel=1e-12)
+    assert after.height_m == pytest.approx(before.height_m, rel=1e-12)
+
+
+def test_mass_velocity_and_depth_by_bin() -> None:
+    """A flat deck of 0.6 m in 8 bins.  Bin 1 has twenty equal spheres at heights 1 to 20 mm:
+    19 of 20 are 95 % of the mass, so the depth is 19 mm and a radius."""
+    deck, line = deck_of(straight(0.0))
+    edges = bins_m(deck)
+    assert len(edges) == 9
+    n = 20
+    position = np.column_stack([np.full(n, 0.1), np.full(n, 0.05), 0.001 * np.arange(1, n + 1)])
+    position = np.vstack([position, [[0.4, 0.05, 0.002], [0.4, 0.05, -0.01], [0.7, 0.05, 0.01]]])
+    speed = np.concatenate([np.linspace(0.1, 0.3, n), [0.5, 9.0, 9.0]])
+    velocity = np.outer(speed, [1.0, 0.0, 0.0])
+    seen = over(deck, line, 0 * line, position)
+    found = profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
+    one_kg = np.pi / 6 * 0.004**3 * 1430.0
+    assert found["mass_kg"] == pytest.approx([0, 20 * one_kg, 0, 0, 0, one_kg, 0, 0])
+    assert found["velocity_m_s"][[1, 5]] == pytest.approx([0.2, 0.5])
+    assert found["depth_m"][[1, 5]] == pytest.approx([0.019 + 0.002, 0.004])
+    assert np.isnan(found["depth_m"][[0, 2, 3, 4, 6, 7]]).all()
+
+
+def test_velocity_is_along_the_slope() -> None:
+    deck, line = deck_of(straight(30.0))
+    turn = np.radians(30.0)
+    down = np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    position = (0.1 * down + [0, 0, 0.005])[None]
+    seen = over(deck, line, 0 * line, position)
+    found = profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
+    assert np.nanmax(found["velocity_m_s"]) == pytest.approx(0.7, rel=1e-12)
+
+
+def shaken(
+    fastest_m_s: float, drift_m: float, height_m: Array, cycles: float = HELD_CYCLES + 1
+) -> dict[str, float]:
+    """Two 4 mm spheres on a panel that moves as a whole by +-5 mm, one drifting along."""
+    deck, line = deck_of(straight(0.0))
+    held = Held(CYCLE_S, ACROSS, np.array([[0.1, 0.05], [0.12, 0.05], [0.2, 0.02]]))
+    found: dict[str, float] = {}
+    for time in np.arange(0.0, cycles * CYCLE_S, CYCLE_S / 8):
+        moved = np.array([0.005 * np.sin(2 * np.pi * time / CYCLE_S), 0.0, 0.0])
+        rise = np.tile([0.0, 0.0, fastest_m_s * np.cos(2 * np.pi * time / CYCLE_S)], (len(line), 1))
+        position = np.array([[0.1, 0.05, 0.0], [0.2 + drift_m * time, 0.021, 0.0]])
+        position[:, 2] = height_m
+        seen = over(deck, line + moved, rise, position + moved)
+        found = held.at(float(time), snapshot(position + moved, np.full(2, 0.004)), seen)
+    return found
+
+
+def test_what_stays_on_a_shaking_panel_is_stuck() -> None:
+    """0.2 m/s at 78.5 rad/s are 1.6 g.  At 1 m/s along, the other is at no place for long."""
+    on_top = np.array([0.002, 0.002])
+    assert shaken(0.2, 1.0, on_top)["stickers"] == 1.0
+    assert shaken(0.2, 0.0, on_top)["stickers"] == 2.0
+    assert shaken(0.2, 0.0, on_top)["mass_kg"] == pytest.approx(2 * np.pi / 6 * 0.004**3 * 1430)
+    assert shaken(0.1, 0.0, on_top)["stickers"] == 0.0  # 0.8 g: nothing is thrown
+    assert shaken(0.2, 0.0, on_top, HELD_CYCLES - 1)["stickers"] == 0.0  # not long enough
+    assert shaken(0.2, 0.0, np.array([0.002, 0.009]))["stickers"] == 1.0  # lies on others
+
+
+def test_what_sits_in_an_opening_blinds_it() -> None:
+    """A sphere of diameter d seated on the rim of an opening a < d is sqrt(d^2 - a^2)/2 above
+    it: 0.87 mm for 4 mm on 3.6 mm.  Lying on the panel, 2 mm."""
+    seated = float(np.sqrt(4.0**2 - 3.6**2) / 2) * 1e-3
+    assert shaken(0.2, 0.0, np.array([seated, 0.002]))["openings"] == 1.0
+    assert shaken(0.2, 0.0, np.array([seated, seated]))["openings"] == 2.0
+    assert shaken(0.2, 0.0, np.array([0.002, 0.002]))["openings"] == 0.0
+
+
+def test_ids_that_come_and_go() -> None:
+    deck, line = deck_of(straight(0.0))
+    held = Held(CYCLE_S, ACROSS, np.empty((0, 2)))
+    position = np.array([[0.1, 0.05, 0.002], [0.2, 0.05, 0.002], [0.3, 0.05, 0.002]])
+    every = snapshot(position, np.full(3, 0.004))
+    rise = np.tile([0.0, 0.0, 1.0], (len(line), 1))
+    parts = {0.0: [], 0.1: [0, 1], 0.3: [0, 1, 2], 0.6: [0, 2]}
+    for time, rows in parts.items():
+        particles = ParticleSnapshot(*(getattr(every, name)[rows] for name in vars(every)))
+        seen = over(deck, line, rise, particles.position_m)
+        found = held.at(time, particles, seen)
+    assert found["stickers"] == 1.0  # the first, since 0.1 s; the third came too late

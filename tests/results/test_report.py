@@ -1,0 +1,141 @@
+"""``flipflow report``: a page that stands alone, for every kind of run, seen in a real browser."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from orchestrator.report.words import interval, number
+from tests.results.browser import browser, seen
+from tests.results.synthetic import folder_of
+from tests.runs.outside import flipflow, said_plainly
+
+IN_BROWSER = pytest.mark.skipif(
+    browser() is None, reason="no browser: apt-get install chromium-headless-shell"
+)
+
+
+@pytest.fixture(scope="module", params=["screen", "empty machine"])
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """With its report."""
+    made = folder_of(tmp_path_factory.mktemp("report") / "run", request.param == "screen")
+    done = flipflow("report", str(made))
+    assert done.returncode == 0, done.stderr
+    said_plainly(done)
+    assert done.stdout.strip() == str(made / "report.html")
+    return made
+
+
+@pytest.mark.process
+@IN_BROWSER
+def test_a_browser_shows_all_of_it(folder: Path, tmp_path: Path) -> None:
+    page = seen(folder / "report.html", tmp_path)
+    assert page.errors == ""
+    assert page.log == []
+    assert page.asked == []
+    assert page.overflow <= 0
+    screen = (folder / "particles.pvd").is_file()
+    assert len(page.images) == (10 if screen else 6)
+    assert min(min(size) for size in page.images) > 100  # 0 is what does not decode
+    assert len(page.tables) >= 7
+    assert all(cell for table in page.tables for cell in table)
+    pixels = matplotlib.image.imread(page.screenshot)[..., :3]
+    assert pixels.shape[:2] == (5000, 1280)
+    inked = np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1
+    assert 0.02 < inked.mean() < 0.5
+
+
+@pytest.mark.process
+def test_the_page_needs_nothing_else(folder: Path) -> None:
+    text = (folder / "report.html").read_text()
+    assert len(text) < 6e6
+    for address in re.findall(r'(?:src|href)="([^"]*)"', text):
+        assert address.startswith("data:")
+    assert "<script" not in text
+    assert "url(" not in text.split("</style>")[0]
+
+
+@pytest.mark.process
+def test_the_figures_of_the_page_are_the_results(folder: Path) -> None:
+    text = re.sub(r"<[^>]+>|\s+", " ", (folder / "report.html").read_text().split("<body>")[1])
+    text = re.sub(r"\s+", " ", text)
+    assert "relative amplitude driven-driving, along 6.0000 mm" in text
+    assert "a warning of the log" in text
+    if (folder / "particles.pvd").is_file():
+        assert "screening efficiency η 79.262 %" in text
+        assert "49 cycles" in text
+    else:
+        assert "the case has no particles" in text
+
+
+@pytest.mark.process
+def test_an_interrupted_and_a_failed_run(tmp_path: Path) -> None:
+    """What a failed run lacks is not asked for; the reason stands at the top."""
+    folder = folder_of(tmp_path / "run", cycles=15)
+    summary = json.loads((folder / "summary.json").read_text())
+    summary |= {"status": "failed", "reason": "a <solver> failed"}
+    del summary["momentum_residual_relative"], summary["energy_ledger_J"]
+    (folder / "summary.json").write_text(json.dumps(summary))
+    for series in ("surface", "particles"):
+        shutil.rmtree(folder / series)
+    done = flipflow("report", str(folder))
+    assert done.returncode == 0, done.stderr
+    text = (folder / "report.html").read_text()
+    assert "The run was failed: a &lt;solver&gt; failed" in text
+    assert "No steady state" in text
+    assert "No film of the deck: " in text
+    assert "no snapshots" in text
+
+
+@pytest.mark.process
+def test_what_is_no_run(tmp_path: Path) -> None:
+    for folder, why in ((tmp_path / "nowhere", "no such folder"), (tmp_path, "no run")):
+        done = flipflow("report", str(folder))
+        assert done.returncode == 2
+        assert why in done.stderr
+        said_plainly(done)
+    half = tmp_path / "half"
+    half.mkdir()
+    for name in ("case.toml", "summary.json", "provenance.json", "history.h5"):
+        (half / name).write_text("{}")
+    done = flipflow("report", str(half))
+    assert done.returncode == 2, done.stderr
+    said_plainly(done)
+    assert list(half.glob("report.html")) == []
+
+
+@pytest.mark.parametrize(
+    ("value", "scale", "text"),
+    [
+        (None, 1.0, "–"),
+        (float("nan"), 1.0, "–"),
+        (0.0, 1.0, "0"),
+        (0.0123456, 1e3, "12.3"),
+        (-4.0, 1.0, "−4.00"),
+        (123456.0, 1.0, "123456"),
+        (1.5e9, 1.0, "1.50e+09"),
+    ],
+)
+def test_numbers(value: float | None, scale: float, text: str) -> None:
+    assert number(value, scale) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "width", "text"),
+    [
+        (82.312, 0.417, "82.31 ± 0.42"),
+        (82.312, 14.2, "82 ± 14"),
+        (0.8231, 0.0042, "0.8231 ± 0.0042"),
+        (5.0, 0.0, "5.0000 ± 0.0000"),
+        (5.0, None, "5.00"),
+        (None, None, "–"),
+    ],
+)
+def test_intervals(value: float | None, width: float | None, text: str) -> None:
+    assert interval({"value": value, "half_width": width, "batches": 20}) == text
