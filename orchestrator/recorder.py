@@ -13,15 +13,18 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case import Case
 from orchestrator.coupling import State
 from orchestrator.deck_record import deck_record
 from orchestrator.frame_rotation import rotations
 from orchestrator.history import History
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine, Probe
+from orchestrator.opening_places import openings_m
 from orchestrator.ports import Motion, ParticleSnapshot
 from orchestrator.ranks import is_first
 from orchestrator.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.summary import cycle_s
 
 
 class Recorder:
@@ -33,7 +36,7 @@ class Recorder:
         machine: Machine,
         ledger: Ledger,
         start: State,
-        cycle_s: float,
+        case: Case,
         world: Any,
     ):
         self._machine, self._ledger, self._start = machine, ledger, start
@@ -49,7 +52,7 @@ class Recorder:
                 self._history.describe("removed", "names", [one.name for one in exits])
                 self._history.describe("removed", "products", [one.product for one in exits])
             lines = [panel.centre_line for panel in machine.panels]
-            self._deck = deck_record(start.panel.surface, lines, cycle_s, np.empty((0, 3)))
+            self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
 
     def sync_point(self, time_s: float, state: State) -> None:
         """Every sync point: motions and forces."""

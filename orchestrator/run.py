@@ -62,8 +62,7 @@ class Run:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
         with written(0.0):
-            cycle_s = summary.cycle_s(self._case)
-            recorder = Recorder(self._folder, machine, ledger, state, cycle_s, self._world)
+            recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world)
         interrupted = None
         try:
             self._record(recorder, state, 0)
@@ -140,8 +139,8 @@ class Run:
         """To ``summary.json`` and ``history.h5``.  A mistake in them loses nothing else."""
         try:
             figures["results"] = results(self._folder)
-            store(self._folder / "history.h5", figures["results"])
             write_json(self._folder / "summary.json", figures)
+            store(self._folder / "history.h5", figures["results"])
         except OSError:
             raise
         except Exception as error:

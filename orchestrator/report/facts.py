@@ -21,6 +21,12 @@ def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
         for p in panels
     }
     yield "panels, free length × width × thickness", "; ".join(sorted(sizes))
+    for pattern in dict.fromkeys(p.apertures for p in panels if p.apertures is not None):
+        yield (
+            f"openings ({pattern.shape}), length × width",
+            f"{1e3 * pattern.length_m:g} × {1e3 * pattern.width_m:g} mm, every "
+            f"{1e3 * pattern.pitch_along_m:g} × {1e3 * pattern.pitch_across_m:g} mm",
+        )
     tensions = sorted({1e3 * (p.rectangle.span_m - p.rectangle.length_m) for p in panels})
     yield "tension amount δ", ", ".join(f"{t:.3g} mm" for t in tensions)
     materials = dict.fromkeys(p.table.material for p in panels)

@@ -61,6 +61,7 @@ def sections_sheet(found: dict[str, Any]) -> Sheet:
 def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
     """Transport and the bed as a whole; mass and numbers are multiplied by ``whole``."""
     bed, held, transport = (results.get(name, {}) for name in ("bed", "held", "transport"))
+    blinded = interval(held["blinded_openings"], whole)
     rows = [
         ("mass on the deck", interval(bed["on_deck_kg"], whole), "kg"),
         ("velocity, mass weighted", interval(bed["velocity_m_s"]), "m/s"),
@@ -73,7 +74,7 @@ def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
     rows += [
         ("largest bed depth", interval(bed["largest_depth_m"], 1e3), "mm"),
         ("stickers", interval(held["stickers"], whole), "particles"),
-        ("blinded openings", interval(held["blinded_openings"], whole), "openings"),
+        (f"blinded, of {number(held['openings'], whole)} openings", blinded, "openings"),
     ]
     return Sheet("Bed", ("figure", "value", "unit"), tuple(rows))
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from orchestrator.deck_line import DeckLine, deck_line
 from orchestrator.left_out import has_particles
+from orchestrator.opening_places import openings_m
 from orchestrator.results import machine_figures as machine
 from orchestrator.results.deck_figures import bed_figures, held_figures
 from orchestrator.results.estimate import Estimate
@@ -78,7 +79,7 @@ def _add_bed(data: RunData, events: Events | None, found: dict[str, Any]) -> Non
     steady = found.get("steady", {"start_s": 0.0, "end_s": data.end_s, "is_steady": False})
     times = (steady["start_s"], steady["end_s"], steady["is_steady"])
     found["bed"] = bed_figures(data, *times)
-    found["held"] = held_figures(data, *times)
+    found["held"] = {"openings": len(openings_m(data.case)), **held_figures(data, *times)}
 
 
 def _add_machine(data: RunData, events: Events | None, found: dict[str, Any]) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from orchestrator.case import Case
 from orchestrator.deck import axes
 from orchestrator.levels import load
+from orchestrator.opening_places import smaller_sides_m
 from orchestrator.ports import Array
 from orchestrator.summary import cycle_s
 
@@ -57,5 +58,7 @@ def run_data(folder: Path, history: Any) -> RunData:
 
 
 def cut_size_m(case: Case) -> float | None:
-    """``output.cut_size_m``; None without it."""
-    return case.output.cut_size_m
+    """``output.cut_size_m``, or the smaller side of the largest openings; None without either."""
+    if case.output.cut_size_m is not None:
+        return case.output.cut_size_m
+    return max(smaller_sides_m(case), default=None)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,11 +14,16 @@ import numpy as np
 from orchestrator.history import unit_of
 
 GROUP = "results"
+ROOM_BYTES = 4 * 1024**2
 
 
 def store(history_file: Path, found: Mapping[str, Any]) -> None:
     """Writes the group anew.  An estimate becomes a number with the attributes ``half_width`` and
-    ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown."""
+    ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown.
+
+    Raises OSError where the disk is too full to be sure: HDF5 would lose the whole file."""
+    if shutil.disk_usage(history_file.parent).free < ROOM_BYTES:
+        raise OSError(errno.ENOSPC, f"no room for the group {GROUP} of {history_file.name}")
     with h5py.File(history_file, "a") as history:
         if GROUP in history:
             del history[GROUP]

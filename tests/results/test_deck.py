@@ -5,10 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.deck import axes
 from orchestrator.deck_line import DeckLine, deck_line, joined, over
 from orchestrator.deck_profile import bins_m, profile
 from orchestrator.held import HELD_CYCLES, Held
+from orchestrator.levels import load
+from orchestrator.opening_places import openings_m
 from orchestrator.ports import Array, ParticleSnapshot
+from orchestrator.results.run_data import cut_size_m
+from tests.results.synthetic import ROOT
 
 ACROSS = np.array([0.0, 1.0, 0.0])
 CYCLE_S = 0.08
@@ -160,3 +165,16 @@ def test_ids_that_come_and_go() -> None:
         seen = over(deck, line, rise, particles.position_m)
         found = held.at(time, particles, seen)
     assert found["stickers"] == 1.0  # the first, since 0.1 s; the third came too late
+
+
+def test_openings_in_the_world() -> None:
+    """Two panels of one opening each, at the middle of the span of a taut panel."""
+    pattern = "{shape='slot', length_m=0.02, width_m=0.003, pitch_along_m=0.2, pitch_across_m=0.15}"
+    sets = [f"screen.panels.deck.apertures={pattern}", "screen.panels.deck.tension_m=0.004"]
+    case = load(ROOT / "cases/quickstart", "draft", sets).case
+    found = openings_m(case) @ axes(case)  # in deck axes
+    assert found == pytest.approx(np.array([[0.152, 0.1, 0.0], [0.338 + 0.152, 0.1, 0.0]]))
+    assert cut_size_m(case) == 0.003
+    plain = load(ROOT / "cases/quickstart", "draft").case
+    assert openings_m(plain).shape == (0, 3)
+    assert cut_size_m(plain) is None
