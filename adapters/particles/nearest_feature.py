@@ -17,9 +17,8 @@ import numpy.typing as npt
 
 from orchestrator.ports import Array, Indices
 
-SAME_PATCH = math.cos(math.radians(15.0))
-OTHER_PATCH = math.cos(math.radians(45.0))
 SAME_CONTACT = 0.5  # cosine between a contact's normals at two instants
+SAME_PATCH = math.cos(math.radians(30.0))  # a new contact takes over the spring of a present one
 
 
 def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
@@ -60,29 +59,18 @@ def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
     return np.asarray(weights.T)
 
 
-def one_per_patch(
-    sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Array, normal: Array
-) -> Array:
-    """Weight (n,), 0 ... 1, of each candidate contact.
+def minima(sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Array) -> Indices:
+    """Rows of the candidates that are minima of the distance to the surface, deepest first.
 
     ``sphere`` (n,) whose candidate it is, ``corners`` (n, 3) points of the triangle,
-    ``barycentric`` (n, 3) where on it, ``overlap_m`` (n,) > 0, ``normal`` (n, 3) unit vectors
-    from the surface to the sphere's centre.
+    ``barycentric`` (n, 3) where on it, ``overlap_m`` (n,).
     """
-    weight = np.zeros(len(sphere))
     order = np.lexsort((-overlap_m, sphere))
-    order = order[_minima(sphere[order], corners[order], barycentric[order] > 0.0)]
-    weight[order] = 1.0
-    while len(order):
-        leads = np.append(True, sphere[order[1:]] != sphere[order[:-1]])
-        deepest, further = order[leads], order[~leads]
-        taken = deepest[np.searchsorted(sphere[deepest], sphere[further])]
-        weight[further] = np.minimum(weight[further], _otherness(normal[further], normal[taken]))
-        order = further[weight[further] > 0.0]
-    return weight
+    kept = _are_minima(sphere[order], corners[order], barycentric[order] > 0.0)
+    return np.asarray(order[kept])
 
 
-def _minima(
+def _are_minima(
     sphere: Indices, corners: Indices, on_corner: npt.NDArray[np.bool_]
 ) -> npt.NDArray[np.bool_]:
     """Which candidates, sorted by sphere and depth, are minima of the distance to the surface.
@@ -102,29 +90,28 @@ def _minima(
     return minimum
 
 
-def _otherness(normal: Array, taken: Array) -> Array:
-    """0 where two normals belong to one smooth patch, 1 where they do not."""
-    t = (SAME_PATCH - _dot(normal, taken)) / (SAME_PATCH - OTHER_PATCH)
-    t = np.minimum(np.maximum(t, 0.0), 1.0)
-    return np.asarray(t * t * (3.0 - 2.0 * t))
-
-
-def match_by_normal(now: tuple[Indices, Array], before: tuple[Indices, Array]) -> Indices:
-    """For each contact now the row of the contact before that it continues, or -1: (n,).
+def match_by_normal(
+    now: tuple[Indices, Array], before: tuple[Indices, Array]
+) -> tuple[Indices, Indices]:
+    """For each contact now (n,) the row of the contact before that it continues, or -1, and the
+    row of the one that it continues or comes from, or -1.
 
     Each side is (sphere (n,), normal (n, 3)).  Contacts of one sphere are paired by nearest
-    normal, nearest first, each once, and only closer than 60 degrees.
+    normal, nearest first, each once, and only closer than 60 degrees.  One that is left over
+    comes from the contact with the nearest normal closer than 30 degrees.
     """
     new, old = np.nonzero(now[0][:, None] == before[0][None, :])
     cosine = _dot(now[1][new], before[1][old])
     order = np.argsort(-cosine, kind="stable")
     order = order[cosine[order] > SAME_CONTACT]
-    found, taken = [-1] * len(now[0]), set()
-    for n, o in zip(new[order].tolist(), old[order].tolist(), strict=True):
+    found, parent, taken = [-1] * len(now[0]), [-1] * len(now[0]), set()
+    for n, o, c in zip(new[order].tolist(), old[order].tolist(), cosine[order], strict=True):
+        if parent[n] < 0 and c > SAME_PATCH:
+            parent[n] = o
         if found[n] < 0 and o not in taken:
-            found[n] = o
+            found[n] = parent[n] = o
             taken.add(o)
-    return np.array(found, dtype=np.int64)
+    return np.array(found, dtype=np.int64), np.array(parent, dtype=np.int64)
 
 
 def _dot(a: Array, b: Array) -> Array:

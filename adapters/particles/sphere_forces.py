@@ -25,6 +25,7 @@ class Forces:
     touching: Touching
     surface_m_s: Array  # velocity of the surface at its contacts
     contact_N: Array  # (n, 3) on the first partner
+    turning_N: Array  # (surface contacts, 3) on the sphere, through its centre
     damping_N: Array  # (n, 3) part of contact_N
     shear_m: Array  # (n, 3)
     tangential_N_m: Array  # (n,)
@@ -60,12 +61,14 @@ class Forces:
     def renumbered(self, row: Indices, spheres: int) -> Forces:
         """With sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
         kept, contacts = self.touching.renumbered(row)
-        contact_N = self.contact_N[kept]
-        force_N, torque_N_m = contacts.on_spheres(contact_N, spheres)
+        of_surface = kept[self.touching.pairs :]
+        contact_N, turning_N = self.contact_N[kept], self.turning_N[of_surface]
+        force_N, torque_N_m = contacts.on_spheres(contact_N, turning_N, spheres)
         return Forces(
             contacts,
-            self.surface_m_s[kept[self.touching.pairs :]],
+            self.surface_m_s[of_surface],
             contact_N,
+            turning_N,
             self.damping_N[kept],
             self.shear_m[kept],
             self.tangential_N_m[kept],
@@ -73,7 +76,7 @@ class Forces:
             self.tangential_J[kept],
             force_N,
             torque_N_m,
-            contacts.on_points(contact_N, len(self.on_points_N)),
+            contacts.on_points(contact_N, turning_N, len(self.on_points_N)),
             self.friction_J,
             self.damping_W,
         )
@@ -111,22 +114,34 @@ def forces_at(
     tension_N = law.tangential_N_m[:, None] * at.shear_m
     tangential_J = 0.5 * np.einsum("ij,ij->i", tension_N, at.shear_m)
     work_J = 0.5 * float(np.vdot(tension_N + history.tension_N, stretch_m))
-    force_N, torque_N_m = contacts.on_spheres(at.force_N, len(spheres))
+    normal_J = 0.4 * law.normal_N_m * contacts.overlap_m**2
+    turning_N = _turning_N(laws, spheres, contacts)
+    force_N, torque_N_m = contacts.on_spheres(at.force_N, turning_N, len(spheres))
     return Forces(
         contacts,
         surface_m_s,
         at.force_N,
+        turning_N,
         at.damping_N,
         at.shear_m,
         law.tangential_N_m,
-        0.4 * law.normal_N_m * contacts.overlap_m**2,
+        normal_J,
         tangential_J,
         force_N,
         torque_N_m,
-        contacts.on_points(at.force_N, len(motion)),
+        contacts.on_points(at.force_N, turning_N, len(motion)),
         work_J + history.stored_J - float(tangential_J.sum()),
         0.0,
     )
+
+
+def _turning_N(laws: Laws, spheres: Spheres, contacts: Touching) -> Array:
+    """Hertz's energy is 8/15 E* sqrt(r) overlap^(5/2)."""
+    of_surface = slice(contacts.pairs, None)
+    sphere = contacts.first[of_surface]
+    E_star_Pa = laws.youngs_modulus_Pa[spheres.material[sphere], contacts.material[of_surface]]
+    stiffness_N_m1_5 = 8.0 / 15.0 * E_star_Pa * np.sqrt(spheres.radius_m[sphere])
+    return np.asarray(stiffness_N_m1_5[:, None] * contacts.turning)
 
 
 @dataclass(frozen=True)
@@ -142,11 +157,11 @@ def _history(now: Touching, before: Forces | None, spheres: int) -> _History:
     nothing = np.zeros((len(now.first), 3))
     if before is None:
         return _History(nothing, nothing, 0.0)
-    row = continued(now, before.touching, spheres)
-    old = np.flatnonzero(row >= 0)
+    same, parent = continued(now, before.touching, spheres)
     shear_m, tension_N = nothing, nothing.copy()
-    shear_m[old] = before.shear_m[row[old]]
-    tension_N[old] = before.tangential_N_m[row[old], None] * shear_m[old]
+    heir, old = np.flatnonzero(parent >= 0), np.flatnonzero(same >= 0)
+    shear_m[heir] = before.shear_m[parent[heir]]
+    tension_N[old] = before.tangential_N_m[same[old], None] * shear_m[old]
     return _History(shear_m, tension_N, float(before.tangential_J.sum()))
 
 

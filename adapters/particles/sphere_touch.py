@@ -10,8 +10,9 @@ import numpy.typing as npt
 from adapters.particles.nearest_feature import (
     closest_on_triangle,
     match_by_normal,
-    one_per_patch,
+    minima,
 )
+from adapters.particles.smooth_patches import Places, shared
 from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_state import Spheres
 from orchestrator.geometry import TriangleSurface
@@ -34,6 +35,7 @@ class Touching:
     normal: Array
     overlap_m: Array
     weight: Array
+    turning: Array  # (n - pairs, 3) m^(3/2), see smooth_patches.shared
     lever_m: Array
     second_lever_m: Array  # (pairs,)
 
@@ -67,6 +69,7 @@ class Touching:
             self.normal[kept],
             self.overlap_m[kept],
             self.weight[kept],
+            self.turning[surface],
             self.lever_m[kept],
             self.second_lever_m[pair],
         )
@@ -75,20 +78,23 @@ class Touching:
         """Values (n - pairs, 3) at the surface contacts of values at all points."""
         return np.asarray(np.einsum("ij,ijk->ik", self.barycentric, point_values[self.points]))
 
-    def on_spheres(self, force_N: Array, spheres: int) -> tuple[Array, Array]:
-        """Force and torque, (spheres, 3) each, of forces (n, 3) on the first partners."""
+    def on_spheres(self, force_N: Array, turning_N: Array, spheres: int) -> tuple[Array, Array]:
+        """Force and torque, (spheres, 3) each, of forces (n, 3) on the first partners, and of
+        forces (n - pairs, 3) of the surface through the sphere's centre."""
         force, torque = np.zeros((spheres, 3)), np.zeros((spheres, 3))
         turning = cross(self.normal, force_N)
         np.add.at(force, self.first, force_N)
+        np.add.at(force, self.first[self.pairs :], turning_N)
         np.subtract.at(force, self.second, force_N[: self.pairs])
         np.subtract.at(torque, self.first, self.lever_m[:, None] * turning)
         np.subtract.at(torque, self.second, self.second_lever_m[:, None] * turning[: self.pairs])
         return force, torque
 
-    def on_points(self, force_N: Array, points: int) -> Array:
-        """Force (points, 3) on the surface, by barycentric weights."""
+    def on_points(self, force_N: Array, turning_N: Array, points: int) -> Array:
+        """Force (points, 3) on the surface, by barycentric weights, of the same forces."""
         given = np.zeros((points, 3))
-        shares = self.barycentric[:, :, None] * force_N[self.pairs :, None, :]
+        from_surface_N = force_N[self.pairs :] + turning_N
+        shares = self.barycentric[:, :, None] * from_surface_N[:, None, :]
         np.subtract.at(given, self.points, shares)
         return given
 
@@ -98,7 +104,7 @@ def touching(
 ) -> Touching:
     """All contacts with the surface points at ``surface_m``."""
     i, j, pair_normal, pair_overlap_m = _pairs(spheres, near)
-    sphere, triangle, barycentric, normal, overlap_m, weight = on_surface(
+    sphere, triangle, barycentric, normal, overlap_m, weight, turning = on_surface(
         spheres, surface.triangles, surface_m, (near.sphere, near.triangle)
     )
     first = np.concatenate([i, sphere])
@@ -112,6 +118,7 @@ def touching(
         np.concatenate([pair_normal, normal]),
         overlap_m,
         np.concatenate([np.ones(len(i)), weight]),
+        turning,
         spheres.radius_m[first] - overlap_m / 2.0,
         spheres.radius_m[j] - pair_overlap_m / 2.0,
     )
@@ -128,9 +135,9 @@ def _pairs(spheres: Spheres, near: Neighbours) -> tuple[Indices, Indices, Array,
 
 def on_surface(
     spheres: Spheres, triangles: Indices, surface_m: Array, near: tuple[Indices, Indices]
-) -> tuple[Indices, Indices, Array, Array, Array, Array]:
+) -> tuple[Indices, Indices, Array, Array, Array, Array, Array]:
     """Contacts among the candidates ``near`` (sphere, triangle), those of weight zero left out:
-    sphere, triangle, barycentric weights, normal, overlap, weight."""
+    sphere, triangle, barycentric weights, normal, overlap, weight, turning."""
     sphere, triangle = near
     corners_m, center_m = surface_m[triangles[triangle]], spheres.position_m[sphere]
     barycentric = closest_on_triangle(center_m, corners_m)
@@ -138,9 +145,11 @@ def on_surface(
     distance_m = np.sqrt(np.einsum("ij,ij->i", out_m, out_m))
     overlap_m = spheres.radius_m[sphere] - distance_m
     hit = np.flatnonzero(overlap_m > 0.0)
+    hit = hit[minima(sphere[hit], triangles[triangle[hit]], barycentric[hit], overlap_m[hit])]
     normal = out_m[hit] / distance_m[hit, None]
-    weight = one_per_patch(
-        sphere[hit], triangles[triangle[hit]], barycentric[hit], overlap_m[hit], normal
+    inside = barycentric[hit] > 0.0
+    weight, turning = shared(
+        Places(sphere[hit], overlap_m[hit], distance_m[hit], normal, corners_m[hit], inside)
     )
     counts = np.flatnonzero(weight > 0.0)
     hit = hit[counts]
@@ -151,21 +160,24 @@ def on_surface(
         normal[counts],
         overlap_m[hit],
         weight[counts],
+        turning[counts],
     )
 
 
-def continued(now: Touching, before: Touching, spheres: int) -> Indices:
-    """For each contact now its row in ``before``, or -1 if it is new."""
+def continued(now: Touching, before: Touching, spheres: int) -> tuple[Indices, Indices]:
+    """For each contact now its row in ``before`` or -1 if it is new, and the row whose spring it
+    takes over: its own, or of a contact of the same smooth patch, or -1."""
     old = before.first[: before.pairs] * spheres + before.second  # ascending, as the lists are
     new = now.first[: now.pairs] * spheres + now.second
     place = np.minimum(np.searchsorted(old, new), len(old) - 1)
     of_pairs = np.where(old[place] == new, place, -1) if len(old) else np.full(len(new), -1)
-    of_surface = match_by_normal(
+    same, parent = match_by_normal(
         (now.first[now.pairs :], now.normal[now.pairs :]),
         (before.first[before.pairs :], before.normal[before.pairs :]),
     )
-    of_surface[of_surface >= 0] += before.pairs
-    return np.concatenate([of_pairs, of_surface])
+    for of_surface in (same, parent):
+        of_surface[of_surface >= 0] += before.pairs
+    return np.concatenate([of_pairs, same]), np.concatenate([of_pairs, parent])
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -6,31 +6,37 @@ namespace flipflow {
 
 namespace {
 
-constexpr double kSameContact = 0.5;  // least cosine between a contact's old and new normal
+constexpr double kSameContact = 0.5;                  // least cosine between old and new normal
+constexpr double kSamePatch = 0.86602540378443865;    // cos 30 degrees
 
 }  // namespace
+
+// The old record with the nearest normal, or -1.
+int ContactHistory::nearest(Vec3 normal, double least_cosine, bool taken_ones) const {
+  int found = -1;
+  for (size_t old = 0; old < taken_.size(); ++old) {
+    const double cosine = dot(normal, from(&old_[old * record_]));
+    if (cosine > least_cosine && (taken_ones || !taken_[old])) {
+      least_cosine = cosine;
+      found = static_cast<int>(old);
+    }
+  }
+  return found;
+}
 
 void ContactHistory::match(int i, const std::vector<Touch> &touches) {
   std::vector<double> &records = records_[i];
   if (records.empty() && touches.empty()) return;
   old_.swap(records);
+  taken_.assign(old_.size() / record_, false);
   records.assign(touches.size() * record_, 0.0);
   for (size_t k = 0; k < touches.size(); ++k) {
     const Vec3 normal = (1.0 / std::sqrt(touches[k].distance2)) * touches[k].away;
-    double nearest = kSameContact;
-    double *match = nullptr;
-    for (size_t old = 0; old < old_.size(); old += record_) {
-      const double cosine = dot(normal, from(&old_[old]));
-      if (cosine > nearest) {
-        nearest = cosine;
-        match = &old_[old];
-      }
-    }
+    const int same = nearest(normal, kSameContact, false);
+    const int heir_of = same >= 0 ? same : nearest(normal, kSamePatch, true);
     double *record = &records[k * record_];
-    if (match) {
-      std::copy(match, match + record_, record);
-      match[0] = match[1] = match[2] = 0.0;  // taken
-    }
+    if (heir_of >= 0) std::copy_n(&old_[heir_of * record_], record_, record);
+    if (same >= 0) taken_[same] = true;
     record[0] = normal.x;
     record[1] = normal.y;
     record[2] = normal.z;

@@ -8,7 +8,8 @@ namespace flipflow {
 
 // What a contact model remembers about the surface contacts of each particle: `values` numbers
 // per contact, kept with the contact's normal.  A contact that wanders from one triangle to the
-// next is known by its normal and keeps its values.
+// next is known by its normal and keeps its values.  A new contact that is near to one (another
+// place of the same smooth patch) starts with a copy of that one's.
 class ContactHistory {
  public:
   explicit ContactHistory(int values) : record_(3 + values) {}
@@ -25,9 +26,12 @@ class ContactHistory {
   int packed_size(int contacts) const { return 1 + contacts * record_; }
 
  private:
+  int nearest(Vec3 normal, double least_cosine, bool taken_ones) const;
+
   int record_;                                // 3 of the normal, then the values
   std::vector<std::vector<double>> records_;  // of each particle, one contact after the other
   std::vector<double> old_;
+  std::vector<bool> taken_;  // of the old records
 };
 
 }  // namespace flipflow

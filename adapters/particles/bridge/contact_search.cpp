@@ -65,11 +65,12 @@ Touch ContactSearch::nearest_place(const SurfacePath &surface, Vec3 position_m,
              c = surface.position(corner[2]);
   const auto at = closest_point(position_m, a, b, c);
   const Vec3 away = position_m - (at.weight[0] * a + at.weight[1] * b + at.weight[2] * c);
-  return {triangle, at, away, dot(away, away), 1.0};
+  return {triangle, at, away, dot(away, away)};
 }
 
 void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
-                            double reach_m, std::vector<Touch> &found) const {
+                            double radius_m, double factor, std::vector<Touch> &found) const {
+  const double reach_m = factor * radius_m;
   // no candidate has come nearer by more than this since its distance was taken
   const double approach = norm(position_m - near.position_m) + since_search_;
   found.clear();
@@ -79,7 +80,7 @@ void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 p
                                       candidates_[k].triangle);
     if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) found.push_back(touch);
   }
-  if (found.size() > 1) one_per_smooth_patch(found, joined_);
+  if (found.size() > 1) share_smooth_patches(found, surface, {triangles_, joined_}, radius_m);
 }
 
 bool ContactSearch::reached(const SurfacePath &surface, Vec3 place, double reach_m) const {

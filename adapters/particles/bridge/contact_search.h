@@ -47,9 +47,9 @@ class ContactSearch {
 
   const std::vector<Near> &near() const { return near_; }
 
-  // The contacts of a sphere at `position_m`, one per smooth patch.
-  void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
-               std::vector<Touch> &found) const;
+  // The contacts of a sphere at `position_m`, nearest first, up to `factor` times its radius.
+  void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double radius_m,
+               double factor, std::vector<Touch> &found) const;
 
  private:
   struct Candidate {

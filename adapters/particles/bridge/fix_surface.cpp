@@ -88,8 +88,8 @@ void FixSurface::search() {
 
 void FixSurface::touch(const ContactSearch::Near &near) {
   const int i = near.sphere;
-  const double reach = atom->radius[i] * neighbor->contactDistanceFactor;
-  search_.touches(surface_, near, from(atom->x[i]), reach, touches_);
+  search_.touches(surface_, near, from(atom->x[i]), atom->radius[i],
+                  neighbor->contactDistanceFactor, touches_);
   if (touches_.size() > kMostContacts) touches_.resize(kMostContacts);
   history_.match(i, touches_);
   for (size_t k = 0; k < touches_.size(); ++k)
@@ -97,7 +97,7 @@ void FixSurface::touch(const ContactSearch::Near &near) {
 }
 
 // One contact through LIGGGHTS's own contact model.  What it added to the particle is measured,
-// and scaled where the contact only fades in.
+// and scaled where contacts share a force; 0.4 kn overlap^2 is the model's elastic energy.
 void FixSurface::push(int i, const Touch &touch, double *history) {
   double *force = atom->f[i], *torque = atom->torque[i];
   const Vec3 force_before = from(force), torque_before = from(torque);
@@ -122,6 +122,7 @@ void FixSurface::push(int i, const Touch &touch, double *history) {
   Vec3 added = from(force) - force_before;
   if (touch.weight < 1) {
     added = touch.weight * added;
+    if (overlap > 0) added = added + (0.4 * contact.kn / std::sqrt(overlap)) * touch.turning;
     put(force, force_before + added);
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }

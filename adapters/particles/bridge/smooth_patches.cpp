@@ -6,8 +6,10 @@ namespace flipflow {
 
 namespace {
 
-constexpr double kCosMerged = 0.96592582628906829;    // cos 15 degrees
-constexpr double kCosSeparate = 0.70710678118654752;  // cos 45 degrees
+constexpr double kCosSmooth = 0.96592582628906829;  // cos 15 degrees
+constexpr double kCosSharp = 0.70710678118654752;   // cos 45 degrees
+constexpr double kLog4 = 1.3862943611198906;
+constexpr double kNegligible = 1e-12;  // a weight that rounding would swallow
 
 // Does `triangle` contain the edge or corner on which `touch` lies?
 bool shares_feature(const Touch &touch, const std::vector<Triangle> &triangles, int triangle) {
@@ -29,28 +31,139 @@ bool is_minimum(size_t k, const std::vector<Touch> &by_distance,
   return true;
 }
 
-// 0 for nearly parallel normals, 1 for clearly different ones, C1 between.
-double separation(const Touch &a, const Touch &b) {
-  const double cosine = dot(a.away, b.away) / std::sqrt(a.distance2 * b.distance2);
-  const double t = std::clamp((kCosMerged - cosine) / (kCosMerged - kCosSeparate), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+void keep_minima(std::vector<Touch> &touches, const std::vector<Triangle> &triangles) {
+  std::sort(touches.begin(), touches.end(),
+            [](const Touch &a, const Touch &b) { return a.distance2 < b.distance2; });
+  for (size_t k = 0; k < touches.size(); ++k)
+    touches[k].weight = is_minimum(k, touches, triangles) ? 1 : 0;
+  touches.erase(std::remove_if(touches.begin(), touches.end(),
+                               [](const Touch &touch) { return touch.weight == 0; }),
+                touches.end());
+}
+
+struct Separation {
+  double s;      // 0 (one contact) ... 1 (two contacts)
+  double slope;  // -ds / d(cosine of the angle between the normals)
+};
+
+// Below 15 degrees s = -log2 cos(angle / 2): in the middle of a valley the force of both contacts
+// together is then that of one.  From 15 to 45 degrees it grows to 1 with a smooth step.
+Separation separation(Vec3 normal, Vec3 other) {
+  const Vec3 between = normal - other;
+  const double half_sine2 = std::min(0.25 * dot(between, between), 0.5 * (1 - kCosSharp));
+  const double even = -std::log1p(-half_sine2) / kLog4;
+  const double range = kCosSmooth - kCosSharp;
+  const double t = std::clamp((kCosSmooth - 1 + 2 * half_sine2) / range, 0.0, 1.0);
+  const double left = 1 - t * t * (3 - 2 * t);
+  const double slope =
+      left / ((1 - half_sine2) * 2 * kLog4) + (1 - even) * 6 * t * (1 - t) / range;
+  return {std::max(1 - (1 - even) * left, 1e-9), slope};
+}
+
+Vec3 normal(const Touch &touch) { return (1 / std::sqrt(touch.distance2)) * touch.away; }
+
+// log (U_other / U_one)^(1/s) with U = overlap^2.5; beyond contact only the nearer one counts.
+double log_ratio(const Touch &nearer, const Touch &other, double radius_m, double s) {
+  const double overlap = radius_m - std::sqrt(other.distance2);
+  if (overlap <= 0) return -600;
+  const double deeper = radius_m - std::sqrt(nearer.distance2);
+  return std::max(-600.0, 2.5 / s * std::log(overlap / deeper));
+}
+
+// All pairs of a particle's places: how they share what acts.  Two places i, j have the potential
+// (U_i^(1/s) + U_j^(1/s))^s, so that the weight of i is (1 + (U_j / U_i)^(1/s))^(s - 1).
+class Pairs {
+ public:
+  Pairs(const std::vector<Touch> &touches, double radius_m)
+      : count_(touches.size()), weight_(count_ * count_, 1), push_(count_ * count_, 0) {
+    for (size_t i = 0; i < count_; ++i)
+      for (size_t j = i + 1; j < count_; ++j) {
+        const Separation apart = separation(normal(touches[i]), normal(touches[j]));
+        const double log_y = log_ratio(touches[i], touches[j], radius_m, apart.s);
+        const double y = std::exp(log_y), entropy = std::log1p(y) - y / (1 + y) * log_y;
+        weight_[i * count_ + j] = std::pow(1 + y, apart.s - 1);
+        weight_[j * count_ + i] = std::pow(1 + 1 / y, apart.s - 1);
+        push_[i * count_ + j] = push_[j * count_ + i] = entropy * apart.slope;
+      }
+  }
+
+  // Weight of i if there were no place but j.
+  double weight(size_t i, size_t j) const { return weight_[i * count_ + j]; }
+  // Force by the turning of both normals, for both together an energy of one.
+  double push(size_t i, size_t j) const { return push_[i * count_ + j]; }
+
+  // How much j counts for i: less if a third place has more of j's force than j.
+  double heard(size_t i, size_t j) const {
+    double share = 1;
+    for (size_t k = 0; k < count_; ++k)
+      if (k != i && k != j && weight(j, k) < 0.5) share *= 4 * weight(j, k) * (1 - weight(j, k));
+    return share;
+  }
+
+ private:
+  size_t count_;
+  std::vector<double> weight_, push_;
+};
+
+void set_weights(std::vector<Touch> &touches, const Pairs &pairs) {
+  for (size_t i = 0; i < touches.size(); ++i) {
+    double crowd = 1;
+    for (size_t j = 0; j < touches.size(); ++j) {
+      if (j == i) continue;
+      const double heard = pairs.heard(i, j);
+      crowd += 1 / (1 - heard + heard * pairs.weight(i, j)) - 1;
+    }
+    touches[i].weight = 1 / crowd;
+  }
+}
+
+// Gradient, by the particle's centre, of the touch's normal . `toward`: zero on a face, and along
+// an edge the normal does not turn.
+Vec3 turn(const Touch &touch, Vec3 toward, const SurfacePath &surface, const Triangle &corner) {
+  const int feature = touch.at.feature;
+  const Vec3 n = normal(touch);
+  Vec3 free = toward - dot(toward, n) * n;
+  if (feature == 3 || feature == 5 || feature == 6) {
+    const int first = feature == 6 ? 1 : 0, last = feature == 3 ? 1 : 2;
+    const Vec3 along = surface.position(corner[last]) - surface.position(corner[first]);
+    free = free - (dot(free, along) / dot(along, along)) * along;
+  }
+  return (1 / std::sqrt(touch.distance2)) * free;
+}
+
+// Where a normal turns, s changes along the way: -dU/ds grad s is a force, too, and dU/ds is U
+// times the entropy of the two shares of U.
+void set_turning(std::vector<Touch> &touches, const Pairs &pairs, const SurfacePath &surface,
+                 const std::vector<Triangle> &triangles, double radius_m) {
+  const auto energy = [&](const Touch &touch) {
+    return touch.weight * std::pow(std::max(radius_m - std::sqrt(touch.distance2), 0.0), 2.5);
+  };
+  for (size_t i = 0; i < touches.size(); ++i) {
+    Touch &touch = touches[i];
+    if (touch.at.feature == 7) continue;
+    Vec3 toward = {0, 0, 0};
+    for (size_t j = 0; j < touches.size(); ++j) {
+      if (j == i) continue;
+      const double both = (energy(touch) + energy(touches[j])) * pairs.push(i, j);
+      toward = toward + both * pairs.heard(i, j) * pairs.heard(j, i) * normal(touches[j]);
+    }
+    touch.turning = turn(touch, toward, surface, triangles[touch.triangle]);
+  }
 }
 
 }  // namespace
 
-void one_per_smooth_patch(std::vector<Touch> &touches, const std::vector<Triangle> &triangles) {
-  std::sort(touches.begin(), touches.end(),
-            [](const Touch &a, const Touch &b) { return a.distance2 < b.distance2; });
-  for (size_t k = 0; k < touches.size(); ++k) {
-    double weight = is_minimum(k, touches, triangles) ? 1.0 : 0.0;
-    for (size_t deeper = 0; deeper < k && weight > 0; ++deeper)
-      if (touches[deeper].weight > 0)
-        weight = std::min(weight, separation(touches[deeper], touches[k]));
-    touches[k].weight = weight;
-  }
-  touches.erase(std::remove_if(touches.begin(), touches.end(),
-                               [](const Touch &touch) { return touch.weight <= 0; }),
-                touches.end());
+void share_smooth_patches(std::vector<Touch> &touches, const SurfacePath &surface,
+                          const Topology &topology, double radius_m) {
+  keep_minima(touches, topology.joined);
+  if (touches.size() < 2) return;
+  const Pairs pairs(touches, radius_m);
+  set_weights(touches, pairs);
+  set_turning(touches, pairs, surface, topology.triangles, radius_m);
+  touches.erase(
+      std::remove_if(touches.begin(), touches.end(),
+                     [](const Touch &touch) { return touch.weight < kNegligible; }),
+      touches.end());
 }
 
 }  // namespace flipflow

@@ -1,0 +1,122 @@
+"""How the contacts of a sphere share its force where the surface is smooth.
+
+Two contacts i, j whose normals differ by little are one contact, seen twice; at a sharp fold they
+are two.  Their elastic energies U_i ~ overlap^(5/2) are therefore joined by a p-norm,
+
+    U = (U_i^(1/s) + U_j^(1/s))^s,     s = 0 (one contact) ... 1 (two contacts),
+
+and the weight of a contact is dU/dU_i, so that the force has a potential and turns without a jump
+from one contact to the other.  Where normals turn (on edges and corners) s changes along the way;
+-dU/ds grad s is then a force, too.  Theory and limits: docs/theory/particle_surface_contact.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports import Array, Indices
+
+SMOOTH = math.cos(math.radians(15.0))
+SHARP = math.cos(math.radians(45.0))
+NEGLIGIBLE = 1e-12  # a weight that rounding would swallow
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places of spheres next to the surface, one row each, sorted by sphere and depth.
+
+    ``sphere`` (n,) whose place it is, ``overlap_m`` (n,), ``distance_m`` (n,) of the sphere's
+    centre, ``normal`` (n, 3) unit vectors to it, ``corners_m`` (n, 3, 3) of the triangle,
+    ``inside`` (n, 3): which corners carry the place (three: its face, two: an edge).
+    """
+
+    sphere: Indices
+    overlap_m: Array
+    distance_m: Array
+    normal: Array
+    corners_m: Array
+    inside: npt.NDArray[np.bool_]
+
+
+def shared(places: Places) -> tuple[Array, Array]:
+    """Weight (n,), 0 ... 1, of each place, and the force (n, 3) of its turning normal.
+
+    That force goes through the sphere's centre and is meant for an energy of overlap^(5/2): its
+    unit is m^(3/2).
+    """
+    weight, turning = np.ones(len(places.sphere)), np.zeros((len(places.sphere), 3))
+    _, first, count = np.unique(places.sphere, return_index=True, return_counts=True)
+    crowded = np.flatnonzero(count > 1)
+    if len(crowded):
+        slot = np.arange(count.max())
+        filled = slot < count[crowded, None]
+        row = np.where(filled, first[crowded, None] + slot, first[crowded, None])
+        some_weight, toward = _shared(places.overlap_m[row], places.normal[row], filled)
+        weight[row[filled]] = some_weight[filled]
+        turning[row[filled]] = toward[filled]
+        turning = _turning(places, turning)
+    weight[weight < NEGLIGIBLE] = 0.0
+    return weight, turning
+
+
+def _shared(overlap_m: Array, normal: Array, filled: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Weights (m, c) of c places of m spheres, and dU/d(normal) of the energy by s, (m, c, 3).
+
+    ``overlap_m`` (m, c), deepest first, ``normal`` (m, c, 3), ``filled`` (m, c): is there a place?
+    """
+    pair = filled[:, :, None] & filled[:, None, :] & ~np.eye(filled.shape[1], dtype=bool)
+    s, slope = _separation(normal)
+    # log (U_j / U_i)^(1/s); beyond contact only the nearest counts
+    beyond = -1e4 * np.arange(1, filled.shape[1] + 1)
+    log_m = np.where(overlap_m > 0.0, np.log(np.maximum(overlap_m, 1e-300)), beyond)
+    log_y = np.clip(2.5 / s * (log_m[:, None, :] - log_m[:, :, None]), -600.0, 600.0)
+    y = np.exp(log_y)
+    alone = np.where(pair, (1.0 + y) ** (s - 1.0), 1.0)  # weight of i if there is only j
+    heard = _heard(alone)
+    crowd = 1.0 + (1.0 / (1.0 - heard + heard * alone) - 1.0).sum(axis=2)
+    energy = np.maximum(overlap_m, 0.0) ** 2.5 / crowd
+    entropy = np.log1p(y) - y / (1.0 + y) * log_y  # dU/ds = U * entropy
+    push = (energy[:, :, None] + energy[:, None, :]) * entropy * slope
+    push *= np.where(pair, heard * heard.transpose(0, 2, 1), 0.0)
+    return 1.0 / crowd, np.einsum("mij,mjk->mik", push, normal)
+
+
+def _heard(alone: Array) -> Array:
+    """How much j counts for i, (m, c, c): less if a third one has more of j's force than j."""
+    mine = np.where(alone < 0.5, 4.0 * alone * (1.0 - alone), 1.0)
+    third = ~np.eye(alone.shape[1], dtype=bool)[:, None, :]  # k may be all but i
+    return np.asarray(np.where(third, mine[:, None, :, :], 1.0).prod(axis=3))
+
+
+def _separation(normal: Array) -> tuple[Array, Array]:
+    """s between normals i and j of each sphere, and -ds / d(cosine of their angle): (m, c, c).
+
+    Below 15 degrees s = -log2 cos(angle / 2): in the middle of a valley the force of both contacts
+    together, 2^s cos(angle / 2), is then that of one.  From 15 to 45 degrees it grows to 1 with a
+    smooth step in the cosine.
+    """
+    between = normal[:, :, None] - normal[:, None, :]
+    half_sine2 = np.minimum((between**2).sum(axis=3) / 4.0, (1.0 - SHARP) / 2.0)
+    even = -np.log1p(-half_sine2) / math.log(4.0)
+    t = np.clip((SMOOTH - 1.0 + 2.0 * half_sine2) / (SMOOTH - SHARP), 0.0, 1.0)
+    left = 1.0 - t * t * (3.0 - 2.0 * t)
+    slope = left / ((1.0 - half_sine2) * math.log(16.0))
+    slope += (1.0 - even) * 6.0 * t * (1.0 - t) / (SMOOTH - SHARP)
+    return np.maximum(1.0 - (1.0 - even) * left, 1e-9), slope
+
+
+def _turning(places: Places, toward: Array) -> Array:
+    """Gradient (n, 3), by the sphere's centre, of normal . ``toward``: 0 on a face, and along an
+    edge the normal does not turn."""
+    free = toward - np.einsum("ij,ij->i", toward, places.normal)[:, None] * places.normal
+    on_edge = np.flatnonzero(places.inside.sum(axis=1) == 2)
+    ends_m = places.corners_m[on_edge][places.inside[on_edge]].reshape(-1, 2, 3)
+    along = ends_m[:, 1] - ends_m[:, 0]
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    free[on_edge] -= np.einsum("ij,ij->i", free[on_edge], along)[:, None] * along
+    free[places.inside.all(axis=1)] = 0.0
+    return np.asarray(free / places.distance_m[:, None])
