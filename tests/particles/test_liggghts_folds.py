@@ -4,84 +4,15 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
-from orchestrator.ports import Array
 from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, travel
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")
-from adapters.particles.liggghts_input import FIRST_EVALUATION  # noqa: E402
 from adapters.particles.liggghts_ledger import effective_moduli  # noqa: E402
 
 pytestmark = pytest.mark.solver
 
 RADIUS_M = 2.5e-3
-DISTANCE_M = 0.98 * RADIUS_M  # pressed 2 % of the radius onto the nearest place
-REACH_M = 1.4e-3
-RIDGE, VALLEY = 1, -1
-
-
-def fold(angle_deg: float, kind: int):
-    """Facets of 5 x 8 mm on two half planes that meet in x = 0."""
-    slope = kind * np.tan(np.radians(angle_deg) / 2)
-    x_m, y_m = 5e-3 * np.arange(-4, 5), 8e-3 * np.arange(-3, 4)
-    return sheet(lambda x, y: -slope * np.abs(x), x_m, y_m)
-
-
-def track(angle_deg: float, kind: int) -> Array:
-    """Places of the centre at constant distance from the nearest feature of the fold."""
-    half = np.radians(angle_deg) / 2
-    x = np.linspace(-REACH_M, REACH_M, 141)
-    z = DISTANCE_M / np.cos(half) - kind * np.tan(half) * np.abs(x)
-    if kind == RIDGE:
-        over_edge = np.abs(x) <= DISTANCE_M * np.sin(half)
-        z[over_edge] = np.sqrt(DISTANCE_M**2 - x[over_edge] ** 2)
-    return np.stack([x, np.full_like(x, 1e-3), z], axis=1)
-
-
-def drag(angle_deg: float, kind: int, folder) -> Array:
-    """Force on the sphere at every place of the track over the force of a single contact."""
-    plan = make_plan(fold(angle_deg, kind), spheres([0.0, 0.0, 0.05]))
-    engine = liggghts.start(plan, MPI.COMM_SELF, folder)
-    liggghts.create(engine, plan.particles, 1)
-    engine.command(FIRST_EVALUATION)
-    forces = []
-    for place in track(angle_deg, kind):
-        engine.particles()["x"][0] = place
-        engine.prepare()
-        forces.append(engine.particles()["f"][0].copy())
-    e_star_Pa = effective_moduli(plan.materials)[0][1]
-    single_N = 4 / 3 * e_star_Pa * np.sqrt(RADIUS_M) * (RADIUS_M - DISTANCE_M) ** 1.5
-    return np.array(forces) / single_N
-
-
-@pytest.mark.parametrize("kind", [RIDGE, VALLEY], ids=["ridge", "valley"])
-@pytest.mark.parametrize("angle_deg", [0.0, 0.5, 2.0, 5.0, 10.0, 15.0])
-def test_a_gentle_fold_is_one_contact(angle_deg, kind, tmp_path):
-    # the distance to the nearest place never changes, so neither may the force: rounding only
-    force = drag(angle_deg, kind, tmp_path)
-    np.testing.assert_allclose(np.linalg.norm(force, axis=1), 1.0, rtol=1e-9)
-
-
-@pytest.mark.parametrize("angle_deg", [30.0, 45.0, 90.0])
-def test_a_sharp_ridge_is_one_contact(angle_deg, tmp_path):
-    force = drag(angle_deg, RIDGE, tmp_path)
-    np.testing.assert_allclose(np.linalg.norm(force, axis=1), 1.0, rtol=1e-9)
-
-
-@pytest.mark.parametrize("angle_deg", [45.0, 60.0, 90.0])
-def test_a_sharp_valley_is_two_contacts(angle_deg, tmp_path):
-    # in the middle both walls push fully: 2 cos(angle / 2) upwards
-    force = drag(angle_deg, VALLEY, tmp_path)
-    middle = len(force) // 2
-    expected = [0.0, 0.0, 2 * np.cos(np.radians(angle_deg) / 2)]
-    np.testing.assert_allclose(force[middle], expected, atol=1e-9)
-
-
-def test_a_valley_in_between_fades_in(tmp_path):
-    force = np.linalg.norm(drag(30.0, VALLEY, tmp_path), axis=1)
-    assert force.min() == pytest.approx(1.0, rel=1e-9)
-    assert 1.0 < force.max() < 2 * np.cos(np.radians(15.0))
 
 
 def test_a_deep_overlap_on_a_flat_sheet_is_one_contact(tmp_path):
@@ -158,26 +89,22 @@ def largest_fold_deg(surface) -> float:
 
 
 @pytest.mark.parametrize(
-    ("height_m", "wave_1_m", "fold_deg", "tolerance"),
-    [
-        # one contact per patch has a potential: what is left is the integrator's error
-        (1.2e-3, 150.0, 9.8, 2e-5),
-        (3e-3, 150.0, 24.1, 2e-5),
-        # a contact that only fades in, or ends where two minima meet, has none
-        (4e-3, 400.0, 114.7, 2e-3),
-    ],
+    ("height_m", "wave_1_m", "fold_deg"),
+    [(1.2e-3, 150.0, 9.8), (3e-3, 150.0, 24.1), (4e-3, 400.0, 114.7)],
     ids=["gentle", "folded", "sharp"],
 )
-def test_elastic_bounces_keep_their_energy(height_m, wave_1_m, fold_deg, tolerance):
-    # ridges and valleys; 16 smooth spheres, some hundred 50 us intervals with contact
+def test_elastic_bounces_keep_their_energy(height_m, wave_1_m, fold_deg):
+    # ridges, valleys, hollows; 16 smooth spheres, some hundred 50 us intervals with contact.  The
+    # forces have a potential: what is left is the integrator's error, 2e-5 at a step of 1 us
     line = np.linspace(-0.04, 0.04, 17)
     bumps = sheet(lambda x, y: height_m * np.sin(wave_1_m * x) * np.sin(wave_1_m * y), line, line)
     assert largest_fold_deg(bumps) == pytest.approx(fold_deg, abs=0.1)
     grid = 0.02 * (np.arange(4) - 1.5)
     place = np.stack([*map(np.ravel, np.meshgrid(grid, grid)), np.full(16, 7e-3)], axis=1)
+    place[:, :2] += np.random.default_rng(2).normal(0.0, 2e-3, (16, 2))
     plan = make_plan(bumps, spheres(place), gravity_m_s2=np.array([0.0, 0.0, -50.0]))
     with closing(liggghts.build(plan)) as solver:
         forces_N = travel(solver, lambda t: still(bumps), range(2000))
         account = solver.account()
     assert np.count_nonzero(np.array(forces_N)[:, 2]) > 50
-    assert abs(account.lost_J["contact_dissipation"]) < tolerance * account.stored_J["kinetic"]
+    assert abs(account.lost_J["contact_dissipation"]) < 2e-5 * account.stored_J["kinetic"]

@@ -1,15 +1,12 @@
-"""What is special to the spheres in NumPy: friction, energy, folds and the order of Verlet."""
+"""What is special to the spheres in NumPy: friction, energy and the order of Verlet."""
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 import pytest
 
 from adapters.particles import spheres
 from adapters.particles.nearest_feature import closest_on_triangle
-from orchestrator.geometry import TriangleSurface
 from orchestrator.plans import GrainMaterial, SolverFailed
 from orchestrator.ports import Array
 from tests.particles.contract import (
@@ -123,63 +120,6 @@ def test_verlet_is_of_second_order() -> None:
     error_m = np.abs(np.array(places_m[:3]) - places_m[3])
     order = np.log2(error_m[:-1] / error_m[1:])
     np.testing.assert_allclose(order, 2.0, atol=0.2)
-
-
-def folded(angle_deg: float) -> TriangleSurface:
-    """Strips of 5 x 8 mm cells that meet along the y axis at ``angle_deg`` (> 0: a valley)."""
-    s, y = np.linspace(-0.02, 0.02, 9), np.linspace(-0.016, 0.016, 5)
-    s, y = (grid.ravel() for grid in np.meshgrid(s, y, indexing="ij"))
-    half = math.radians(angle_deg) / 2.0
-    flat = np.stack([s * math.cos(half), y, np.abs(s) * math.sin(half)], axis=1)
-    row = np.arange(45).reshape(9, 5)
-    a, b, c, d = (k.ravel() for k in (row[:-1, :-1], row[1:, :-1], row[1:, 1:], row[:-1, 1:]))
-    triangles = np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
-    return TriangleSurface(flat, triangles.astype(np.int64), np.zeros(64, dtype=np.int64))
-
-
-def force_ratio(angle_deg: float) -> tuple[Array, Array]:
-    """Force on a sphere (r = 2.5 mm) held 2 % of r deep in the nearest face or edge while it
-    crosses the fold, over that of a single contact, and where along the fold's normal plane."""
-    surface, radius_m, overlap_m = folded(angle_deg), 0.0025, 5e-5
-    half = math.radians(angle_deg) / 2.0
-    x = np.linspace(-1.4e-3, 1.4e-3, 57)
-    inside_m = radius_m - overlap_m
-    on_faces = np.abs(x) * math.tan(half) + inside_m / math.cos(half)
-    if angle_deg < 0.0:  # over a ridge the sphere rides on the edge between the two faces
-        edge = np.abs(x) < inside_m * math.sin(-half)
-        on_faces = np.where(edge, np.sqrt(inside_m**2 - np.minimum(x**2, inside_m**2)), on_faces)
-    E_star_Pa = 1e7 / (2.0 * (1.0 - 0.3**2))
-    single_N = 4.0 / 3.0 * E_star_Pa * radius_m**0.5 * overlap_m**1.5
-    force_N = []
-    for place_x, place_z in zip(x, on_faces, strict=True):
-        given = particles([place_x, 0.0013, place_z], diameter_m=2.0 * radius_m)
-        load_N = opened(plan(surface, given)).solver.initial().force_N
-        force_N.append(np.linalg.norm(load_N.sum(axis=0)))
-    return np.array(force_N) / single_N, x
-
-
-@pytest.mark.parametrize("angle_deg", [0.5, 2.0, 5.0, 10.0, -0.5, -2.0, -5.0, -10.0, -45.0, -90.0])
-def test_one_contact_on_a_fold(angle_deg: float) -> None:
-    """Valleys up to 15 degrees and all ridges: the force of one contact, neither 0 nor 2."""
-    ratio, _ = force_ratio(angle_deg)
-    np.testing.assert_allclose(ratio, 1.0, atol=1e-6)
-
-
-def test_two_contacts_in_a_sharp_valley() -> None:
-    """In a valley of 90 degrees a sphere touches both sides: sqrt(2) of one contact in the middle,
-    one contact away from it."""
-    ratio, x = force_ratio(90.0)
-    assert ratio[28] == pytest.approx(math.sqrt(2.0), rel=1e-6)
-    np.testing.assert_allclose(ratio[np.abs(x) > 1e-4], 1.0, atol=1e-6)
-
-
-def test_a_second_contact_fades_in_with_the_angle_of_the_valley() -> None:
-    """In the middle: |n1 + w n2| with w from 0 at 15 to 1 at 45 degrees."""
-    middle = [force_ratio(angle_deg)[0][28] for angle_deg in (14.0, 16.0, 25.0, 35.0, 44.0, 46.0)]
-    assert middle[0] == pytest.approx(1.0, abs=1e-6)
-    assert middle[1] == pytest.approx(1.0, abs=0.01)
-    assert middle[5] == pytest.approx(2.0 * math.cos(math.radians(23.0)), rel=1e-6)
-    assert np.all(np.diff(middle[:5]) > 0.0)
 
 
 def test_closest_points_are_nearer_than_any_sample_of_the_triangle() -> None:

@@ -15,6 +15,9 @@ from orchestrator.geometry import TriangleSurface
 from orchestrator.plans import GrainMaterial, ParticlesPlan, SolverMissing
 from orchestrator.ports import Account, Array, ParticleSnapshot
 from tests.particles.contract import Run, particles, plan, plate
+from tests.particles.folds import furrows, pit
+from tests.particles.liggghts_plans import make_plan
+from tests.particles.liggghts_plans import spheres as spheres_at
 
 pytestmark = pytest.mark.solver
 
@@ -78,7 +81,7 @@ def test_eighteen_bouncing_spheres() -> None:
     agree(*both(case, 25, np.array([0.3, 0.0, 0.2])), relative=1e-9)
 
 
-@pytest.mark.parametrize("angle_deg", [10.0, 40.0, 90.0, -10.0, -60.0])
+@pytest.mark.parametrize("angle_deg", [5.0, 10.0, 20.0, 30.0, 40.0, 90.0, -10.0, -60.0])
 def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
     """Valleys (> 0) and ridges of two triangles each side."""
     tilt = np.radians(angle_deg) / 2.0
@@ -93,3 +96,19 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
     start_m = -0.008 * along + 0.00495 * up + np.array([0.0, 0.001, 0.0])
     case = plan(surface, particles(start_m, 0.4 * along, [0.0, 5.0, 1.0]))
     agree(*both(case, 40, np.zeros(3)), relative=1e-9)
+
+
+@pytest.mark.parametrize(
+    "surface", [pit(0.1, 3), pit(0.4, 5), furrows()], ids=["gentle pit", "pit", "furrows"]
+)
+def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface) -> None:
+    """With friction, so that the tangential springs of contacts that come and go take part."""
+    start_m, velocity_m_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]
+    case = make_plan(
+        surface,
+        spheres_at(start_m, velocity_m_s, spin_rad_s=[10.0, 30.0, 5.0]),
+        restitution=0.5,
+        sliding_friction=0.4,
+        gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+    )
+    agree(*both(case, 400, np.zeros(3)), relative=1e-9)
