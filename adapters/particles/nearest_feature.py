@@ -1,11 +1,9 @@
-"""Where a sphere touches a triangulated surface: at most one contact per smooth patch.
+"""Where a sphere touches a triangulated surface, and which contact goes on from an instant ago.
 
 Every triangle near a sphere offers its closest point (on its face, an edge or a corner).  On a
 smooth surface neighbouring triangles offer nearly the same contact, so counting all of them would
 make the surface stiffer at each edge.  Therefore an edge or a corner counts only where none of
-its triangles comes nearer; the deepest contact is taken first, and a further one counts by how
-much its normal differs from those taken: not at all up to 15 degrees, fully from 45 degrees on,
-with a smooth step (in the cosine) between.  Limits: docs/theory/spheres.md.
+its triangles comes nearer.  How those that are left share the force: smooth_patches.py.
 """
 
 from __future__ import annotations
@@ -105,7 +103,7 @@ def match_by_normal(
     order = np.argsort(-cosine, kind="stable")
     order = order[cosine[order] > SAME_CONTACT]
     found, parent, taken = [-1] * len(now[0]), [-1] * len(now[0]), set()
-    for n, o, c in zip(new[order].tolist(), old[order].tolist(), cosine[order], strict=True):
+    for n, o, c in zip(*(each[order].tolist() for each in (new, old, cosine)), strict=True):
         if parent[n] < 0 and c > SAME_PATCH:
             parent[n] = o
         if found[n] < 0 and o not in taken:

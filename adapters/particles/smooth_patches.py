@@ -49,18 +49,17 @@ def shared(places: Places) -> tuple[Array, Array]:
     unit is m^(3/2).
     """
     weight, turning = np.ones(len(places.sphere)), np.zeros((len(places.sphere), 3))
+    if not np.any(places.sphere[1:] == places.sphere[:-1]):
+        return weight, turning
     _, first, count = np.unique(places.sphere, return_index=True, return_counts=True)
-    crowded = np.flatnonzero(count > 1)
-    if len(crowded):
-        slot = np.arange(count.max())
-        filled = slot < count[crowded, None]
-        row = np.where(filled, first[crowded, None] + slot, first[crowded, None])
-        some_weight, toward = _shared(places.overlap_m[row], places.normal[row], filled)
-        weight[row[filled]] = some_weight[filled]
-        turning[row[filled]] = toward[filled]
-        turning = _turning(places, turning)
+    slot, crowded = np.arange(count.max()), np.flatnonzero(count > 1)
+    filled = slot < count[crowded, None]
+    row = np.where(filled, first[crowded, None] + slot, first[crowded, None])
+    some_weight, toward = _shared(places.overlap_m[row], places.normal[row], filled)
+    weight[row[filled]] = some_weight[filled]
+    turning[row[filled]] = toward[filled]
     weight[weight < NEGLIGIBLE] = 0.0
-    return weight, turning
+    return weight, _turning(places, turning)
 
 
 def _shared(overlap_m: Array, normal: Array, filled: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
