@@ -33,7 +33,7 @@ def film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
     if not shown:
         raise FileNotFoundError("the run has no snapshots of the surface")
     particles = dict(listed(folder, "particles"))
-    ends = np.vstack([pyvista.read(file).points for _, file in (shown[0], shown[-1])])
+    ends = np.vstack([_touched_m(pyvista.read(file)) for _, file in (shown[0], shown[-1])])
     fast = _fast(particles, shown)
     plotter = pyvista.Plotter(off_screen=True)
     plotter.set_background("white")
@@ -77,6 +77,11 @@ def _fast(particles: dict[float, Path], shown: list[tuple[float, Path]]) -> floa
     if read is None or read.n_points == 0:
         return 1.0
     return float(np.percentile(read["speed_m_s"], 95)) or 1.0
+
+
+def _touched_m(surface: Any) -> Any:
+    """(n, 3) points of triangles; others are only looked at, and may be anywhere."""
+    return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
 
 def _add_deck(plotter: Any, surface: Any) -> None:
