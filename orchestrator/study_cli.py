@@ -91,7 +91,9 @@ def paper(
         points = [point for sweep in found.values() for point in sweep.points]
         sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
         compared = papers.compared(wanted, found)
-    CONSOLE.print(papers.table(wanted, compared), width=None if CONSOLE.is_terminal else 150)
+    if not CONSOLE.is_terminal:
+        CONSOLE.width = 150  # into a file: as wide as the table
+    CONSOLE.print(papers.table(wanted, compared))
     for name, runs in found.items():
         rows = sweep_table.rows(runs.vary, runs.points)
         for file in sweep_table.write(rows, runs.vary, folder / name):
