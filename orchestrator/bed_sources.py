@@ -8,10 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.case import Case
-from orchestrator.deck import to_world
+from orchestrator.deck import axes, to_world
 from orchestrator.feed import Feeds, Inlet, joined
 from orchestrator.packing import block
 from orchestrator.plans import Feed, ParticleList
+from orchestrator.ports import Array
+from orchestrator.size_distribution import classes, share_left_out
+from orchestrator.tables.bed import Particle
 
 
 class NoRoom(Exception):
@@ -32,13 +35,22 @@ def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
     rows = tuple(case.bed.particles.values())
     materials = [case.materials[row.material] for row in rows]
     return ParticleList(
-        position_m=np.array([row.position_m for row in rows], dtype=float).reshape(-1, 3),
-        velocity_m_s=np.array([row.velocity_m_s for row in rows], dtype=float).reshape(-1, 3),
-        spin_rad_s=np.array([row.spin_rad_s for row in rows], dtype=float).reshape(-1, 3),
+        position_m=_in_world(case, rows, "position_m"),
+        velocity_m_s=_in_world(case, rows, "velocity_m_s"),
+        spin_rad_s=_in_world(case, rows, "spin_rad_s"),
         diameter_m=np.array([row.diameter_m for row in rows], dtype=float),
         density_kg_m3=np.array([material.density_kg_m3 for material in materials]),
         material=np.array([numbers[row.material] for row in rows], dtype=np.int64),
     )
+
+
+def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
+    given = [getattr(row, name) for row in rows]
+    turned = [
+        to_world(case, vector) if row.axes == "deck" else vector
+        for row, vector in zip(rows, given, strict=True)
+    ]
+    return np.array(turned, dtype=float).reshape(-1, 3)
 
 
 def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
@@ -46,7 +58,7 @@ def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleL
     row = case.bed.blocks[name]
     try:
         particles = block(
-            row.sizes,
+            classes(row),
             row.count,
             np.array(row.box_m),
             case.materials[row.material].density_kg_m3,
@@ -69,8 +81,9 @@ def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
     """The feeds by name."""
     return {
         name: Inlet(
-            sizes=feed.sizes,
-            rate_kg_s=feed.rate_kg_s,
+            name=name,
+            sizes=classes(feed),
+            rate_kg_s=feed.rate_kg_s * (1.0 - share_left_out(feed)),
             box_m=np.array(feed.box_m),
             velocity_m_s=np.array(feed.velocity_m_s),
             density_kg_m3=case.materials[feed.material].density_kg_m3,
@@ -78,14 +91,25 @@ def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
             start_s=feed.start_s,
             stop_s=math.inf if feed.stop_s is None else feed.stop_s,
             seed=feed.seed,
+            axes=axes(case) if feed.axes == "deck" else np.eye(3),
+            batch_s=batch_s(case),
         )
         for name, feed in case.bed.feeds.items()
     }
 
 
+def batch_s(case: Case) -> float:
+    """Time between two batches of fed particles: a whole number of sync intervals."""
+    interval_s = case.coupling.sync_interval_s
+    return interval_s * max(1, round(case.particles.feed_interval_s / interval_s))
+
+
 def combined_feed(case: Case, numbers: dict[str, int]) -> Feed | None:
     """All feeds as one; None without any."""
-    return Feeds(list(inlets(case, numbers).values())) if case.bed.feeds else None
+    if not case.bed.feeds:
+        return None
+    every = round(batch_s(case) / case.coupling.sync_interval_s)
+    return Feeds(list(inlets(case, numbers).values()), every)
 
 
 def largest_diameter_m(case: Case) -> float:
@@ -93,5 +117,5 @@ def largest_diameter_m(case: Case) -> float:
     bed = case.bed
     found = [row.diameter_m for row in bed.particles.values()]
     for source in bed.sources:
-        found += [row.largest_m for row in source.sizes]
+        found += [row.largest_m for row in classes(source)]
     return max(found)

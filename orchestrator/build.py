@@ -13,6 +13,7 @@ from orchestrator.bushing_forces import BushingForces
 from orchestrator.case import Case
 from orchestrator.coupling import SCHEMES, Solvers
 from orchestrator.deck import single_panels
+from orchestrator.feed import Feeds
 from orchestrator.geometry import TriangleSurface
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
@@ -24,6 +25,7 @@ from orchestrator.ledger import Members
 from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine, PanelPoints, Probe
 from orchestrator.material_book import CountedFeed, MaterialBook
+from orchestrator.material_watch import MaterialWatch
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
 from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
@@ -90,13 +92,13 @@ def _particles(
     plan = particles_plan(case, surface, world, folder)
     if plan is None:
         return None, None
-    feed = CountedFeed(plan.particles, plan.feed)
+    feed = CountedFeed(plan.particles, cast(Feeds | None, plan.feed))
     if plan.feed is not None:
         plan = replace(plan, feed=feed)
     solver = case.particles.solver
     opened = cast(Particles, adapter.opened("particles", solver, plan))
     metered = MeteredParticles(opened, f"particles ({solver})", stopwatch)
-    return MaterialBook(feed, plan.exits), metered
+    return MaterialBook(feed, plan.exits, MaterialWatch(case.watch)), metered
 
 
 def _handed_over(case: Case, members: Members) -> Solvers:

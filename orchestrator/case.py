@@ -19,6 +19,7 @@ from orchestrator.tables.numerics import (
     Output,
     PanelSolver,
     ParticlesSolver,
+    Watch,
 )
 from orchestrator.tables.quantities import (
     Box,
@@ -134,6 +135,8 @@ class Case(Table):
     """Solver of the panels."""
     particles: ParticlesSolver = Field(default_factory=ParticlesSolver)
     """Solver of the particles."""
+    watch: Watch = Field(default_factory=Watch)
+    """What stops a run."""
     output: Output = Field(default_factory=Output)
     """What is written."""
 

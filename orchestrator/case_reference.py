@@ -42,6 +42,7 @@ DIMENSIONLESS = frozenset(
         "stagger",
         "start",
         "at",
+        "passing",
         "poisson_ratio",
         "ratio",
         "restitution",

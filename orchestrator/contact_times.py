@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from orchestrator.case import Case, Material
+from orchestrator.size_distribution import classes
 
 LARGEST_RAYLEIGH_FRACTION = 0.2
 
@@ -58,7 +59,7 @@ def smallest_diameters_m(case: Case) -> dict[str, float]:
     bed = case.bed
     sizes = [(p.material, p.diameter_m) for p in bed.particles.values()]
     for source in bed.sources:
-        sizes += [(source.material, row.smallest_m) for row in source.sizes]
+        sizes += [(source.material, row.smallest_m) for row in classes(source)]
     smallest: dict[str, float] = {}
     for name, diameter_m in sizes:
         smallest[name] = min(diameter_m, smallest.get(name, math.inf))

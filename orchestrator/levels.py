@@ -20,7 +20,7 @@ from orchestrator.left_out import dropped, left_out
 from orchestrator.overlays import Layers, changed, parsed
 from orchestrator.slice import sliced
 
-NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice")
+NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice", "watch")
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.clock import Interval
+from orchestrator.feed import Feeds, RateFeed
+from orchestrator.material_watch import MaterialWatch
 from orchestrator.particle_sizes import mass_kg
-from orchestrator.plans import Exit, Feed, ParticleList, SolverFailed
+from orchestrator.plans import Exit, ParticleList, SolverFailed
 from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
 
 
@@ -35,7 +37,7 @@ class CountedFeed:
     Solvers give ids in order, so that ids need not cross the port.
     """
 
-    def __init__(self, particles: ParticleList, feed: Feed | None) -> None:
+    def __init__(self, particles: ParticleList, feed: Feeds | None) -> None:
         self._feed = feed
         self._offered, self._time_s = particles, 0.0
         self._count = 0
@@ -51,6 +53,11 @@ class CountedFeed:
         assert self._feed is not None
         self._feed.settle(accepted)
         self._note(accepted)
+
+    @property
+    def feeds(self) -> list[RateFeed]:
+        """The feeds that it is made of."""
+        return self._feed.feeds if self._feed is not None else []
 
     def taken(self) -> Fed:
         """Who came in since this was last asked."""
@@ -91,14 +98,14 @@ class Amount:
 class MaterialBook:
     """Totals since t = 0; filled at output times, on rank 0."""
 
-    def __init__(self, feed: CountedFeed, exits: tuple[Exit, ...]) -> None:
-        self.feed, self.exits = feed, exits
+    def __init__(self, feed: CountedFeed, exits: tuple[Exit, ...], watch: MaterialWatch) -> None:
+        self.feed, self.exits, self._watch = feed, exits, watch
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
         self.through = [Amount() for _ in exits]
 
     def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
         """What happened since the last output time, and who is there now.  Raises SolverFailed
-        when a particle is not accounted for."""
+        when a particle is not accounted for, or the watch wants it."""
         self.fed.add(fed)
         self.lost.add(removed, removed.exit < 0)
         for number, amount in enumerate(self.through):
@@ -112,6 +119,9 @@ class MaterialBook:
                 f"{missing} of {self.fed.number} particles are not accounted for at t = "
                 f"{time_s:.6g} s: {self.on_deck.number} are there and {gone} were removed"
             )
+        self._watch.lost(removed)
+        for feed in self.feed.feeds:
+            self._watch.feed(time_s, feed)
 
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""
@@ -119,6 +129,10 @@ class MaterialBook:
             "fed": vars(self.fed),
             "on_deck": vars(self.on_deck),
             "lost": vars(self.lost),
+            "feeds": {
+                feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
+                for feed in self.feed.feeds
+            },
             "exits": {
                 one.name: {"product": one.product, **vars(amount)}
                 for one, amount in zip(self.exits, self.through, strict=True)

@@ -126,10 +126,13 @@ class Recorder:
             return None
         present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
         if self._writes:
-            book.add(time_s, fed, removed, present)
             self._history.events("fed", vars(fed))
             gone = {name: rows for name, rows in vars(removed).items() if name != "material"}
             self._history.events("removed", gone)
+            for feed in book.feed.feeds:
+                values = {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
+                self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
+            book.add(time_s, fed, removed, present)
         return present
 
     def _snapshot(self) -> ParticleSnapshot | None:

@@ -96,8 +96,10 @@ class Run:
         with self._stopwatch("output"), written(time_s):
             recorder.sync_point(time_s, state)
             if done % self._every == 0 or done == self._intervals:
-                self._done["particles"] = recorder.output(time_s, state)
-                self._done["material"] = recorder.material()
+                try:
+                    self._done["particles"] = recorder.output(time_s, state)
+                finally:  # also when it is the material that stops the run
+                    self._done["material"] = recorder.material()
         if done:
             self._particle_steps += self._steps * self._done["particles"]
         self._done |= {"sync_intervals": done, "simulated_s": time_s}

@@ -83,6 +83,23 @@ def closing_table(summary: dict[str, Any]) -> Table:
 LARGEST_SHARE_CREATED = 0.01  # of the energy supplied and lost; above it the run says so
 
 
+def material_lines(material: dict[str, Any]) -> list[str]:
+    """Where the particles are; a warning where some are lost."""
+
+    def said(what: str, amount: dict[str, Any]) -> str:
+        return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
+
+    exits = [said(f"through {name}", one) for name, one in material["exits"].items()]
+    there = [said("on deck", material["on_deck"]), *exits, said("lost", material["lost"])]
+    lines = [f"{said('particles: came', material['fed'])} = " + " + ".join(there)]
+    if material["lost"]["number"]:
+        lines.append(
+            f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
+            "through an exit; history.h5 says where (removed, exit = -1)"
+        )
+    return lines
+
+
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """The run's own figures of quality, in words; a warning where they are bad."""
     ledger = summary["energy_ledger_J"]
@@ -102,6 +119,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
             f"{summary['particles']} particles, "
             f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
         )
+    if material := summary.get("material"):
+        lines += material_lines(material)
     if abs(share) > LARGEST_SHARE_CREATED:
         lines.append(
             f"WARNING: the coupling created more than {100 * LARGEST_SHARE_CREATED:g} % of the "

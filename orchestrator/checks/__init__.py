@@ -9,6 +9,7 @@ from __future__ import annotations
 from orchestrator.case_errors import Mistake
 from orchestrator.checks import (
     apertures,
+    exits,
     feeds,
     light_nodes,
     machine,
@@ -51,7 +52,9 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
     if not found:
         found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
         found += [*machine.possible_inertia(whole), *machine.held_frames(whole)]
-        found += [*feeds.feeds(case), *materials.crowded_blocks(case), *slices.too_narrow(case)]
+        found += [*feeds.feeds(case), *exits.exits(whole)]
+        found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
+        found += slices.too_narrow(case)
         found += apertures.triangles(case)
     if not found:
         found = [*steps.particle_step(case), *steps.panel_step(case)]
@@ -67,5 +70,6 @@ def warnings(loaded: LoadedCase) -> list[str]:
     return [
         *steps.long_interval(case),
         *light_nodes.light_nodes(case),
+        *materials.fines(case),
         *slices.doubtful_slice(case, loaded.folder),
     ]

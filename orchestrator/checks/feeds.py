@@ -10,7 +10,10 @@ import numpy as np
 from orchestrator.bed_sources import inlets
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
+from orchestrator.feed import apart
 from orchestrator.planning import material_numbers
+
+SLACK_M = 1e-9  # rounding when boxes are turned
 
 
 def feeds(case: Case) -> Iterator[Mistake]:
@@ -19,10 +22,13 @@ def feeds(case: Case) -> Iterator[Mistake]:
     found = inlets(case, material_numbers(case))
     for name, inlet in found.items():
         key: Key = ("bed", "feeds", name)
+        if inlet.start_s >= case.duration_s:
+            what = f"{inlet.start_s:g} s is not before the end, duration_s = {case.duration_s:g} s"
+            yield Mistake((*key, "start_s"), what)
         if inlet.stop_s <= inlet.start_s:
             what = f"{inlet.stop_s:g} s is not after start_s = {inlet.start_s:g} s"
             yield Mistake((*key, "stop_s"), what)
-        if (inlet.box_m[0] < low).any() or (inlet.box_m[1] > high).any():
+        if (inlet.corners_m < low - SLACK_M).any() or (inlet.corners_m > high + SLACK_M).any():
             yield Mistake((*key, "box_m"), "is not inside domain_m")
         if inlet.rate_kg_s > inlet.largest_rate_kg_s:
             what = f"{inlet.rate_kg_s:g} kg/s find no room in the box"
@@ -32,6 +38,5 @@ def feeds(case: Case) -> Iterator[Mistake]:
             )
             yield Mistake((*key, "rate_kg_s"), what, hint)
     for (one, first), (two, second) in combinations(found.items(), 2):
-        apart = (first.box_m[1] <= second.box_m[0]) | (second.box_m[1] <= first.box_m[0])
-        if not apart.any():
+        if not apart(first, second):
             yield Mistake(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')

@@ -17,6 +17,7 @@ from orchestrator.contact_times import contact_moduli, impact_speed_m_s, reduced
 from orchestrator.geometry import Apertures
 from orchestrator.left_out import has_particles
 from orchestrator.ports import Array
+from orchestrator.size_distribution import classes
 from orchestrator.tables.screen import Panel
 
 
@@ -87,7 +88,7 @@ def strongest_damper_N_s_m(case: Case, panel_material: str) -> float:
 def _largest_m(case: Case) -> dict[str, float]:
     bed = case.bed
     sizes = [(row.material, row.diameter_m) for row in bed.particles.values()]
-    sizes += [(source.material, row.largest_m) for source in bed.sources for row in source.sizes]
+    sizes += [(source.material, row.largest_m) for source in bed.sources for row in classes(source)]
     largest: dict[str, float] = {}
     for name, diameter_m in sizes:
         largest[name] = max(diameter_m, largest.get(name, 0.0))

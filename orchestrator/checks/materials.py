@@ -8,6 +8,7 @@ from itertools import combinations_with_replacement
 
 from orchestrator.case import Case
 from orchestrator.case_errors import Key, Mistake
+from orchestrator.size_distribution import Source, classes, faults, finer_share
 
 
 def complete_materials(case: Case) -> Iterator[Mistake]:
@@ -61,13 +62,38 @@ def boxes_and_sizes(case: Case) -> Iterator[Mistake]:
                 if size.smallest_m > size.largest_m:
                     what = f"is larger than largest_m = {size.largest_m:g}"
                     yield Mistake((*key, "sizes", number, "smallest_m"), what)
+            for field, what, hint in faults(row):
+                yield Mistake((*key, field), what, hint)
             total = sum(size.mass_fraction for size in row.sizes)
-            if abs(total - 1) > 1e-6:
+            if row.sizes and abs(total - 1) > 1e-6:
                 yield Mistake((*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1")
     for key, (low, high) in boxes:
         if not all(a < b for a, b in zip(low, high, strict=True)):
             hint = "give the lowest corner, then the highest"
             yield Mistake(key, f"{list(low)} is not below {list(high)} in every direction", hint)
+
+
+def fines(case: Case) -> Iterator[str]:
+    """A warning with numbers for each source that does without its fines."""
+    sources: list[tuple[str, Source]] = [*case.bed.blocks.items(), *case.bed.feeds.items()]
+    for name, source in sources:
+        if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
+            fate = {"leave-out": "left out", "next-class": "made of the next class"}[source.finer]
+            yield (
+                f"{name}: {finer:.1%} of the mass is finer than smallest_fed_m = "
+                f"{source.smallest_fed_m:g} m and {fate}"
+            )
+
+
+def larger_than_the_box(case: Case) -> Iterator[Mistake]:
+    """Sources whose largest particles stick out of their box."""
+    for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
+        for name, row in rows.items():
+            largest_m = max(size.largest_m for size in classes(row))
+            side_m = min(b - a for a, b in zip(*row.box_m, strict=True))
+            if largest_m > side_m:
+                what = f"particles of {largest_m:g} m do not fit in {side_m:.4g} m"
+                yield Mistake(("bed", kind, name, "box_m"), what, "enlarge the box")
 
 
 FULLEST = 0.38  # share of a box that spheres at random places can fill (orchestrator/packing.py)
@@ -77,7 +103,7 @@ def crowded_blocks(case: Case) -> Iterator[Mistake]:
     """Boxes that could not hold their particles even if all had the smallest size: found here
     before anybody tries to place them."""
     for name, block in case.bed.blocks.items():
-        smallest_m = min(size.smallest_m for size in block.sizes)
+        smallest_m = min(size.smallest_m for size in classes(block))
         least_m3 = block.count * math.pi / 6 * smallest_m**3
         box_m3 = math.prod(b - a for a, b in zip(*block.box_m, strict=True))
         if least_m3 > FULLEST * box_m3:

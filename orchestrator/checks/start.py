@@ -46,7 +46,9 @@ def feeds_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
         bounds = np.stack([low + rim_m, high - rim_m], axis=1).ravel()
         for name, mesh in surfaces:
-            if mesh.clip_box(bounds, invert=False).n_cells:
+            turned = mesh.copy()
+            turned.points = mesh.points @ inlet.axes
+            if turned.clip_box(bounds, invert=False).n_cells:
                 yield Mistake(("bed", "feeds", feed, "box_m"), f"{name} reaches into it")
 
 

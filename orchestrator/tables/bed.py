@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Literal
 
-from annotated_types import Len
 from pydantic import Field
 
 from orchestrator.tables.quantities import (
@@ -13,6 +12,7 @@ from orchestrator.tables.quantities import (
     NotNegative,
     Particles,
     Positive,
+    Share,
     Table,
     Vector,
     Whole,
@@ -30,8 +30,17 @@ class SizeClass(Table):
     """Share of the mass; the shares of all classes add up to 1."""
 
 
+class PassingPoint(Table):
+    """A point of a cumulative size distribution."""
+
+    diameter_m: Positive
+    """Diameter."""
+    passing: Share
+    """Share of the mass that is finer."""
+
+
 class Particle(Table):
-    """One particle, in world axes."""
+    """One particle."""
 
     position_m: Vector
     """Its centre at t = 0."""
@@ -43,6 +52,8 @@ class Particle(Table):
     """Its diameter."""
     material: str
     """Its material, which also gives its density."""
+    axes: Literal["deck", "world"] = "world"
+    """Axes in which position, velocity and spin are given."""
 
 
 class Block(Table):
@@ -56,8 +67,15 @@ class Block(Table):
     """Axes in which box and velocity are given."""
     count: Particles
     """How many particles."""
-    sizes: Annotated[tuple[SizeClass, ...], Len(1)]
-    """Size classes."""
+    sizes: tuple[SizeClass, ...] = ()
+    """Size classes; or ``curve``."""
+    curve: tuple[PassingPoint, ...] = ()
+    """Cumulative size distribution, from fine to coarse, straight between its points."""
+    smallest_fed_m: Positive | None = None
+    """Particles finer than this are too many to compute: none of them is made."""
+    finer: Literal["leave-out", "next-class"] = "leave-out"
+    """What becomes of the mass finer than ``smallest_fed_m``: it is left out, or made of the
+    finest class that remains."""
     velocity_m_s: Vector = (0.0, 0.0, 0.0)
     """Their velocity at t = 0."""
     seed: Whole = 1
@@ -65,7 +83,7 @@ class Block(Table):
 
 
 class Feed(Table):
-    """Particles fed at a rate through a box, in world axes."""
+    """Particles fed at a rate through a box."""
 
     material: str
     """Their material."""
@@ -73,8 +91,17 @@ class Feed(Table):
     """Mass fed per time."""
     box_m: Box
     """Lowest and highest corner of the box in which particles appear."""
-    sizes: Annotated[tuple[SizeClass, ...], Len(1)]
-    """Size classes."""
+    axes: Literal["deck", "world"] = "world"
+    """Axes in which box and velocity are given."""
+    sizes: tuple[SizeClass, ...] = ()
+    """Size classes; or ``curve``."""
+    curve: tuple[PassingPoint, ...] = ()
+    """Cumulative size distribution, from fine to coarse, straight between its points."""
+    smallest_fed_m: Positive | None = None
+    """Particles finer than this are too many to compute: none of them is made."""
+    finer: Literal["leave-out", "next-class"] = "leave-out"
+    """What becomes of the mass finer than ``smallest_fed_m``: it is left out of the rate, or made
+    of the finest class that remains."""
     velocity_m_s: Vector = (0.0, 0.0, 0.0)
     """Velocity with which they appear; it must carry them out of the box."""
     start_s: NotNegative = 0.0

@@ -47,6 +47,9 @@ class ParticlesSolver(Table):
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.15
     """Share of the smallest particle's Rayleigh time; above 0.2 is refused."""
+    feed_interval_s: NotNegative = 0.002
+    """Time between two batches of fed particles (0: every sync interval); new neighbour lists for a
+    batch cost as much as seven steps."""
     largest_youngs_modulus_Pa: Positive | None = None
     """Stiffer materials are softened to this in contacts, which allows longer steps."""
 
@@ -72,6 +75,17 @@ class HandOver(Table):
     """Particles load the panels."""
     panel_reaction: Switch = True
     """Panels and walls push the frames."""
+
+
+class Watch(Table):
+    """What a run does about material that goes astray; looked at at output times."""
+
+    lost_particles: Literal["warn", "stop"] = "warn"
+    """Particles that leave the domain elsewhere than through an exit."""
+    jammed_feed: Literal["warn", "stop"] = "stop"
+    """A feed that took less than half of what was due for ``jam_s``."""
+    jam_s: Positive = 0.2
+    """How long."""
 
 
 class Output(Table):

@@ -157,7 +157,7 @@ class Surface(Table):
 
 class Exit(Table):
     """A box that takes particles out and counts them: the undersize below a section of the deck,
-    the oversize behind its end.  Of exits that overlap, the first counts."""
+    the oversize behind its end."""
 
     product: Literal["undersize", "oversize"]
     """What leaves here."""

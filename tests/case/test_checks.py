@@ -11,6 +11,7 @@ from orchestrator.levels import load
 from orchestrator.plans import PanelPlan, SolverFailed
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
+EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
 FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
 
 
@@ -75,7 +76,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (BLOCK.replace("[0.1, 0.1, 0.2]", "[0.1, 0.1, 0]"), "is not below"),
         (BLOCK.replace("count=1", "count=1000000"), "count: 1000000 particles fill"),
         (BLOCK.replace("count=1", "count=300"), "count: the box has room for"),
-        (BLOCK.replace("0.1], [0.1, 0.1, 0.2", "-0.005], [0.1, 0.1, 0.005"), "inside panel deck"),
+        (BLOCK.replace("0.1], [0.1, 0.1, 0.2", "-0.01], [0.1, 0.1, 0.01"), "inside panel deck"),
         (
             BLOCK.replace("0.1], [0.1, 0.1, 0.2", "1.2], [0.1, 0.1, 1.3"),
             "coal.box_m: particle 2 at",
@@ -85,11 +86,24 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("screen.panels.deck.count=1000000000", "less than or equal to 1000 is wanted"),
         ("panel.cells=[22, 100000]", "panel.cells.1: 100000 is wrong"),
         # feeds
-        (FEED.replace("rate_kg_s=1", "rate_kg_s=10"), "the largest rate is 1.43 kg/s; a larger"),
+        (FEED.replace("rate_kg_s=1", "rate_kg_s=10"), "the largest rate is 2.86 kg/s; a larger"),
         (FEED.replace("0, -1]", "0, 0]"), "the largest rate is 0 kg/s"),
         (FEED.replace("sizes", "start_s=1, stop_s=0.5, sizes"), "0.5 s is not after start_s = 1"),
         (FEED.replace("0.1, 0.2]]", "0.1, 1.2]]"), "is not inside domain_m"),
         (FEED.replace("0, 0.1]", "0, -0.1]"), "chute.box_m: panel deck reaches into it"),
+        (FEED.replace("sizes", "start_s=0.1, sizes"), "start_s: 0.1 s is not before the end"),
+        (
+            FEED.replace("0.02, mass", "0.12, mass"),
+            "box_m: particles of 0.12 m do not fit in 0.1 m",
+        ),
+        (
+            FEED.replace("sizes=", "curve=[{diameter_m=0.1, passing=1}], sizes="),
+            "contradicts sizes",
+        ),
+        # exits
+        (EXIT.replace("-0.3]]", "-0.6]]"), "under.box_m: is empty"),
+        (EXIT.replace("-0.5], [1, 1, -0.3", "-1.5], [1, 1, -1.3"), "is outside domain_m"),
+        (EXIT.replace("-0.3]]", "0.1]]"), "under.box_m: panel deck reaches into it"),
         # sizes of values
         ("screen.panels.deck.thickness_m=4", "looks like mm: that is 0.004 in thickness_m"),
         ("materials.coal.density_kg_m3=1.43", "looks like g/cm3: that is 1430"),
@@ -244,3 +258,20 @@ def test_a_solver_without_a_resting_shape_is_not_asked_for_its_limit(
 
     monkeypatch.setattr("adapters.panel.strip.largest_step_s", restless)
     assert not complaints(tmp_path, "panel.solver=strip", "panel.step_s=1e-3")
+
+
+def test_exits_are_apart_but_may_share_a_face(tmp_path: Path) -> None:
+    beside = EXIT.replace("under", "over", 1).replace(
+        "[-1, -1, -0.5], [1, 1, -0.3]", "[1, -1, -0.5], [2, 1, 0]"
+    )
+    assert complaints(tmp_path, EXIT, beside, "domain_m.1.0=3") == []
+    across = beside.replace("[1, -1, -0.5]", "[0.9, -1, -0.5]")
+    assert 'over.box_m: overlaps exit "under"' in only_complaint(
+        tmp_path, EXIT, across, "domain_m.1.0=3"
+    )
+
+
+def test_fines_left_out_are_said(tmp_path: Path) -> None:
+    feed = FEED.replace("sizes", "smallest_fed_m=0.015, sizes")
+    found = warnings(loaded(tmp_path, [feed]))
+    assert any("chute: 27.1% of the mass is finer than" in line for line in found)

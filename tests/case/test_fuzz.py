@@ -44,6 +44,7 @@ def keys(table: Any, path: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
 
 
 KEYS = keys(GIVEN)[1:] + [(port, "solver") for port in ("panel", "frames", "particles")]
+KEYS += [("slice", "width_m"), ("bed", "feeds", "x"), ("screen", "exits", "x")]
 
 
 def nested(key: tuple[str, ...], value: Any) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.distance import cdist
 
 from orchestrator.clock import Interval
 from orchestrator.feed import Feeds, Inlet, RateFeed
@@ -114,8 +115,75 @@ def test_a_rate_too_large_for_the_box_shows_as_backlog() -> None:
     assert feed.backlog_kg + feed.fed_kg == pytest.approx(2.0)
 
 
-def test_the_largest_rate_is_what_leaves_a_box_filled_by_a_tenth() -> None:
-    assert INLET.largest_rate_kg_s == pytest.approx(0.1 * 1430.0 * 0.1 * 0.2 * 1.0)
+def test_the_largest_rate_is_what_leaves_a_box_filled_by_a_fifth() -> None:
+    assert INLET.largest_rate_kg_s == pytest.approx(0.2 * 1430.0 * 0.1 * 0.2 * 1.0)
+    seldom = replace(INLET, batch_s=0.5)  # the box empties in 0.1 s
+    assert seldom.largest_rate_kg_s == pytest.approx(0.2 * 1430.0 * 0.1 * 0.2 * 0.1 / 0.5)
+
+
+def largest_rate_found_kg_s(inlet: Inlet) -> float:
+    """What goes in where as much as a third of the box is always waiting; particles keep their
+    velocity."""
+    feed = RateFeed(replace(inlet, start_s=0.0, stop_s=math.inf))
+    low, high = inlet.box_m
+    present_m, reach_m, fed_kg = np.empty((0, 3)), np.empty(0), []
+    batches = 3 * math.ceil(
+        np.max(
+            (high - low)
+            / np.maximum(np.abs(inlet.velocity_m_s), 1e-9)
+            * (np.abs(inlet.velocity_m_s) > 0)
+        )
+        / inlet.batch_s
+    )
+    for index in range(max(batches, 12)):
+        waiting_kg = 0.33 * inlet.density_kg_m3 * float(np.prod(high - low))
+        rate = (feed.fed_kg + waiting_kg) / (max(index, 1) * inlet.batch_s)
+        feed.inlet = replace(feed.inlet, rate_kg_s=rate)
+        offer = feed.due(Interval(max(index, 1), inlet.batch_s))
+        radius_m = offer.diameter_m / 2.0
+        free = np.ones(len(offer), dtype=bool)
+        if len(reach_m) and len(offer):
+            apart_m = cdist(offer.position_m, present_m)
+            free = np.all(apart_m >= radius_m[:, None] + reach_m[None], axis=1)
+        feed.settle(free)
+        fed_kg.append(feed.fed_kg)
+        present_m = np.vstack([present_m, offer.position_m[free]])
+        present_m = present_m + inlet.batch_s * np.asarray(inlet.velocity_m_s)
+        reach_m = np.append(reach_m, radius_m[free])
+        near = np.all((present_m > low - 0.03) & (present_m < high + 0.03), axis=1)
+        present_m, reach_m = present_m[near], reach_m[near]
+    third = len(fed_kg) // 3
+    return (fed_kg[-1] - fed_kg[third]) / ((len(fed_kg) - 1 - third) * inlet.batch_s)
+
+
+@pytest.mark.parametrize(
+    ("smallest_m", "largest_m", "box_m", "velocity_m_s", "batch_s"),
+    [
+        (0.008, 0.013, (0.1, 0.1, 0.03), (0.0, 0.0, -1.0), 1e-3),
+        (0.008, 0.013, (0.1, 0.1, 0.03), (0.0, 0.0, -1.0), 4e-3),
+        (0.008, 0.013, (0.1, 0.1, 0.03), (0.0, 0.0, -1.0), 6e-2),  # empties between batches
+        (0.025, 0.030, (0.1, 0.1, 0.1), (0.0, 0.0, -1.0), 2e-3),
+        (0.006, 0.008, (0.05, 0.05, 0.05), (0.5, 0.0, -0.5), 4e-3),
+    ],
+)
+def test_the_largest_rate_is_no_more_than_what_is_found(
+    smallest_m: float,
+    largest_m: float,
+    box_m: tuple[float, ...],
+    velocity_m_s: tuple[float, ...],
+    batch_s: float,
+) -> None:
+    """A case is refused above the estimate: what is let through must be possible (measured 1.0 to
+    1.6 times the estimate), and little that is possible refused."""
+    inlet = replace(
+        INLET,
+        sizes=(Sizes(smallest_m, largest_m, 1.0),),
+        box_m=np.array([np.zeros(3), box_m]),
+        velocity_m_s=np.array(velocity_m_s),
+        batch_s=batch_s,
+    )
+    found_kg_s = largest_rate_found_kg_s(inlet)
+    assert 1.0 <= found_kg_s / inlet.largest_rate_kg_s <= 1.7
 
 
 def test_a_rate_below_the_largest_finds_room() -> None:

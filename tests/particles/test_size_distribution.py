@@ -1,0 +1,92 @@
+"""Curves, and what becomes of the fines."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from orchestrator.particle_sizes import diameters_m
+from orchestrator.size_distribution import classes, faults, finer_share, share_left_out
+from orchestrator.tables.bed import Block
+
+CURVE = [(0.002, 0.0), (0.004, 0.3), (0.01, 0.9), (0.02, 1.0)]
+
+
+def source(**given: Any) -> Block:
+    table = {"material": "coal", "box_m": [[0, 0, 0], [1, 1, 1]], "count": 1, **given}
+    return Block.model_validate(table)
+
+
+def curve(points: list[tuple[float, float]] = CURVE, **given: Any) -> Block:
+    rows = [{"diameter_m": d, "passing": share} for d, share in points]
+    return source(curve=rows, **given)
+
+
+def sizes(*rows: tuple[float, float, float], **given: Any) -> Block:
+    names = ("smallest_m", "largest_m", "mass_fraction")
+    return source(sizes=[dict(zip(names, row, strict=True)) for row in rows], **given)
+
+
+def passing(block: Block, at_m: float) -> float:
+    """By mass, of many particles."""
+    drawn_m = diameters_m(classes(block), 200_000, np.random.default_rng(1))
+    return float(np.sum(drawn_m[drawn_m <= at_m] ** 3) / np.sum(drawn_m**3))
+
+
+@pytest.mark.parametrize("at_m", [0.0025, 0.003, 0.004, 0.006, 0.008, 0.01, 0.015])
+def test_a_curve_is_followed_at_its_points_and_between_them(at_m: float) -> None:
+    wanted = np.interp(at_m, *np.transpose(CURVE))
+    assert passing(curve(), at_m) == pytest.approx(wanted, abs=0.006)
+
+
+def test_a_flat_piece_of_a_curve_has_no_particles() -> None:
+    block = curve([(0.002, 0.0), (0.004, 0.5), (0.01, 0.5), (0.012, 1.0)])
+    assert not any(0.004 < (row.smallest_m + row.largest_m) / 2 < 0.01 for row in classes(block))
+
+
+def test_fines_are_left_out() -> None:
+    block = curve(smallest_fed_m=0.004)
+    assert finer_share(block) == pytest.approx(0.3)
+    assert share_left_out(block) == pytest.approx(0.3)
+    assert sum(row.mass_fraction for row in classes(block)) == pytest.approx(1.0)
+    assert min(row.smallest_m for row in classes(block)) == pytest.approx(0.004)
+    assert passing(block, 0.01) == pytest.approx(0.6 / 0.7, abs=0.006)
+
+
+def test_a_class_is_cut_where_its_diameters_are() -> None:
+    """Evenly spread by number: of 2 to 4 mm, (3^4 - 2^4) / (4^4 - 2^4) of the mass is below 3."""
+    block = sizes((0.002, 0.004, 0.5), (0.004, 0.005, 0.5), smallest_fed_m=0.003)
+    assert share_left_out(block) == pytest.approx(0.5 * (81 - 16) / (256 - 16))
+    assert classes(block)[0].smallest_m == 0.003
+
+
+def test_fines_are_made_of_the_next_class() -> None:
+    rows = ((0.002, 0.003, 0.2), (0.005, 0.006, 0.3), (0.006, 0.008, 0.5))
+    block = sizes(*rows, smallest_fed_m=0.004, finer="next-class")
+    assert share_left_out(block) == 0.0
+    assert [row.mass_fraction for row in classes(block)] == pytest.approx([0.5, 0.5])
+    assert classes(block)[0].smallest_m == 0.005
+
+
+@pytest.mark.parametrize(
+    ("block", "said"),
+    [
+        (source(), "missing"),
+        (sizes((0.1, 0.2, 1.0), curve=[{"diameter_m": 0.1, "passing": 1}]), "contradicts sizes"),
+        (curve(CURVE[:1]), "is no rising curve of two points"),
+        (curve(CURVE[::-1]), "is no rising curve"),
+        (curve(CURVE[1:]), "goes from 0.3 to 1, not from 0 to 1"),
+        (curve(CURVE[:3]), "goes from 0 to 0.9, not from 0 to 1"),
+        (curve(smallest_fed_m=0.03), "nothing is as large as 0.03 m"),
+    ],
+)
+def test_what_is_no_distribution_is_refused(block: Block, said: str) -> None:
+    (found,) = faults(block)
+    assert said in found[1]
+
+
+def test_good_ones_have_no_faults() -> None:
+    assert list(faults(curve(smallest_fed_m=0.003))) == []
+    assert list(faults(sizes((0.1, 0.2, 1.0)))) == []

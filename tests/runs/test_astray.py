@@ -1,0 +1,122 @@
+"""Material that goes astray: particles that get lost, feeds that jam.  Results are kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import pytest
+
+from tests.case.cases import CASE, written
+from tests.runs.outside import flipflow, run_words, summary
+
+SOLVERS = """
+[coupling]
+sync_interval_s = 2e-4
+[frames]
+solver = "two-mass"
+[panel]
+solver = "rigid"
+surface_cells = [6, 4]
+[particles]
+solver = "spheres"
+[output]
+interval_s = 0.01
+pictures = false
+"""
+# beside the panel, nothing below
+STRAY = """
+[bed.particles.stray]
+position_m = [-0.3, 0.1, -0.85]
+velocity_m_s = [0.0, 0.0, -3.0]
+diameter_m = 0.02
+material = "coal"
+"""
+# a chute that pours into a bucket, which is full after some 25 particles
+JAM = """
+[screen.surfaces.floor]
+corner_m = [-0.53, -0.04, -0.02]
+edges_m = [[0.06, 0, 0], [0, 0.06, 0]]
+frame = "ground"
+material = "PU"
+[screen.surfaces.front]
+corner_m = [-0.53, -0.04, -0.02]
+edges_m = [[0.06, 0, 0], [0, 0, 0.1]]
+frame = "ground"
+material = "PU"
+[screen.surfaces.back]
+corner_m = [-0.53, 0.02, -0.02]
+edges_m = [[0.06, 0, 0], [0, 0, 0.1]]
+frame = "ground"
+material = "PU"
+[screen.surfaces.left]
+corner_m = [-0.53, -0.04, -0.02]
+edges_m = [[0, 0.06, 0], [0, 0, 0.1]]
+frame = "ground"
+material = "PU"
+[screen.surfaces.right]
+corner_m = [-0.47, -0.04, -0.02]
+edges_m = [[0, 0.06, 0], [0, 0, 0.1]]
+frame = "ground"
+material = "PU"
+[bed.feeds.chute]
+material = "coal"
+rate_kg_s = 0.4
+box_m = [[-0.52, -0.03, 0.0], [-0.48, 0.01, 0.03]]
+velocity_m_s = [0.0, 0.0, -1.0]
+sizes = [{ smallest_m = 0.018, largest_m = 0.020, mass_fraction = 1.0 }]
+[watch]
+jam_s = 0.1
+"""
+
+
+def run(folder: Path, extra: str, *sets: str) -> tuple[int, str, Path]:
+    text = CASE.replace("duration_s = 0.1", "duration_s = 0.6") + extra + SOLVERS
+    case = written(folder / "case", text)
+    done = flipflow(*run_words(str(case), folder / "run", sets))
+    return done.returncode, done.stderr, folder / "run"
+
+
+@pytest.mark.process
+def test_a_lost_particle_is_warned_of(tmp_path: Path) -> None:
+    code, said, folder = run(tmp_path, STRAY, "duration_s=0.1")
+    assert code == 0, said
+    assert "WARNING: 1 particles left the domain elsewhere than through an exit" in said
+    assert (
+        "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1"
+        in (folder / "run.log").read_text()
+    )
+    assert summary(folder)["material"]["lost"]["number"] == 1
+
+
+@pytest.mark.process
+def test_a_lost_particle_stops_the_run_where_the_case_wants_it(tmp_path: Path) -> None:
+    code, said, folder = run(tmp_path, STRAY, "duration_s=0.1", "watch.lost_particles=stop")
+    assert code == 4
+    assert "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in said
+    figures = summary(folder)
+    assert figures["status"] == "failed"
+    assert figures["material"]["lost"]["number"] == 1
+    with h5py.File(folder / "history.h5") as history:
+        assert history["removed/exit"][:].tolist() == [-1]
+
+
+@pytest.mark.process
+def test_a_jammed_feed_stops_the_run(tmp_path: Path) -> None:
+    code, said, folder = run(tmp_path, JAM)
+    assert code == 4, said
+    assert 'feed "chute" is jammed: of' in said
+    figures = summary(folder)
+    feed = figures["material"]["feeds"]["chute"]
+    assert feed["fed_kg"] < 0.6 * feed["due_kg"]
+    assert 0.1 < figures["simulated_s"] < 0.6
+    with h5py.File(folder / "history.h5") as history:
+        backlog_kg = history["feeds/chute/due_kg"][:] - history["feeds/chute/fed_kg"][:]
+    assert backlog_kg[-1] > backlog_kg[len(backlog_kg) // 2] > 0.0
+
+
+@pytest.mark.process
+def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
+    code, said, folder = run(tmp_path, JAM, "watch.jammed_feed=warn")
+    assert code == 0, said
+    assert (folder / "run.log").read_text().count('feed "chute" is jammed') == 1
