@@ -1,9 +1,9 @@
 """What a run writes while it goes on: time series, and snapshots for ParaView.
 
-Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion),
-``forces/<panel>`` and ``bushings/<name>`` at every sync point; ``panels/<name>`` (centre line),
-``energy``, ``bed`` and what deck_record.py adds at every output time; ``fed`` and ``removed``: a
-row for each particle that came or went.
+Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
+``bushings/<name>`` every ``output.series_s``; ``panels/<name>`` (centre line), ``energy``, ``bed``
+and what deck_record.py adds at every output time; ``fed`` and ``removed``: a row for each particle
+that came or went.
 """
 
 from __future__ import annotations
@@ -14,17 +14,18 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case import Case
+from orchestrator.clock import steps_in
 from orchestrator.coupling import State
 from orchestrator.deck_record import deck_record
-from orchestrator.frame_rotation import rotations
 from orchestrator.history import History
 from orchestrator.ledger import Ledger
-from orchestrator.machine import Machine, Probe
+from orchestrator.machine import Machine
 from orchestrator.opening_places import openings_m
-from orchestrator.ports import Motion, ParticleSnapshot
+from orchestrator.ports import ParticleSnapshot
 from orchestrator.ranks import is_first
 from orchestrator.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.summary import cycle_s
+from orchestrator.time_series import TimeSeries
 
 
 class Recorder:
@@ -42,8 +43,10 @@ class Recorder:
         self._machine, self._ledger, self._start = machine, ledger, start
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
+        self._every = rows_every(case)
         if self._writes:
             self._history = History(folder / "history.h5")
+            self._series = TimeSeries(machine, start, self._history)
             if len(machine.surface.triangles):
                 self._surface = Series(folder, "surface")
             if machine.material is not None:
@@ -54,35 +57,15 @@ class Recorder:
             lines = [panel.centre_line for panel in machine.panels]
             self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
 
-    def sync_point(self, time_s: float, state: State) -> None:
-        """Every sync point: motions and forces."""
-        followed = self._snapshot() if self._follows else None
-        if not self._writes:
+    def sync_point(self, done: int, time_s: float, state: State) -> None:
+        """Every sync point; ``done`` counts them."""
+        if self._writes:
+            self._series.sync_point(state)
+        if done % self._every:
             return
-        centres = self._machine.centres
-        turned = rotations(state.clamps, np.fromiter(centres.values(), np.int64))
-        for (name, point), rotation, spin in zip(centres.items(), *turned, strict=True):
-            moved = state.clamps.position_m[point] - self._start.clamps.position_m[point]
-            values = {"displacement_m": moved, "velocity_m_s": state.clamps.velocity_m_s[point]}
-            values |= {"rotation_rad": rotation, "spin_rad_s": spin}
-            self._history.add(f"frames/{name}", time_s, values)
-        for probe in self._machine.probes:
-            position, velocity = _at(probe, state, followed)
-            values = {"position_m": position, "velocity_m_s": velocity}
-            self._history.add(f"probes/{probe.name}", time_s, values)
-        stretched = self._machine.bushings.at(state.clamps)
-        for name, *row in zip(self._machine.bushings.names, *stretched, strict=True):
-            values = dict(zip(("deformation_m", "force_N"), row, strict=True))
-            self._history.add(f"bushings/{name}", time_s, values)
-        reaction_N = state.panel.reaction.force_N
-        for panel in self._machine.panels:
-            values = {
-                "load_N": state.load.force_N[panel.surface].sum(axis=0),
-                "reaction_N": reaction_N[panel.clamps].sum(axis=0),
-                "first_clamp_N": reaction_N[panel.first_clamp].sum(axis=0),
-                "second_clamp_N": reaction_N[panel.second_clamp].sum(axis=0),
-            }
-            self._history.add(f"forces/{panel.name}", time_s, values)
+        followed = self._snapshot() if self._follows else None
+        if self._writes:
+            self._series.row(time_s, state, followed)
 
     def output(self, time_s: float, state: State) -> int:
         """Every output time: shapes, books, and files for ParaView.  Returns the number of
@@ -140,16 +123,10 @@ class Recorder:
         return particles.snapshot() if particles is not None else None
 
 
-def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
-    """Position and velocity (3,) of a probe; NaN for a particle that has left."""
-    if probe.on == "particle":
-        assert followed is not None
-        row = np.flatnonzero(followed.id == probe.index)
-        if len(row) == 0:
-            return np.full(3, np.nan), np.full(3, np.nan)
-        return followed.position_m[row[0]], followed.velocity_m_s[row[0]]
-    motion: Motion = state.clamps if probe.on == "clamps" else state.panel.surface
-    return motion.position_m[probe.index], motion.velocity_m_s[probe.index]
+def rows_every(case: Case) -> int:
+    """Sync intervals from row to row of the time series."""
+    interval_s = case.coupling.sync_interval_s
+    return steps_in(case.output.series_s or interval_s, interval_s)
 
 
 def _bed(particles: ParticleSnapshot) -> dict[str, Any]:

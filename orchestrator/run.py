@@ -94,7 +94,7 @@ class Run:
         """Sync point ``done``; an output time every ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
         with self._stopwatch("output"), written(time_s):
-            recorder.sync_point(time_s, state)
+            recorder.sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:
                     self._done["particles"] = recorder.output(time_s, state)

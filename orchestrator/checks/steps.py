@@ -59,11 +59,12 @@ def panel_step(case: Case) -> Iterator[Mistake]:
 
 
 def whole_times(case: Case) -> Iterator[Mistake]:
-    """A sync interval that is longer than the run or than the time between snapshots."""
+    """A sync interval that is longer than the run or than the time between records."""
     interval_s = case.coupling.sync_interval_s
     for key, time_s in (
         (("duration_s",), case.duration_s),
         (("output", "interval_s"), case.output.interval_s),
+        (("output", "series_s"), case.output.series_s or interval_s),
     ):
         if time_s < interval_s:
             what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"

@@ -89,11 +89,13 @@ class Watch(Table):
 
 
 class Output(Table):
-    """What is written how often.  Probes and forces are written at every sync
-    point in any case."""
+    """What is written how often."""
 
     interval_s: Positive = 0.005
     """Time between snapshots for ParaView, shapes and the energy ledger."""
+    series_s: NotNegative = 0.0
+    """Time between rows of probes, frames, bushings and panel forces (means over it); 0: a row at
+    every sync point."""
     pictures: Switch = True
     """Make pictures at the end of the run."""
     cut_size_m: Positive | None = None

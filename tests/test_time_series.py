@@ -1,0 +1,54 @@
+"""Rows of the time series: panel forces are means over the sync intervals since the last row."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from orchestrator.history import History
+from orchestrator.ports import Load, Motion, PanelState
+from orchestrator.time_series import TimeSeries
+
+REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))
+
+
+def state(load_N: float) -> Any:
+    """Two panels of two surface and two clamp points each; every point of panel 2 carries twice
+    what one of panel 1 does."""
+    force_N = np.outer([1.0, 1.0, 2.0, 2.0], [0.0, 0.0, load_N])
+    return SimpleNamespace(load=Load(force_N), panel=PanelState(REST, Load(-force_N)), clamps=REST)
+
+
+def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
+    panels = [
+        SimpleNamespace(
+            name=f"p-{n + 1}",
+            surface=slice(2 * n, 2 * n + 2),
+            clamps=slice(2 * n, 2 * n + 2),
+            first_clamp=np.array([2 * n]),
+            second_clamp=np.array([2 * n + 1]),
+        )
+        for n in range(2)
+    ]
+    still = SimpleNamespace(names=(), at=lambda _: (np.empty((0, 3)), np.empty((0, 3))))
+    machine: Any = SimpleNamespace(centres={}, probes=(), panels=panels, bushings=still)
+    history = History(tmp_path / "history.h5")
+    series = TimeSeries(machine, state(0.0), history)
+    for time_s, loads_N in ((0.0, [5.0]), (1.0, [1.0, 2.0, 6.0]), (2.0, [0.0, 3.0])):
+        for load_N in loads_N:
+            series.sync_point(state(load_N))
+        series.row(time_s, state(loads_N[-1]), None)
+    history.close()
+    with h5py.File(tmp_path / "history.h5") as file:
+        # sums over a panel's two points of the means 5, 3 and 1.5 N
+        load_N = file["forces/p-1/load_N"][:, 2]
+        clamp_N = file["forces/p-2/second_clamp_N"][:, 2]
+        time_s = file["forces/p-1/time_s"][:]
+    assert time_s == pytest.approx([0.0, 1.0, 2.0])
+    assert load_N == pytest.approx([10.0, 6.0, 3.0])
+    assert clamp_N == pytest.approx([-10.0, -6.0, -3.0])
