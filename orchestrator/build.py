@@ -27,6 +27,7 @@ from orchestrator.machine import Machine, PanelPoints, Probe
 from orchestrator.material_book import CountedFeed, MaterialBook
 from orchestrator.material_watch import MaterialWatch
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.opening_places import smaller_sides_m
 from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
 from orchestrator.planning import bushings, frames_plan, material_numbers, particles_plan
@@ -98,7 +99,8 @@ def _particles(
     solver = case.particles.solver
     opened = cast(Particles, adapter.opened("particles", solver, plan))
     metered = MeteredParticles(opened, f"particles ({solver})", stopwatch)
-    return MaterialBook(feed, plan.exits, MaterialWatch(case.watch)), metered
+    widest_m = max(smaller_sides_m(case), default=None)
+    return MaterialBook(feed, plan.exits, MaterialWatch(case.watch, widest_m)), metered
 
 
 def _handed_over(case: Case, members: Members) -> Solvers:

@@ -101,6 +101,7 @@ class MaterialBook:
     def __init__(self, feed: CountedFeed, exits: tuple[Exit, ...], watch: MaterialWatch) -> None:
         self.feed, self.exits, self._watch = feed, exits, watch
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
+        self.escaped = Amount()  # of those through exits
         self.through = [Amount() for _ in exits]
 
     def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
@@ -108,6 +109,7 @@ class MaterialBook:
         when a particle is not accounted for, or the watch wants it."""
         self.fed.add(fed)
         self.lost.add(removed, removed.exit < 0)
+        self.escaped.add(removed, self._watch.too_large(removed, self.exits))
         for number, amount in enumerate(self.through):
             amount.add(removed, removed.exit == number)
         self.on_deck = Amount()
@@ -120,6 +122,7 @@ class MaterialBook:
                 f"{time_s:.6g} s: {self.on_deck.number} are there and {gone} were removed"
             )
         self._watch.lost(removed)
+        self._watch.escaped(removed, self.exits)
         for feed in self.feed.feeds:
             self._watch.feed(time_s, feed)
 
@@ -129,6 +132,7 @@ class MaterialBook:
             "fed": vars(self.fed),
             "on_deck": vars(self.on_deck),
             "lost": vars(self.lost),
+            "escaped": vars(self.escaped),
             "feeds": {
                 feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
                 for feed in self.feed.feeds

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections import deque
+from collections.abc import Sequence
+
+import numpy as np
 
 from orchestrator.feed import RateFeed
-from orchestrator.plans import SolverFailed
-from orchestrator.ports import Removed
+from orchestrator.plans import Exit, SolverFailed
+from orchestrator.ports import Indices, Removed
 from orchestrator.tables.numerics import Watch
 
 LOG = logging.getLogger("flipflow")
@@ -16,10 +19,13 @@ FEW_PARTICLES = 5.0  # a backlog of so many of the largest particles is none yet
 
 
 class MaterialWatch:
-    """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that."""
+    """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that.
 
-    def __init__(self, wanted: Watch) -> None:
-        self._wanted = wanted
+    ``widest_m``: the largest sphere that fits through an opening; None if there are no openings.
+    """
+
+    def __init__(self, wanted: Watch, widest_m: float | None = None) -> None:
+        self._wanted, self._widest_m = wanted, widest_m
         self._before: dict[str, deque[tuple[float, float, float]]] = {}
         self._said: set[str] = set()
 
@@ -33,6 +39,25 @@ class MaterialWatch:
                 "surface or past the exits"
             )
             self._say("lost", what, self._wanted.lost_particles)
+
+    def too_large(self, removed: Removed, exits: Sequence[Exit]) -> Indices:
+        """Rows of the particles in the undersize that fit through no opening."""
+        if self._widest_m is None:
+            return np.empty(0, dtype=np.int64)
+        undersize = np.array([*(one.product == "undersize" for one in exits), False])  # -1: lost
+        return np.flatnonzero(undersize[removed.exit] & (removed.diameter_m > self._widest_m))
+
+    def escaped(self, removed: Removed, exits: Sequence[Exit]) -> None:
+        """Particles in the undersize that fit through no opening; the first is named."""
+        for row in self.too_large(removed, exits)[:1]:
+            what = (
+                f"particle {removed.id[row]} ({1e3 * removed.diameter_m[row]:.3g} mm) came out "
+                f'through exit "{exits[removed.exit[row]].name}" at t = {removed.time_s[row]:.6g} s'
+                f", although no opening is wider than {1e3 * (self._widest_m or 0):.3g} mm: "
+                "contacts so soft that it was squeezed through "
+                "(particles.largest_youngs_modulus_Pa), or a way out beside the panels"
+            )
+            self._say("escaped", what, self._wanted.escaped_particles)
 
     def feed(self, time_s: float, feed: RateFeed) -> None:
         """Is what is due going in?  A feed that lags by a few particles does no harm."""

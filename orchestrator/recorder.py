@@ -21,6 +21,7 @@ from orchestrator.history import History
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
 from orchestrator.opening_places import openings_m
+from orchestrator.panel_watch import PanelWatch
 from orchestrator.ports import ParticleSnapshot
 from orchestrator.ranks import is_first
 from orchestrator.snapshots import Series, particle_mesh, surface_mesh
@@ -46,6 +47,7 @@ class Recorder:
         self._every = rows_every(case)
         if self._writes:
             self._history = History(folder / "history.h5")
+            self._panel_watch = PanelWatch(case)
             self._series = TimeSeries(machine, start, self._history)
             if len(machine.surface.triangles):
                 self._surface = Series(folder, "surface")
@@ -80,6 +82,7 @@ class Recorder:
         for panel in self._machine.panels:
             line = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
+            self._panel_watch.look(time_s, panel.name, line)
         triangles = self._machine.surface.triangles
         if len(triangles):
             mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle)

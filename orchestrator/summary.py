@@ -97,6 +97,11 @@ def material_lines(material: dict[str, Any]) -> list[str]:
             f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
             "through an exit; history.h5 says where (removed, exit = -1)"
         )
+    if material["escaped"]["number"]:
+        lines.append(
+            f"WARNING: {material['escaped']['number']} particles came out with the undersize "
+            "although they fit through no opening; run.log names the first"
+        )
     return lines
 
 

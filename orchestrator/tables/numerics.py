@@ -78,10 +78,16 @@ class HandOver(Table):
 
 
 class Watch(Table):
-    """What a run does about material that goes astray; looked at at output times."""
+    """What a run does about what should not happen: "warn" says it once and goes on, "stop" ends
+    the run with its results kept (exit code 4).  Looked at at output times."""
 
     lost_particles: Literal["warn", "stop"] = "warn"
     """Particles that leave the domain elsewhere than through an exit."""
+    escaped_particles: Literal["warn", "stop"] = "warn"
+    """Particles that come out with the undersize although they fit through no opening: squeezed
+    through (contacts too soft), or out beside the panels."""
+    folded_panels: Literal["warn", "stop"] = "stop"
+    """Panels whose middle line comes nearer to itself than the panel's thickness."""
     jammed_feed: Literal["warn", "stop"] = "stop"
     """A feed that took less than half of what was due for ``jam_s``."""
     jam_s: Positive = 0.2

@@ -32,6 +32,27 @@ velocity_m_s = [0.0, 0.0, -3.0]
 diameter_m = 0.02
 material = "coal"
 """
+# below a panel with openings of 10 mm, on its way into the undersize
+ESCAPED = """
+[screen.panels.deck.apertures]
+length_m = 0.01
+width_m = 0.01
+pitch_along_m = 0.02
+pitch_across_m = 0.02
+[screen.exits.below]
+product = "undersize"
+box_m = [[-0.2, -0.2, -0.9], [0.5, 0.4, -0.3]]
+[bed.particles.large]
+position_m = [0.15, 0.1, -0.25]
+velocity_m_s = [0.0, 0.0, -2.0]
+diameter_m = 0.0101
+material = "coal"
+[bed.particles.small]
+position_m = [0.15, 0.05, -0.25]
+velocity_m_s = [0.0, 0.0, -2.0]
+diameter_m = 0.0099
+material = "coal"
+"""
 # a chute that pours into a bucket, which is full after some 25 particles
 JAM = """
 [screen.surfaces.floor]
@@ -99,6 +120,24 @@ def test_a_lost_particle_stops_the_run_where_the_case_wants_it(tmp_path: Path) -
     assert figures["material"]["lost"]["number"] == 1
     with h5py.File(folder / "history.h5") as history:
         assert history["removed/exit"][:].tolist() == [-1]
+
+
+@pytest.mark.process
+def test_a_particle_too_large_for_the_undersize_is_warned_of(tmp_path: Path) -> None:
+    code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1")
+    assert code == 0, said
+    assert "WARNING: 1 particles came out with the undersize" in said
+    material = summary(folder)["material"]
+    assert material["escaped"]["number"] == 1
+    assert material["exits"]["below"]["number"] == 2
+
+
+@pytest.mark.process
+def test_a_particle_too_large_for_the_undersize_stops_the_run(tmp_path: Path) -> None:
+    code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1", "watch.escaped_particles=stop")
+    assert code == 4
+    assert 'particle 2 (10.1 mm) came out through exit "below"' in said
+    assert summary(folder)["material"]["escaped"]["number"] == 1
 
 
 @pytest.mark.process

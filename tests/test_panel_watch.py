@@ -1,0 +1,62 @@
+"""A panel's line that folds into itself is found, an arch that only bends is not."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.levels import load
+from orchestrator.panel_watch import PanelWatch, touches_itself_m
+from orchestrator.plans import SolverFailed
+from tests.case.cases import CASE, written
+
+
+def hairpin(gap_m: float) -> np.ndarray:
+    """100 mm out, a half turn, 100 mm back, ``gap_m`` above."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 20)[1:-1]
+    turn = 0.1 + gap_m / 2 * np.cos(angle), gap_m / 2 * (1 + np.sin(angle))
+    out, back = np.linspace(0.0, 0.1, 11), np.linspace(0.1, 0.0, 11)
+    x = np.concatenate([out, turn[0], back])
+    z = np.concatenate([0 * out, turn[1], 0 * back + gap_m])
+    return np.column_stack([x, 0 * x, z])
+
+
+@pytest.mark.parametrize("gap_m", [0.001, 0.0035])
+def test_a_hairpin_narrower_than_the_thickness(gap_m: float) -> None:
+    found = touches_itself_m(hairpin(gap_m), 0.004)
+    assert found is not None
+    assert found[1] - found[0] > 4 * 0.004
+
+
+@pytest.mark.parametrize("gap_m", [0.005, 0.05])
+def test_a_hairpin_wider_than_the_thickness(gap_m: float) -> None:
+    assert touches_itself_m(hairpin(gap_m), 0.004) is None
+
+
+def test_a_loop_that_crosses_itself_between_points() -> None:
+    """Few points: none of them is near the place where the segments cross."""
+    line_m = np.array([[0, 0, 0], [0.2, 0, 0], [0.2, 0, 0.1], [0.1, 0, 0.1], [0.1, 0, -0.1]], float)
+    assert touches_itself_m(line_m, 0.004) is not None
+
+
+@pytest.mark.parametrize("sag_m", [0.0, 0.027, 0.1])
+def test_a_sagging_panel_does_not(sag_m: float) -> None:
+    x = np.linspace(0.0, 0.3, 23)
+    line_m = np.column_stack([x, 0 * x, -sag_m * np.sin(np.pi * x / 0.3)])
+    assert touches_itself_m(line_m, 0.004) is None
+
+
+def test_a_folded_panel_stops_the_run_or_is_said_once(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    case = written(tmp_path / "case", CASE)
+    with pytest.raises(SolverFailed, match=r"panel deck has folded into itself at t = 0\.5 s"):
+        PanelWatch(load(case, None, []).case).look(0.5, "deck", hairpin(0.003))
+    watch = PanelWatch(load(case, None, ["watch.folded_panels=warn"]).case)
+    with caplog.at_level(logging.WARNING, "flipflow"):
+        watch.look(0.5, "deck", hairpin(0.003))
+        watch.look(0.6, "deck", hairpin(0.003))
+    assert caplog.text.count("folded into itself") == 1
