@@ -16,9 +16,9 @@ from rich.table import Table
 
 from orchestrator.build import build
 from orchestrator.clock import Interval
-from orchestrator.contact_times import particle_step_s
 from orchestrator.coupling import initial
 from orchestrator.levels import LoadedCase
+from orchestrator.particle_step import particle_step_s
 from orchestrator.stopwatch import Stopwatch
 
 BLOCK = 100

@@ -79,7 +79,9 @@ class Contact(Table):
     sliding_friction: NotNegative
     """Coefficient of sliding friction."""
     rolling_friction: NotNegative
-    """Coefficient of rolling friction."""
+    """Coefficient of rolling friction: largest couple / (normal force x reduced radius)."""
+    work_of_adhesion_J_m2: NotNegative = 0.0
+    """Energy to part the two materials, per area: of like ones, twice the surface energy."""
 
 
 class Probe(Table):

@@ -27,6 +27,7 @@ UNITS = {
     "_kg_m": "kg m",
     "_kg_m2": "kg m2",
     "_kg_m3": "kg/m3",
+    "_J_m2": "J/m2",
     "_Pa": "Pa",
     "_N_m": "N/m",
     "_N_s_m": "N s/m",
@@ -91,7 +92,8 @@ of the case's physics:
 | `variation-across` | `panel.solver = "strip"` |
 | `frame-rotation` | `frames.solver = "two-mass"` |
 | `frame-dynamics` | `frames.solver = "prescribed"` in a case with bushings or exciters |
-| `rolling-friction` | `particles.solver = "spheres"` |
+| `rolling-friction` | `particles.rolling = "none"` in a case with rolling friction |
+| `adhesion` | `particles.adhesion = "none"` in a case with works of adhesion |
 | `frame-motion`, `panel-motion`, `particle-load`, `panel-reaction` | `hand_over.*` turned off |
 | `particles`, `panel-damping`, `exciters`, `bushings`, `surfaces`, `gravity` | taking all away |
 

@@ -77,16 +77,6 @@ def shortest_rayleigh_s(case: Case) -> float:
     return min(found)
 
 
-def particle_step_s(case: Case) -> float:
-    """The largest step that the case allows its particles."""
-    if case.particles.step_s > 0:
-        return case.particles.step_s
-    return min(
-        case.particles.rayleigh_fraction * shortest_rayleigh_s(case),
-        case.coupling.sync_interval_s,
-    )
-
-
 def impact_speed_m_s(case: Case) -> float:
     """An estimate for choosing the sync interval, on which it depends weakly (power -1/5):
     1 m/s, as particles thrown by a screen, or the highest speed that the case gives."""

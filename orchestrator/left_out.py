@@ -34,8 +34,11 @@ def left_out(case: Case) -> dict[str, str]:
     if case.screen.bushings or case.screen.exciters or case.frames.solver == "two-mass":
         found |= FRAMES[case.frames.solver]
     rolling = any(contact.rolling_friction for contact in case.contacts)
-    if case.particles.solver == "spheres" and rolling and has_particles(case):
-        found["rolling-friction"] = "particles.solver spheres: no resistance to rolling"
+    if case.particles.rolling == "none" and rolling and has_particles(case):
+        found["rolling-friction"] = "particles.rolling none: no resistance to rolling"
+    sticky = any(contact.work_of_adhesion_J_m2 for contact in case.contacts)
+    if case.particles.adhesion == "none" and sticky and has_particles(case):
+        found["adhesion"] = "particles.adhesion none: nothing sticks"
     if case.slice is not None:
         found["full-width"] = f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
     for name, why in HAND_OVER.items():

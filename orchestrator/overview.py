@@ -13,7 +13,6 @@ from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
 from orchestrator.contact_times import (
     impact_speed_m_s,
-    particle_step_s,
     shortest_panel_contact_s,
     shortest_rayleigh_s,
 )
@@ -21,6 +20,7 @@ from orchestrator.deck import single_panels, walls
 from orchestrator.left_out import has_particles
 from orchestrator.levels import LoadedCase, level_names, load, read_toml
 from orchestrator.openings import openings
+from orchestrator.particle_step import particle_step_s
 from orchestrator.planning import material_numbers
 from orchestrator.plans import SolverMissing
 from orchestrator.surface_grids import surface_grids

@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from orchestrator.adhesion import planned_adhesion
 from orchestrator.bed_sources import combined_feed, initial_particles, largest_diameter_m
 from orchestrator.case import Case, Material
-from orchestrator.contact_times import contact_moduli, particle_step_s
+from orchestrator.contact_times import contact_moduli
 from orchestrator.deck import axes, single_panels, to_world, unit
 from orchestrator.geometry import TriangleSurface
 from orchestrator.left_out import has_particles, left_out
+from orchestrator.particle_step import particle_step_s
 from orchestrator.plans import (
     Body,
     Bushing,
@@ -201,6 +203,8 @@ def particles_plan(
         restitution=restitution,
         sliding_friction=sliding,
         rolling_friction=rolling,
+        adhesion=planned_adhesion(case, numbers),
+        rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         particles=initial_particles(case, numbers),
         largest_diameter_m=largest_diameter_m(case),
         domain_m=np.array(case.domain_m),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -219,10 +219,29 @@ class Exit:
 
 
 @dataclass(frozen=True)
+class Jkr:
+    """Adhesion after Johnson, Kendall and Roberts: ``work_J_m2`` (k, k) by material.
+
+    ``largest_stretch``: how far a neck reaches before it snaps, at most, as a share of a radius.
+    """
+
+    work_J_m2: Array
+    largest_stretch: float
+
+
+@dataclass(frozen=True)
+class Sjkr:
+    """LIGGGHTS's ``sjkr``: attraction ``energy_density_J_m3`` (k, k) times the area of contact."""
+
+    energy_density_J_m3: Array
+
+
+@dataclass(frozen=True)
 class ParticlesPlan:
     """Particles, the surface they touch, and the laws between them.
 
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
+    ``rolling``: the law of rolling resistance, where its coefficient is not zero.
     Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
     corner), are removed; the first exit that holds one counts.  ``communicator`` is an mpi4py
     communicator or None.
@@ -241,6 +260,8 @@ class ParticlesPlan:
     gravity_m_s2: Array
     step_s: float
     sync_interval_s: float
+    adhesion: Jkr | Sjkr | None = None
+    rolling: Literal["epsd2", "cdt"] = "epsd2"
     feed: Feed | None = None
     exits: tuple[Exit, ...] = ()
     periodic_y: bool = False

@@ -15,12 +15,12 @@ from rich.console import Console
 from orchestrator import summary
 from orchestrator.build import build
 from orchestrator.clock import Interval, exact, intervals, steps_in
-from orchestrator.contact_times import particle_step_s
 from orchestrator.coupling import State, initial
 from orchestrator.ledger import Ledger
 from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine
 from orchestrator.metered import named
+from orchestrator.particle_step import particle_step_s
 from orchestrator.recorder import Recorder
 from orchestrator.results.compute import results
 from orchestrator.results.store import store

@@ -13,7 +13,9 @@ from orchestrator.ports import Array
 Ints = npt.NDArray[np.int32]
 
 class Engine:
-    def __init__(self, communicator: int, screen_file: str, log_file: str) -> None:
+    def __init__(
+        self, communicator: int, screen_file: str, log_file: str, contact_distance_factor: float
+    ) -> None:
         """``communicator`` is a Fortran handle (mpi4py: ``py2f()``)."""
 
     def command(self, line: str) -> None: ...
@@ -23,8 +25,18 @@ class Engine:
         triangles: Ints,
         type: Ints,
         largest_radius_m: float,
-        tangential_spring: bool,
     ) -> None: ...
+    def set_laws(
+        self,
+        e_star_Pa: list[float],
+        g_star_Pa: list[float],
+        tangential_spring: bool,
+        adhesion: str,
+        strength: list[float],
+    ) -> None:
+        """Tables row by row (types x types); ``adhesion`` is "none", "jkr" with ``strength`` in
+        J/m2, or "sjkr" with it in J/m3."""
+
     def create(
         self,
         position_m: Array,
@@ -81,8 +93,9 @@ class Engine:
     def surface_work_J(self) -> float:
         """Done by the surface on the particles since t = 0."""
 
-    def surface_elastic_J(self) -> float: ...
+    def surface_energy_J(self) -> tuple[float, float]:
+        """Elastic energy and (negative) energy of adhesion in contacts with the surface."""
+
     def surface_contacts(self) -> int: ...
-    def pair_elastic_J(
-        self, e_star_Pa: list[float], g_star_Pa: list[float], tangential_spring: bool
-    ) -> float: ...
+    def pair_energy_J(self) -> tuple[float, float]:
+        """The same between particles; a contact with another rank's particle counts half."""

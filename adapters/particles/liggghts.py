@@ -16,7 +16,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import cKDTree
 
-from adapters.particles.liggghts_input import FIRST_EVALUATION, has_sliding, input_text
+from adapters.particles.liggghts_input import FIRST_EVALUATION, input_text
+from adapters.particles.liggghts_laws import contact_distance_factor, set_laws
 from adapters.particles.liggghts_ledger import Ledger
 from orchestrator.clock import Interval
 from orchestrator.geometry import TriangleSurface
@@ -62,7 +63,7 @@ def start(plan: ParticlesPlan, communicator: Any, folder: FilePath) -> Engine:
     if communicator.rank == 0:
         (folder / "in.liggghts").write_text(text + FIRST_EVALUATION + "\n", encoding="utf-8")
     screen, log = folder / "screen.liggghts", folder / "log.liggghts"
-    engine = Engine(communicator.py2f(), str(screen), str(log))
+    engine = Engine(communicator.py2f(), str(screen), str(log), contact_distance_factor(plan))
     for line in text.splitlines():
         engine.command(line)
     engine.set_surface(
@@ -70,8 +71,8 @@ def start(plan: ParticlesPlan, communicator: Any, folder: FilePath) -> Engine:
         plan.surface.triangles.astype(np.int32),
         plan.surface.material.astype(np.int32) + 1,
         0.5 * plan.largest_diameter_m,
-        has_sliding(plan),
     )
+    set_laws(engine, plan)
     if plan.periodic_y:
         period_m = float(plan.domain_m[1, 1] - plan.domain_m[0, 1])
         engine.repeat_surface(period_m, joined_across(plan.surface, period_m).astype(np.int32))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.clock import steps_in
-from orchestrator.plans import ParticlesPlan
+from orchestrator.plans import Jkr, ParticlesPlan, Sjkr
 from orchestrator.ports import Array
 
 # LIGGGHTS wants a word of confirmation outside of these moduli
@@ -31,7 +31,7 @@ neigh_modify    delay 0
 fix youngs      all property/global youngsModulus peratomtype {youngs}
 fix poisson     all property/global poissonsRatio peratomtype {poisson}
 fix restitution all property/global coefficientRestitution peratomtypepair {types} {restitution}
-{friction}
+{friction}{adhesion}
 pair_style      gran {model}
 pair_coeff      * *
 
@@ -63,12 +63,14 @@ def has_rolling(plan: ParticlesPlan) -> bool:
 
 
 def contact_model(plan: ParticlesPlan) -> str:
-    """Hertz, and what the plan's coefficients call for beyond it."""
-    model = "model hertz"
+    """Hertz or JKR, and what the plan's coefficients call for beyond it."""
+    model = "model jkr" if isinstance(plan.adhesion, Jkr) else "model hertz"
     if has_sliding(plan):
         model += " tangential history"
+    if isinstance(plan.adhesion, Sjkr):
+        model += " cohesion sjkr"
     if has_rolling(plan):
-        model += " rolling_friction epsd2"
+        model += f" rolling_friction {plan.rolling}"
     return model
 
 
@@ -87,6 +89,7 @@ def input_text(plan: ParticlesPlan) -> str:
         poisson=words(np.array([material.poisson_ratio for material in plan.materials])),
         restitution=words(plan.restitution),
         friction=_friction(plan),
+        adhesion=_adhesion(plan),
         model=contact_model(plan),
         gravity=_gravity(plan.gravity_m_s2),
         step=words(np.array(plan.sync_interval_s / steps_in(plan.sync_interval_s, plan.step_s))),
@@ -112,6 +115,18 @@ def _friction(plan: ParticlesPlan) -> str:
         values = words(plan.rolling_friction)
         lines += f"fix rolling     all property/global coefficientRollingFriction {head} {values}\n"
     return lines
+
+
+def _adhesion(plan: ParticlesPlan) -> str:
+    match plan.adhesion:
+        case Jkr(work_J_m2=values):
+            name = "workOfAdhesion"  # of `model jkr`, which is flipflow's own
+        case Sjkr(energy_density_J_m3=values):
+            name = "cohesionEnergyDensity"
+        case None:
+            return ""
+    head = f"peratomtypepair {len(plan.materials)}"
+    return f"fix adhesion    all property/global {name} {head} {words(values)}\n"
 
 
 def _gravity(gravity_m_s2: Array) -> str:

@@ -6,15 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from adapters.particles.liggghts_input import has_sliding
-from orchestrator.plans import GrainMaterial, ParticleList, ParticlesPlan
+from orchestrator.plans import ParticleList, ParticlesPlan
 from orchestrator.ports import Account, Array
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
-
-
-NAMES = ("kinetic", "gravitational", "contact_elastic")
 
 
 class Ledger:
@@ -23,8 +19,7 @@ class Ledger:
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
         self._comm = communicator
         self._gravity_m_s2 = plan.gravity_m_s2
-        self._e_star_Pa, self._g_star_Pa = effective_moduli(plan.materials)
-        self._tangential_spring = has_sliding(plan)
+        self._adhesive = plan.adhesion is not None
         self._mass_kg = 0.0
         self._impulse_N_s = np.zeros(3)
         self._fed_J = self._removed_J = self._first_J = 0.0
@@ -81,11 +76,13 @@ class Ledger:
         kinetic_J, potential_J = self._motion_J(
             mine["rmass"], mine["x"], mine["v"], mine["omega"], mine["radius"]
         )
-        elastic_J = engine.surface_elastic_J() + engine.pair_elastic_J(
-            self._e_star_Pa, self._g_star_Pa, self._tangential_spring
-        )
-        sums = self._comm.allreduce(np.array([kinetic_J, potential_J, elastic_J]))
-        return dict(zip(NAMES, map(float, sums), strict=True))
+        contacts_J = np.add(engine.surface_energy_J(), engine.pair_energy_J())
+        sums = self._comm.allreduce(np.array([kinetic_J, potential_J, *contacts_J]))
+        names = ("kinetic", "gravitational", "contact_elastic", "adhesion")
+        stored_J = dict(zip(names, map(float, sums), strict=True))
+        if not self._adhesive:
+            del stored_J["adhesion"]
+        return stored_J
 
     def _motion_J(
         self, mass_kg: Array, x_m: Array, v_m_s: Array, spin_rad_s: Array, radius_m: Array
@@ -100,14 +97,3 @@ class Ledger:
 def _mass(particles: ParticleList) -> Array:
     mass_kg: Array = np.pi / 6.0 * particles.diameter_m**3 * particles.density_kg_m3
     return mass_kg
-
-
-def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[list[float], list[float]]:
-    """Hertz's E* and Mindlin's G* for every pair of materials, row by row."""
-    youngs = np.array([material.youngs_modulus_Pa for material in materials])
-    poisson = np.array([material.poisson_ratio for material in materials])
-    normal = (1.0 - poisson**2) / youngs
-    shear = 2.0 * (2.0 - poisson) * (1.0 + poisson) / youngs
-    e_star_Pa = 1.0 / np.add.outer(normal, normal)
-    g_star_Pa = 1.0 / np.add.outer(shear, shear)
-    return e_star_Pa.ravel().tolist(), g_star_Pa.ravel().tolist()

@@ -6,8 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from adapters.particles.sphere_adhesion import reduced
 from adapters.particles.sphere_contacts import Laws, contact_forces, springs
 from adapters.particles.sphere_neighbours import Neighbours
+from adapters.particles.sphere_partners import Partners, partners
+from adapters.particles.sphere_rolling import Rolling, across
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching, continued, touching
 from orchestrator.geometry import TriangleSurface
@@ -16,10 +19,12 @@ from orchestrator.ports import Array, Indices, Motion
 
 @dataclass(frozen=True)
 class Forces:
-    """Arrays have one row per contact unless they say otherwise; (n, 3) are world vectors.
+    """Arrays have one row per contact unless they say otherwise; (n, 3) are world vectors.  The
+    weights of contacts are in all but ``shear_m`` and ``couple_N_m``.
 
-    ``friction_J``: what the tangential springs have lost since the instant before: their work
-    less the change of what they store.  ``damping_W``: power of the dampers now.
+    ``lost_J``: lost since the instant before by tangential springs (their work less the change of
+    what they store), by resistance to rolling (its work) and by necks that formed or snapped.
+    ``damping_W``: power of the dampers now.
     """
 
     touching: Touching
@@ -29,17 +34,15 @@ class Forces:
     damping_N: Array  # (n, 3) part of contact_N
     shear_m: Array  # (n, 3)
     tangential_N_m: Array  # (n,)
-    normal_J: Array
-    tangential_J: Array
+    couple_N_m: Array  # (n, 3) on the first partner, against rolling
+    elastic_J: Array
+    tangential_J: Array  # part of elastic_J
+    adhesion_J: Array
     force_N: Array  # (spheres, 3)
     torque_N_m: Array  # (spheres, 3)
     on_points_N: Array  # (points, 3)
-    friction_J: float
+    lost_J: float
     damping_W: float
-
-    @property
-    def elastic_J(self) -> Array:
-        return self.normal_J + self.tangential_J
 
     def carried(self, velocity_m_s: Array) -> Forces:
         """With the surface points at ``velocity_m_s`` (points, 3) from now on; the forces, which
@@ -63,7 +66,10 @@ class Forces:
         kept, contacts = self.touching.renumbered(row)
         of_surface = kept[self.touching.pairs :]
         contact_N, turning_N = self.contact_N[kept], self.turning_N[of_surface]
-        force_N, torque_N_m = contacts.on_spheres(contact_N, turning_N, spheres)
+        couple_N_m = self.couple_N_m[kept]
+        force_N, torque_N_m = contacts.on_spheres(
+            contact_N, turning_N, contacts.weighted(couple_N_m), spheres
+        )
         return Forces(
             contacts,
             self.surface_m_s[of_surface],
@@ -72,98 +78,141 @@ class Forces:
             self.damping_N[kept],
             self.shear_m[kept],
             self.tangential_N_m[kept],
-            self.normal_J[kept],
+            couple_N_m,
+            self.elastic_J[kept],
             self.tangential_J[kept],
+            self.adhesion_J[kept],
             force_N,
             torque_N_m,
             contacts.on_points(contact_N, turning_N, len(self.on_points_N)),
-            self.friction_J,
+            self.lost_J,
             self.damping_W,
         )
 
 
+@dataclass(frozen=True)
+class System:
+    """What stays the same during a run."""
+
+    surface: TriangleSurface
+    laws: Laws
+    rolling: Rolling | None
+
+
 def forces_at(
+    system: System,
     spheres: Spheres,
-    surface: TriangleSurface,
     motion: Motion,
     near: Neighbours,
-    laws: Laws,
     before: Forces | None,
     step_s: float,
 ) -> Forces:
     """Forces with the surface points at ``motion``, ``step_s`` after ``before``."""
-    contacts = touching(spheres, surface, motion.position_m, near)
-    pairs, first, second = contacts.pairs, contacts.first, contacts.second
-    inverse_m, inverse_kg = 1.0 / spheres.radius_m[first], 1.0 / spheres.mass_kg[first]
-    inverse_m[:pairs] += 1.0 / spheres.radius_m[second]
-    inverse_kg[:pairs] += 1.0 / spheres.mass_kg[second]
-    law = springs(
-        laws,
-        (spheres.material[first], contacts.material),
-        contacts.overlap_m,
-        1.0 / inverse_m,
-        1.0 / inverse_kg,
-        contacts.weight,
+    contacts = touching(
+        spheres,
+        system.surface,
+        motion.position_m,
+        near,
+        system.laws.normal,
+        before.touching if before is not None else None,
     )
     surface_m_s = contacts.at_contacts(motion.velocity_m_s)
     slip_m_s = contacts.slip_m_s(spheres.velocity_m_s, spheres.spin_rad_s, surface_m_s)
+    two, weight = partners(contacts, spheres), contacts.weight
+    normal = system.laws.normal.at(two.materials, two.radii_m, contacts.overlap_m)
+    law = springs(system.laws, two.materials, normal, two.mass_kg)
     history = _history(contacts, before, len(spheres))
     stretch_m = step_s * slip_m_s
-    shear_m = _tangential(history.shear_m + stretch_m, contacts.normal)
-    at = contact_forces(law, contacts.overlap_m, contacts.normal, slip_m_s, shear_m)
-    tension_N = law.tangential_N_m[:, None] * at.shear_m
+    shear_m = across(history.shear_m + stretch_m, contacts.normal)
+    at = contact_forces(law, contacts.normal, slip_m_s, shear_m)
+    couple_N_m = history.couple_N_m
+    if system.rolling is not None:
+        couple_N_m = system.rolling.couple_N_m(
+            two, law, at, contacts.normal, step_s, history.couple_N_m
+        )
+    tangential_N_m = weight * law.tangential_N_m
+    tension_N = tangential_N_m[:, None] * at.shear_m
     tangential_J = 0.5 * np.einsum("ij,ij->i", tension_N, at.shear_m)
-    work_J = 0.5 * float(np.vdot(tension_N + history.tension_N, stretch_m))
-    normal_J = 0.4 * law.normal_N_m * contacts.overlap_m**2
-    turning_N = _turning_N(laws, spheres, contacts)
-    force_N, torque_N_m = contacts.on_spheres(at.force_N, turning_N, len(spheres))
+    lost_J = 0.5 * float(np.vdot(tension_N + history.tension_N, stretch_m))
+    lost_J += history.tangential_J - float(tangential_J.sum())
+    if system.rolling is not None:
+        mean_N_m = 0.5 * contacts.weighted(couple_N_m + history.couple_N_m)
+        lost_J -= step_s * float(np.vdot(mean_N_m, two.spin_rad_s))
+    if before is not None and system.laws.normal.reach_m > 0.0:
+        lost_J += _necks_J(system, spheres, contacts, history, before.touching)
+    contact_N, turning_N = contacts.weighted(at.force_N), _turning_N(system.laws, two, contacts)
+    force_N, torque_N_m = contacts.on_spheres(
+        contact_N, turning_N, contacts.weighted(couple_N_m), len(spheres)
+    )
     return Forces(
         contacts,
         surface_m_s,
-        at.force_N,
+        contact_N,
         turning_N,
-        at.damping_N,
+        contacts.weighted(at.damping_N),
         at.shear_m,
-        law.tangential_N_m,
-        normal_J,
+        tangential_N_m,
+        couple_N_m,
+        weight * normal.elastic_J + tangential_J,
         tangential_J,
+        weight * normal.adhesion_J,
         force_N,
         torque_N_m,
-        contacts.on_points(at.force_N, turning_N, len(motion)),
-        work_J + history.stored_J - float(tangential_J.sum()),
+        contacts.on_points(contact_N, turning_N, len(motion)),
+        lost_J,
         0.0,
     )
 
 
-def _turning_N(laws: Laws, spheres: Spheres, contacts: Touching) -> Array:
+def _turning_N(laws: Laws, two: Partners, contacts: Touching) -> Array:
     """Hertz's energy is 8/15 E* sqrt(r) overlap^(5/2)."""
-    of_surface = slice(contacts.pairs, None)
-    sphere = contacts.first[of_surface]
-    E_star_Pa = laws.youngs_modulus_Pa[spheres.material[sphere], contacts.material[of_surface]]
-    stiffness_N_m1_5 = 8.0 / 15.0 * E_star_Pa * np.sqrt(spheres.radius_m[sphere])
-    return np.asarray(stiffness_N_m1_5[:, None] * contacts.turning)
+    stiffness_N_m1_5 = (
+        8.0 / 15.0 * laws.youngs_modulus_Pa[two.materials] * np.sqrt(reduced(two.radii_m))
+    )
+    return np.asarray(stiffness_N_m1_5[contacts.pairs :, None] * contacts.turning)
+
+
+def _necks_J(
+    system: System, spheres: Spheres, now: Touching, history: _History, before: Touching
+) -> float:
+    """Lost by necks that formed at zero overlap and by those that snapped: on either occasion
+    the pair changes its energy while it stays where it is."""
+    formed, ended = history.parent < 0, np.ones(len(before.first), dtype=bool)
+    ended[history.same[history.same >= 0]] = False
+    law, lost_J = system.laws.normal, 0.0
+    for changed, sign in ((now.only(formed), -1.0), (before.only(ended), 1.0)):
+        if len(changed.first):
+            two = partners(changed, spheres)
+            place_m = np.zeros(len(changed.first))
+            if sign > 0.0:
+                place_m = law.separation_m(two.materials, two.radii_m)
+            at = law.at(two.materials, two.radii_m, place_m)
+            lost_J += sign * float(np.vdot(changed.weight, at.elastic_J + at.adhesion_J))
+    return lost_J
 
 
 @dataclass(frozen=True)
 class _History:
-    """The tangential springs an instant ago, in the rows of now; zero where the contact is new."""
+    """Springs and couples an instant ago, in the rows of now; zero where the contact is new.
+    ``same``, ``parent``: see ``continued``."""
 
+    same: Indices
+    parent: Indices
     shear_m: Array
     tension_N: Array
-    stored_J: float  # in all, contacts that have ended included
+    couple_N_m: Array
+    tangential_J: float  # in all, contacts that have ended included
 
 
 def _history(now: Touching, before: Forces | None, spheres: int) -> _History:
-    nothing = np.zeros((len(now.first), 3))
+    shear_m, tension_N, couple_N_m = np.zeros((3, len(now.first), 3))
     if before is None:
-        return _History(nothing, nothing, 0.0)
+        nothing = np.full(len(now.first), -1)
+        return _History(nothing, nothing, shear_m, tension_N, couple_N_m, 0.0)
     same, parent = continued(now, before.touching, spheres)
-    shear_m, tension_N = nothing, nothing.copy()
     heir, old = np.flatnonzero(parent >= 0), np.flatnonzero(same >= 0)
     shear_m[heir] = before.shear_m[parent[heir]]
+    couple_N_m[heir] = before.couple_N_m[parent[heir]]
     tension_N[old] = before.tangential_N_m[same[old], None] * shear_m[old]
-    return _History(shear_m, tension_N, float(before.tangential_J.sum()))
-
-
-def _tangential(vector: Array, normal: Array) -> Array:
-    return np.asarray(vector - np.einsum("ij,ij->i", vector, normal)[:, None] * normal)
+    stored_J = float(before.tangential_J.sum())
+    return _History(same, parent, shear_m, tension_N, couple_N_m, stored_J)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +13,7 @@ from adapters.particles.nearest_feature import (
     minima,
 )
 from adapters.particles.smooth_patches import Places, shared
+from adapters.particles.sphere_adhesion import NormalLaw
 from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_state import Spheres
 from orchestrator.geometry import TriangleSurface
@@ -59,10 +60,15 @@ class Touching:
         """Which contacts stay (n,) and these, if sphere i is now ``row[i]``, gone if negative."""
         kept = row[self.first] >= 0
         kept[: self.pairs] &= row[self.second] >= 0
+        left = self.only(kept)
+        return kept, replace(left, first=row[left.first], second=row[left.second])
+
+    def only(self, kept: npt.NDArray[np.bool_]) -> Touching:
+        """Some of the contacts; ``kept`` (n,)."""
         pair, surface = kept[: self.pairs], kept[self.pairs :]
-        return kept, Touching(
-            row[self.first[kept]],
-            row[self.second[pair]],
+        return Touching(
+            self.first[kept],
+            self.second[pair],
             self.points[surface],
             self.barycentric[surface],
             self.material[kept],
@@ -78,16 +84,26 @@ class Touching:
         """Values (n - pairs, 3) at the surface contacts of values at all points."""
         return np.asarray(np.einsum("ij,ijk->ik", self.barycentric, point_values[self.points]))
 
-    def on_spheres(self, force_N: Array, turning_N: Array, spheres: int) -> tuple[Array, Array]:
-        """Force and torque, (spheres, 3) each, of forces (n, 3) on the first partners, and of
-        forces (n - pairs, 3) of the surface through the sphere's centre."""
+    def weighted(self, values: Array) -> Array:
+        """Values (n, 3) times the contacts' weights."""
+        return np.asarray(self.weight[:, None] * values)
+
+    def on_spheres(
+        self, force_N: Array, turning_N: Array, couple_N_m: Array, spheres: int
+    ) -> tuple[Array, Array]:
+        """Force and torque, (spheres, 3) each, of forces and couples (n, 3) on the first partners
+        (the second gets the opposite), and of forces (n - pairs, 3) of the surface through the
+        sphere's centre."""
         force, torque = np.zeros((spheres, 3)), np.zeros((spheres, 3))
         turning = cross(self.normal, force_N)
         np.add.at(force, self.first, force_N)
         np.add.at(force, self.first[self.pairs :], turning_N)
         np.subtract.at(force, self.second, force_N[: self.pairs])
-        np.subtract.at(torque, self.first, self.lever_m[:, None] * turning)
-        np.subtract.at(torque, self.second, self.second_lever_m[:, None] * turning[: self.pairs])
+        pair = slice(self.pairs)
+        np.add.at(torque, self.first, couple_N_m - self.lever_m[:, None] * turning)
+        np.subtract.at(
+            torque, self.second, couple_N_m[pair] + self.second_lever_m[:, None] * turning[pair]
+        )
         return force, torque
 
     def on_points(self, force_N: Array, turning_N: Array, points: int) -> Array:
@@ -100,12 +116,18 @@ class Touching:
 
 
 def touching(
-    spheres: Spheres, surface: TriangleSurface, surface_m: Array, near: Neighbours
+    spheres: Spheres,
+    surface: TriangleSurface,
+    surface_m: Array,
+    near: Neighbours,
+    law: NormalLaw,
+    before: Touching | None,
 ) -> Touching:
-    """All contacts with the surface points at ``surface_m``."""
-    i, j, pair_normal, pair_overlap_m = _pairs(spheres, near)
+    """All contacts with the surface points at ``surface_m``; ``law`` and the contacts ``before``
+    say which hold beyond zero overlap."""
+    i, j, pair_normal, pair_overlap_m = _pairs(spheres, near, law, before)
     sphere, triangle, barycentric, normal, overlap_m, weight, turning = on_surface(
-        spheres, surface.triangles, surface_m, (near.sphere, near.triangle)
+        spheres, surface, surface_m, near, law, before
     )
     first = np.concatenate([i, sphere])
     overlap_m = np.concatenate([pair_overlap_m, overlap_m])
@@ -124,32 +146,73 @@ def touching(
     )
 
 
-def _pairs(spheres: Spheres, near: Neighbours) -> tuple[Indices, Indices, Array, Array]:
+def _pairs(
+    spheres: Spheres, near: Neighbours, law: NormalLaw, before: Touching | None
+) -> tuple[Indices, Indices, Array, Array]:
     between_m = spheres.position_m[near.i] - spheres.position_m[near.j]
     distance_m = np.sqrt(np.einsum("ij,ij->i", between_m, between_m))
     overlap_m = spheres.radius_m[near.i] + spheres.radius_m[near.j] - distance_m
-    hit = np.flatnonzero(overlap_m > 0.0)
+    hit = np.flatnonzero(overlap_m > -law.reach_m)
+    if law.reach_m > 0.0:
+        i, j = near.i[hit], near.j[hit]
+        materials = (spheres.material[i], spheres.material[j])
+        least_m = law.separation_m(materials, (spheres.radius_m[i], spheres.radius_m[j]))
+        necked = _pair_rows(i, j, before, len(spheres)) >= 0
+        hit = hit[(overlap_m[hit] > 0.0) | (necked & (overlap_m[hit] >= least_m))]
     normal = between_m[hit] / distance_m[hit, None]
     return near.i[hit], near.j[hit], normal, overlap_m[hit]
 
 
+def _pair_rows(i: Indices, j: Indices, before: Touching | None, spheres: int) -> Indices:
+    """The row in ``before`` of each pair of spheres, or -1; ascending, as the lists are."""
+    if before is None or before.pairs == 0:
+        return np.full(len(i), -1)
+    old, new = before.first[: before.pairs] * spheres + before.second, i * spheres + j
+    place = np.minimum(np.searchsorted(old, new), len(old) - 1)
+    return np.asarray(np.where(old[place] == new, place, -1))
+
+
+def _necked_before(
+    sphere: Indices, normal: Array, before: Touching | None
+) -> npt.NDArray[np.bool_]:
+    """Which places of spheres on the surface continue, or come from, a contact before."""
+    if before is None:
+        return np.zeros(len(sphere), dtype=bool)
+    pairs = slice(before.pairs, None)
+    _, parent = match_by_normal((sphere, normal), (before.first[pairs], before.normal[pairs]))
+    return np.asarray(parent >= 0)
+
+
 def on_surface(
-    spheres: Spheres, triangles: Indices, surface_m: Array, near: tuple[Indices, Indices]
+    spheres: Spheres,
+    surface: TriangleSurface,
+    surface_m: Array,
+    near: Neighbours,
+    law: NormalLaw,
+    before: Touching | None,
 ) -> tuple[Indices, Indices, Array, Array, Array, Array, Array]:
     """Contacts among the candidates ``near`` (sphere, triangle), those of weight zero left out:
     sphere, triangle, barycentric weights, normal, overlap, weight, turning."""
-    sphere, triangle = near
+    sphere, triangle, triangles = near.sphere, near.triangle, surface.triangles
     corners_m, center_m = surface_m[triangles[triangle]], spheres.position_m[sphere]
     barycentric = closest_on_triangle(center_m, corners_m)
     out_m = center_m - np.einsum("ij,ijk->ik", barycentric, corners_m)
     distance_m = np.sqrt(np.einsum("ij,ij->i", out_m, out_m))
     overlap_m = spheres.radius_m[sphere] - distance_m
-    hit = np.flatnonzero(overlap_m > 0.0)
+    hit = np.flatnonzero(overlap_m > -law.reach_m)
     hit = hit[minima(sphere[hit], triangles[triangle[hit]], barycentric[hit], overlap_m[hit])]
+    depth_m = overlap_m[hit]
+    if law.reach_m > 0.0:
+        materials = (spheres.material[sphere[hit]], surface.material[triangle[hit]])
+        radii_m = (spheres.radius_m[sphere[hit]], np.full(len(hit), np.inf))
+        necked = _necked_before(sphere[hit], out_m[hit] / distance_m[hit, None], before)
+        depth_m = depth_m - law.separation_m(materials, radii_m)
+        held = (overlap_m[hit] > 0.0) | (necked & (depth_m >= 0.0))
+        hit, depth_m = hit[held], depth_m[held]
     normal = out_m[hit] / distance_m[hit, None]
     inside = barycentric[hit] > 0.0
     weight, turning = shared(
-        Places(sphere[hit], overlap_m[hit], distance_m[hit], normal, corners_m[hit], inside)
+        Places(sphere[hit], depth_m, distance_m[hit], normal, corners_m[hit], inside)
     )
     counts = np.flatnonzero(weight > 0.0)
     hit = hit[counts]
@@ -167,10 +230,7 @@ def on_surface(
 def continued(now: Touching, before: Touching, spheres: int) -> tuple[Indices, Indices]:
     """For each contact now its row in ``before`` or -1 if it is new, and the row whose spring it
     takes over: its own, or of a contact of the same smooth patch, or -1."""
-    old = before.first[: before.pairs] * spheres + before.second  # ascending, as the lists are
-    new = now.first[: now.pairs] * spheres + now.second
-    place = np.minimum(np.searchsorted(old, new), len(old) - 1)
-    of_pairs = np.where(old[place] == new, place, -1) if len(old) else np.full(len(new), -1)
+    of_pairs = _pair_rows(now.first[: now.pairs], now.second, before, spheres)
     same, parent = match_by_normal(
         (now.first[now.pairs :], now.normal[now.pairs :]),
         (before.first[before.pairs :], before.normal[before.pairs :]),

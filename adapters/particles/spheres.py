@@ -11,8 +11,9 @@ import numpy.typing as npt
 from scipy.spatial.distance import cdist
 
 from adapters.particles.sphere_contacts import laws
-from adapters.particles.sphere_forces import Forces, forces_at
+from adapters.particles.sphere_forces import Forces, System, forces_at
 from adapters.particles.sphere_neighbours import near_surface, neighbours
+from adapters.particles.sphere_rolling import rolling
 from adapters.particles.sphere_state import Spheres, spheres
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
@@ -33,17 +34,11 @@ DEEPEST_OVERLAP = 0.5  # of a radius: deeper means that the step is too long for
 
 
 def build(plan: ParticlesPlan) -> SpheresSolver:
-    """Raises ValueError for rolling friction and periodic sides, which this solver lacks, or a bad
-    restitution."""
+    """Raises ValueError for periodic sides, which this solver lacks, or a bad restitution."""
     if plan.periodic_y:
         raise ValueError(
             "particles solver 'spheres' has no periodic sides: "
             "give the slice walls or use 'liggghts'"
-        )
-    if np.any(plan.rolling_friction != 0.0):
-        raise ValueError(
-            "particles solver 'spheres' has no rolling friction: leave it out at this level "
-            "or use 'liggghts'"
         )
     return SpheresSolver(plan)
 
@@ -53,7 +48,7 @@ class SpheresSolver:
 
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
-        self._laws = laws(plan)
+        self._system = System(plan.surface, laws(plan), rolling(plan))
         self._spheres = spheres(plan.particles, 1)
         self._surface_m = plan.surface.position_m.copy()
         self._near = neighbours(self._spheres, plan.surface, self._surface_m)
@@ -96,6 +91,8 @@ class SpheresSolver:
             "gravitational": self._spheres.gravitational_J(self._plan.gravity_m_s2),
             "contact_elastic": float(self._now.elastic_J.sum()),
         }
+        if self._plan.adhesion is not None:
+            stored_J["adhesion"] = float(self._now.adhesion_J.sum())
         return Account(
             self._spheres.momentum_kg_m_s(),
             self._impulse_N_s.copy(),
@@ -119,7 +116,7 @@ class SpheresSolver:
         self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_s2
         self._surface_to(surface.position_m, before)
         self._now = self._now.damped(now.velocity_m_s, now.spin_rad_s)
-        self._lost_J += self._now.friction_J
+        self._lost_J += self._now.lost_J
         self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
 
     def _jump_to(self, surface: Motion) -> None:
@@ -138,9 +135,7 @@ class SpheresSolver:
         now.spin_rad_s += step_s * self._now.torque_N_m / now.inertia_kg_m2[:, None]
 
     def _forces(self, surface: Motion, before: Forces | None, step_s: float) -> Forces:
-        return forces_at(
-            self._spheres, self._plan.surface, surface, self._near, self._laws, before, step_s
-        )
+        return forces_at(self._system, self._spheres, surface, self._near, before, step_s)
 
     def _surface_to(self, position_m: Array, before: Forces) -> None:
         """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
@@ -192,10 +187,10 @@ class SpheresSolver:
         stays = inside & (exit_of < 0)
         if stays.all():
             return
-        left, elastic_J = now.part(~stays), self._now.elastic_J.sum()
+        left, stored_J = now.part(~stays), self._contacts_J()
         self._replace(now.part(stays), np.where(stays, np.cumsum(stays) - 1, -1))
         self._removed.append(left.removed(time_s, exit_of[~stays]))
-        ended_J = float(elastic_J - self._now.elastic_J.sum())
+        ended_J = stored_J - self._contacts_J()
         self._supplied_J["removal"] -= self._mechanical_J(left) + ended_J
         self._impulse_N_s -= left.momentum_kg_m_s()
 
@@ -204,6 +199,9 @@ class SpheresSolver:
         self._spheres = new
         self._now = self._now.renumbered(row, len(new))
         self._near = neighbours(new, self._plan.surface, self._surface_m)
+
+    def _contacts_J(self) -> float:
+        return float(self._now.elastic_J.sum() + self._now.adhesion_J.sum())
 
     def _mechanical_J(self, some: Spheres) -> float:
         return some.kinetic_J() + some.gravitational_J(self._plan.gravity_m_s2)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from orchestrator.case_errors import Mistake
 from orchestrator.checks import (
+    adhesion,
     apertures,
     exits,
     feeds,
@@ -39,6 +40,7 @@ OF_TABLES = (
     machine.panel_solver,
     machine.probes,
     surfaces.plates,
+    adhesion.works_of_adhesion,
     plausible.wrong_sizes,
     steps.whole_times,
 )
@@ -56,8 +58,10 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
         found += slices.too_narrow(case)
         found += apertures.triangles(case)
+        found += [*adhesion.adhesive_contacts(case), *adhesion.sjkr_materials(case)]
     if not found:
-        found = [*steps.particle_step(case), *steps.panel_step(case)]
+        found = [*steps.particle_step(case), *steps.adhesive_step(case)]
+        found += steps.panel_step(case)
         found += start.particles_at_start(case, folder)
         found += start.feeds_at_start(case, folder)
     decks = loaded.layers.merged["screen"].get("decks", {})

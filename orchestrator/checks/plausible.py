@@ -56,6 +56,8 @@ RANGES: dict[str, tuple[float, float]] = {
     "velocity_m_s": (0.0, 50.0),
     "spin_rad_s": (0.0, 1e6),
     "rate_kg_s": (1e-6, 1e3),
+    "work_of_adhesion_J_m2": (1e-4, 1e2),
+    "sjkr_diameter_m": (2e-5, 0.5),
     "sync_interval_s": (1e-7, 0.02),
 }
 OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # smaller than panels are
@@ -67,6 +69,7 @@ MISTAKEN: dict[str, dict[str, float]] = {
     "_kg_m2": {"kg mm2": 1e-6},
     "_kg_m": {"kg mm": 1e-3},
     "_Pa": {"MPa": 1e6, "GPa": 1e9},
+    "_J_m2": {"mJ/m2": 1e-3},
     "_N_m": {"N/mm": 1e3, "kN/m": 1e3},
     "_rad_s": {"rpm": 0.10472, "Hz": 6.28319},
     "_rad": {"degrees": 0.0174533},

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from importlib import import_module
 
+from orchestrator.adhesion import STEPS_PER_CONTACT, adhesive_step_s
 from orchestrator.case import Case
 from orchestrator.case_errors import Mistake
 from orchestrator.contact_times import (
     LARGEST_RAYLEIGH_FRACTION,
     impact_speed_m_s,
-    particle_step_s,
     shortest_panel_contact_s,
     shortest_rayleigh_s,
 )
 from orchestrator.left_out import has_particles
+from orchestrator.particle_step import particle_step_s
 from orchestrator.planning import panel_plans
 from orchestrator.plans import SolverFailed, SolverMissing
 
@@ -34,6 +35,17 @@ def particle_step(case: Case) -> Iterator[Mistake]:
             f"Rayleigh time {rayleigh_s:.3g} s; the limit is {limit_s:.3g} s"
         )
         yield Mistake(("particles", key), what, f"take {0.75 * limit_s:.2g} s or less")
+
+
+def adhesive_step(case: Case) -> Iterator[Mistake]:
+    """A step too long for contacts that stick."""
+    step_s, limit_s = particle_step_s(case), adhesive_step_s(case)
+    if has_particles(case) and step_s > limit_s * (1 + 1e-9):
+        what = (
+            f"a step of {step_s:.3g} s is longer than 1/{STEPS_PER_CONTACT} of the shortest "
+            f"contact of particles that stick, {limit_s:.3g} s"
+        )
+        yield Mistake(("particles", "step_s"), what, "take 0 for the longest possible")
 
 
 def panel_step(case: Case) -> Iterator[Mistake]:

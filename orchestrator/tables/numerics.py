@@ -52,6 +52,15 @@ class ParticlesSolver(Table):
     batch cost as much as seven steps."""
     largest_youngs_modulus_Pa: Positive | None = None
     """Stiffer materials are softened to this in contacts, which allows longer steps."""
+    softened_adhesion: Literal["sticking", "pull-off"] = "sticking"
+    """What softened contacts keep: the speed below which particles stick, or the pull-off force."""
+    adhesion: Literal["none", "sjkr", "jkr"] = "jkr"
+    """Law of adhesion, where contacts have a work of adhesion (docs/theory/adhesion.md)."""
+    sjkr_diameter_m: Positive | None = None
+    """Diameter at which ``sjkr`` has the true pull-off force; without, the geometric mean of the
+    smallest and the largest."""
+    rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
+    """Law of rolling friction, where contacts have some: constant torque, or elastic-plastic."""
 
 
 class Coupling(Table):

@@ -13,12 +13,12 @@ from orchestrator.case import Hyperelastic, Material
 from orchestrator.contact_times import (
     contact_moduli,
     hertz_s,
-    particle_step_s,
     rayleigh_s,
     reduced_modulus_Pa,
     shortest_panel_contact_s,
     shortest_rayleigh_s,
 )
+from orchestrator.particle_step import particle_step_s
 from tests.case.cases import loaded
 
 

@@ -100,16 +100,14 @@ def test_exudyn_gets_drives_along_with_bushings_and_exciters(tmp_path: Path) -> 
     assert len(plan.exciters) == 1
 
 
-def test_pairs_of_materials_are_symmetric_and_spheres_do_not_resist_rolling(
-    tmp_path: Path,
-) -> None:
+def test_pairs_of_materials_are_symmetric(tmp_path: Path) -> None:
     plan = particles(tmp_path, "contacts.0.rolling_friction=0.09")
     assert [material.name for material in plan.materials] == ["PU", "coal"]
     assert plan.restitution.tolist() == [[1.0, 0.34], [0.34, 0.13]]
     assert plan.rolling_friction.tolist() == [[0.0, 0.09], [0.09, 0.0]]
     assert plan.particles.material.tolist() == [1]
-    spheres = particles(tmp_path, "contacts.0.rolling_friction=0.09", "particles.solver=spheres")
-    assert not spheres.rolling_friction.any()
+    level = ("contacts.0.rolling_friction=0.09", 'particles.rolling="none"')
+    assert not particles(tmp_path, *level).rolling_friction.any()
 
 
 def test_materials_that_touch_nothing_get_no_number(tmp_path: Path) -> None:

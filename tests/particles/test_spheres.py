@@ -156,11 +156,6 @@ def test_two_materials_give_the_series_stiffness() -> None:
     assert force_N == pytest.approx(-4.0 / 3.0 * E_star_Pa * 0.005**0.5 * 1e-4**1.5, rel=1e-9)
 
 
-def test_rolling_friction_is_refused() -> None:
-    with pytest.raises(ValueError, match="no rolling friction"):
-        spheres.build(plan(plate(0.02, 1), particles([0, 0, 0.1]), rolling_friction=one(0.1)))
-
-
 @pytest.mark.parametrize("restitution", [0.0, 1.1])
 def test_an_impossible_restitution_is_refused(restitution: float) -> None:
     with pytest.raises(ValueError, match="restitution"):

@@ -13,29 +13,54 @@ namespace flipflow {
 
 using namespace LAMMPS_NS;
 
-double pair_elastic_energy_J(LAMMPS &lmp, const std::vector<double> &e_star_Pa,
-                             const std::vector<double> &g_star_Pa, bool tangential_spring) {
+namespace {
+
+// The integral of `sjkr`'s area of contact over the overlap: a disc on a plane, or between spheres.
+double sjkr_volume_m3(double ri, double rj, double overlap) {
+  if (rj == 0.0) return M_PI * overlap * overlap * (ri - overlap / 3.0);
+  const double sum = ri + rj, apart = sum - overlap, difference = ri - rj;
+  return 0.25 * M_PI * overlap * overlap *
+         ((apart + 2.0 * sum) / 3.0 - difference * difference / apart);
+}
+
+}  // namespace
+
+ContactEnergy ContactLaws::stored(int type_i, int type_j, double radius_i_m, double radius_j_m,
+                                  double overlap_m, const double *history) const {
+  const int pair = (type_i - 1) * types + type_j - 1;
+  const double reduced = radius_j_m == 0.0
+                             ? radius_i_m
+                             : radius_i_m * radius_j_m / (radius_i_m + radius_j_m);
+  const bool sticks = adhesion == Adhesion::jkr;
+  const Jkr law = jkr(type_i, type_j, reduced);
+  const double neck = sticks ? history[0] : std::sqrt(reduced * overlap_m);
+  ContactEnergy energy = {law.elastic_J(neck, overlap_m), law.adhesion_J(neck)};
+  if (adhesion == Adhesion::sjkr)
+    energy.adhesion_J = -strength[pair] * sjkr_volume_m3(radius_i_m, radius_j_m, overlap_m);
+  if (tangential_spring) {
+    const Vec3 spring = from(history + (sticks ? 1 : 0));
+    energy.elastic_J += 0.5 * 8.0 * g_star_Pa[pair] * neck * dot(spring, spring);
+  }
+  return energy;
+}
+
+ContactEnergy pair_energy(LAMMPS &lmp, const ContactLaws &laws) {
   const Atom &atom = *lmp.atom;
   auto *pair = static_cast<PairGran *>(lmp.force->pair);
-  const NeighList *list = pair->list;
-  const int values = tangential_spring ? pair->dnum_pair() : 0;
-  double energy = 0.0;
+  const NeighList *list = pair->list, *histories = list->listgranhistory;
+  const int values = pair->dnum_pair();
+  ContactEnergy energy;
   for (int k = 0; k < list->inum; ++k) {
     const int i = list->ilist[k];
     for (int n = 0; n < list->numneigh[i]; ++n) {
       const int j = list->firstneigh[i][n] & NEIGHMASK;
-      const double ri = atom.radius[i], rj = atom.radius[j];
-      const Vec3 apart = from(atom.x[i]) - from(atom.x[j]);
-      const double overlap = ri + rj - norm(apart);
-      if (overlap <= 0) continue;
-      const int materials = (atom.type[i] - 1) * atom.ntypes + atom.type[j] - 1;
-      const double root = std::sqrt(ri * rj / (ri + rj) * overlap);
-      double one = 0.4 * (4.0 / 3.0) * e_star_Pa[materials] * root * overlap * overlap;
-      if (tangential_spring) {
-        const Vec3 spring = from(list->listgranhistory->firstdouble[i] + n * values);
-        one += 0.5 * 8.0 * g_star_Pa[materials] * root * dot(spring, spring);
-      }
-      energy += j < atom.nlocal ? one : 0.5 * one;
+      const double overlap =
+          atom.radius[i] + atom.radius[j] - norm(from(atom.x[i]) - from(atom.x[j]));
+      const double *history = values ? histories->firstdouble[i] + n * values : nullptr;
+      if (!laws.touching(overlap, history)) continue;
+      energy.add(laws.stored(atom.type[i], atom.type[j], atom.radius[i], atom.radius[j], overlap,
+                             history),
+                 j < atom.nlocal ? 1.0 : 0.5);
     }
   }
   return energy;

@@ -2,17 +2,52 @@
 
 #include <vector>
 
+#include "jkr.h"
+
 namespace LAMMPS_NS {
 class LAMMPS;
 }
 
 namespace flipflow {
 
-// Elastic energy (J) of the particle-particle contacts of this rank: Hertz in normal direction
-// and, with `tangential_spring`, the spring of LIGGGHTS's tangential model "history".  A contact
-// with a particle of another rank counts half.  `e_star_Pa`, `g_star_Pa`: effective moduli by
-// material pair, row-major (types x types).
-double pair_elastic_energy_J(LAMMPS_NS::LAMMPS &lmp, const std::vector<double> &e_star_Pa,
-                             const std::vector<double> &g_star_Pa, bool tangential_spring);
+struct ContactEnergy {
+  double elastic_J = 0.0, adhesion_J = 0.0;
+
+  void add(ContactEnergy other, double share) {
+    elastic_J += share * other.elastic_J;
+    adhesion_J += share * other.adhesion_J;
+  }
+};
+
+// What contacts store: Hertz's or JKR's elastic energy, the (negative) energy of adhesion, and the
+// spring of LIGGGHTS's tangential model `history`.  Tables are row-major, types x types.
+struct ContactLaws {
+  enum class Adhesion { none, sjkr, jkr };
+
+  int types = 0;
+  std::vector<double> e_star_Pa, g_star_Pa;
+  Adhesion adhesion = Adhesion::none;
+  std::vector<double> strength;  // jkr: work of adhesion, J/m2; sjkr: energy density, J/m3
+  bool tangential_spring = false;
+
+  // Without a work of adhesion it is Hertz's.
+  Jkr jkr(int type_i, int type_j, double reduced_radius_m) const {
+    const int pair = (type_i - 1) * types + type_j - 1;
+    const double work = adhesion == Adhesion::jkr ? strength[pair] : 0.0;
+    return {e_star_Pa[pair], work, reduced_radius_m};
+  }
+
+  bool touching(double overlap_m, const double *history) const {
+    return adhesion == Adhesion::jkr ? history[0] > 0.0 : overlap_m > 0.0;
+  }
+
+  // Of a touching pair; types count from 1, radius j is 0 for the surface.  `history` as the contact
+  // model left it: with jkr the neck's radius, then the spring.
+  ContactEnergy stored(int type_i, int type_j, double radius_i_m, double radius_j_m,
+                       double overlap_m, const double *history) const;
+};
+
+// Of the particle-particle contacts of this rank; one with a particle of another rank counts half.
+ContactEnergy pair_energy(LAMMPS_NS::LAMMPS &lmp, const ContactLaws &laws);
 
 }  // namespace flipflow

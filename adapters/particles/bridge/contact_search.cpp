@@ -69,8 +69,7 @@ Touch ContactSearch::nearest_place(const SurfacePath &surface, Vec3 position_m,
 }
 
 void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
-                            double radius_m, double factor, std::vector<Touch> &found) const {
-  const double reach_m = factor * radius_m;
+                            double reach_m, std::vector<Touch> &found) const {
   // no candidate has come nearer by more than this since its distance was taken
   const double approach = norm(position_m - near.position_m) + since_search_;
   found.clear();
@@ -80,7 +79,11 @@ void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 p
                                       candidates_[k].triangle);
     if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) found.push_back(touch);
   }
-  if (found.size() > 1) share_smooth_patches(found, surface, {triangles_, joined_}, radius_m);
+  if (found.size() > 1) keep_minima(found, joined_);
+}
+
+void ContactSearch::share(const SurfacePath &surface, std::vector<Touch> &touches) const {
+  share_smooth_patches(touches, surface, triangles_);
 }
 
 bool ContactSearch::reached(const SurfacePath &surface, Vec3 place, double reach_m) const {

@@ -47,9 +47,12 @@ class ContactSearch {
 
   const std::vector<Near> &near() const { return near_; }
 
-  // The contacts of a sphere at `position_m`, nearest first, up to `factor` times its radius.
-  void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double radius_m,
-               double factor, std::vector<Touch> &found) const;
+  // The places nearest to a sphere at `position_m`, nearest first, up to `reach_m` away.
+  void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
+               std::vector<Touch> &found) const;
+
+  // Makes contacts of those that count, whose depths are set.
+  void share(const SurfacePath &surface, std::vector<Touch> &touches) const;
 
  private:
   struct Candidate {

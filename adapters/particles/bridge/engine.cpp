@@ -14,6 +14,7 @@
 #include "lammps.h"
 #include "modify.h"
 #include "neighbor.h"
+#include "register_models.h"
 #include "update.h"
 
 namespace flipflow {
@@ -73,17 +74,15 @@ void place(Atom &atom, Modify &modify, const Engine::Particles &p, int k, int id
 }  // namespace
 
 Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
-               const std::string &log_file) {
+               const std::string &log_file, double contact_distance_factor) {
   std::vector<std::string> words = {"liggghts", "-screen", screen_file, "-log", log_file,
                                     "-nocite"};
   std::vector<char *> arguments;
   for (std::string &word : words) arguments.push_back(word.data());
   const QuietErrors quiet;
+  register_contact_models();
   lammps_ = new LAMMPS(static_cast<int>(arguments.size()), arguments.data(), communicator);
-  // LIGGGHTS forgets the tangential spring of a pair that has parted only while the pair is within
-  // this factor of its contact distance; without it a pair that meets again before the next
-  // neighbour list starts with the old spring.
-  lammps_->neighbor->register_contact_dist_factor(1.05);
+  lammps_->neighbor->register_contact_dist_factor(contact_distance_factor);
   FixStyles &styles = *(lammps_->modify->*style_table());
   styles["wall/gran/flipflow"] = &create_fix<FixSurface>;
   styles["exits/flipflow"] = &create_fix<FixExits>;
@@ -114,6 +113,11 @@ void Engine::command(const std::string &line) {
 FixSurface &Engine::surface() { return found<FixSurface>(*lammps_, "surface"); }
 
 FixExits &Engine::exits() { return found<FixExits>(*lammps_, "exits"); }
+
+void Engine::set_laws(const ContactLaws &laws) {
+  laws_ = laws;
+  surface().set_laws(laws);
+}
 
 void Engine::create(const Particles &particles, int first_id) {
   Atom &atom = *lammps_->atom;

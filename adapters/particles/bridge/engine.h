@@ -19,7 +19,10 @@ namespace flipflow {
 // the communicator.  Errors of LIGGGHTS are std::runtime_error.
 class Engine {
  public:
-  Engine(MPI_Comm communicator, const std::string &screen_file, const std::string &log_file);
+  // `contact_distance_factor`: contacts are remembered while bodies are within this factor of their
+  // contact distance.
+  Engine(MPI_Comm communicator, const std::string &screen_file, const std::string &log_file,
+         double contact_distance_factor);
   ~Engine();
   Engine(const Engine &) = delete;
 
@@ -46,11 +49,15 @@ class Engine {
   FixSurface &surface();
   FixExits &exits();
 
+  void set_laws(const ContactLaws &laws);
+  const ContactLaws &laws() const { return laws_; }
+
  private:
   template <class Call>
   void guarded(Call call);
 
   LAMMPS_NS::LAMMPS *lammps_ = nullptr;
+  ContactLaws laws_;
   bool healthy_ = true;
 };
 

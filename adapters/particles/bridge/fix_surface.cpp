@@ -34,12 +34,10 @@ int FixSurface::setmask() { return FixConst::PRE_NEIGHBOR | FixConst::POST_FORCE
 int FixSurface::max_type() { return atom->ntypes; }
 
 void FixSurface::set_surface(SurfacePath surface, std::vector<Triangle> triangles,
-                             std::vector<int> type, double largest_radius_m,
-                             bool tangential_spring) {
+                             std::vector<int> type, double largest_radius_m) {
   surface_ = std::move(surface);
   type_ = std::move(type);
   largest_radius_ = largest_radius_m;
-  tangential_spring_ = tangential_spring;
   search_.set(std::move(triangles), largest_radius_m);
   load_.set(surface_.points());
 }
@@ -67,7 +65,7 @@ void FixSurface::post_force(int) {
   }
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
   load_.next_evaluation(update->setupflag || update->ntimestep == last_step_);
-  elastic_ = 0.0;
+  energy_ = {};
   contacts_ = 0;
   for (const auto &near : search_.near()) touch(near);
 }
@@ -88,16 +86,38 @@ void FixSurface::search() {
 
 void FixSurface::touch(const ContactSearch::Near &near) {
   const int i = near.sphere;
-  search_.touches(surface_, near, from(atom->x[i]), atom->radius[i],
-                  neighbor->contactDistanceFactor, touches_);
+  const double radius = atom->radius[i];
+  search_.touches(surface_, near, from(atom->x[i]), radius * neighbor->contactDistanceFactor,
+                  touches_);
+  for (Touch &touch : touches_) touch.depth_m = radius - std::sqrt(touch.distance2);
+  if (laws_.adhesion == ContactLaws::Adhesion::jkr) keep_necks(i);
+  search_.share(surface_, touches_);
   if (touches_.size() > kMostContacts) touches_.resize(kMostContacts);
   history_.match(i, touches_);
   for (size_t k = 0; k < touches_.size(); ++k)
     push(i, touches_[k], dnum() > 0 ? history_.values(i, static_cast<int>(k)) : nullptr);
 }
 
+// A contact that sticks lasts as long as its neck, whose depth counts from where it snaps; the neck
+// goes along from triangle to triangle.
+void FixSurface::keep_necks(int i) {
+  history_.match(i, touches_);
+  size_t kept = 0;
+  for (size_t k = 0; k < touches_.size(); ++k) {
+    Touch touch = touches_[k];
+    const bool overlaps = touch.depth_m > 0, necked = history_.values(i, static_cast<int>(k))[0] > 0;
+    touch.depth_m -= law(i, touch).separation_m();
+    if (overlaps || (necked && touch.depth_m >= 0)) touches_[kept++] = touch;
+  }
+  touches_.resize(kept);
+}
+
+Jkr FixSurface::law(int i, const Touch &touch) const {
+  return laws_.jkr(atom->type[i], type_[touch.triangle], atom->radius[i]);
+}
+
 // One contact through LIGGGHTS's own contact model.  What it added to the particle is measured,
-// and scaled where contacts share a force; 0.4 kn overlap^2 is the model's elastic energy.
+// and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.
 void FixSurface::push(int i, const Touch &touch, double *history) {
   double *force = atom->f[i], *torque = atom->torque[i];
   const Vec3 force_before = from(force), torque_before = from(torque);
@@ -122,24 +142,17 @@ void FixSurface::push(int i, const Touch &touch, double *history) {
   Vec3 added = from(force) - force_before;
   if (touch.weight < 1) {
     added = touch.weight * added;
-    if (overlap > 0) added = added + (0.4 * contact.kn / std::sqrt(overlap)) * touch.turning;
+    const double stiffness = 8.0 / 15.0 * law(i, touch).e_star_Pa * std::sqrt(atom->radius[i]);
+    added = added + stiffness * touch.turning;
     put(force, force_before + added);
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }
   load_.add(corner, w, added, wall, update->setupflag ? 0.0 : update->dt);
-  if (overlap > 0) {
+  if (laws_.touching(overlap, history)) {
     ++contacts_;
-    elastic_ += touch.weight * elastic_energy_J(contact, overlap, history);
+    energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
+                touch.weight);
   }
-}
-
-// Hertz: the integral of 4/3 E* sqrt(R) d^1.5, with kn = 4/3 E* sqrt(R d) from the model; and the
-// tangential spring, whose stretch is the first entry of the history.
-double FixSurface::elastic_energy_J(const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
-                                    double overlap_m, const double *history) const {
-  const double normal = 0.4 * contact.kn * overlap_m * overlap_m;
-  if (!tangential_spring_) return normal;
-  return normal + 0.5 * contact.kt * dot(from(history), from(history));
 }
 
 }  // namespace flipflow

@@ -5,8 +5,10 @@
 #include "contact_interface.h"
 #include "fix_wall_gran.h"
 
+#include "contact_energy.h"
 #include "contact_history.h"
 #include "contact_search.h"
+#include "jkr.h"
 #include "surface_load.h"
 #include "surface_path.h"
 
@@ -25,7 +27,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
 
   // `type` is the LIGGGHTS atom type of each triangle's material.
   void set_surface(SurfacePath surface, std::vector<Triangle> triangles, std::vector<int> type,
-                   double largest_radius_m, bool tangential_spring);
+                   double largest_radius_m);
+  void set_laws(const ContactLaws &laws) { laws_ = laws; }
 
   // The surface goes on after `period_m` along y (see ContactSearch).
   void repeat(double period_m, std::vector<Triangle> joined) {
@@ -46,8 +49,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   }
 
   const SurfaceLoad &load() const { return load_; }
-  double elastic_energy_J() const { return elastic_; }  // in surface contacts, last evaluation
-  int contacts() const { return contacts_; }            // last evaluation
+  ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
+  int contacts() const { return contacts_; }        // last evaluation
 
   int setmask() override;
   void post_create() override {}  // the base class would make a history for its primitive wall
@@ -70,14 +73,14 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
  private:
   void search();
   void touch(const ContactSearch::Near &near);
+  void keep_necks(int i);
+  Jkr law(int i, const Touch &touch) const;
   void push(int i, const Touch &touch, double *history);
-  double elastic_energy_J(const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
-                          double overlap_m, const double *history) const;
 
   SurfacePath surface_;
   std::vector<int> type_;
   double largest_radius_ = 0.0;
-  bool tangential_spring_ = false;
+  ContactLaws laws_;
 
   ContactSearch search_;
   std::vector<Touch> touches_;
@@ -86,7 +89,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
 
   LAMMPS_NS::bigint first_step_ = 0, last_step_ = 0;
   bool neighbours_listed_now_ = true;
-  double elastic_ = 0.0;
+  ContactEnergy energy_;
   int contacts_ = 0;
 };
 

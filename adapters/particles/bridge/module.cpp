@@ -59,12 +59,11 @@ std::vector<flipflow::Triangle> corners_of(Ints triangles, int points) {
 }
 
 void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
-                 double largest_radius_m, bool tangential_spring) {
+                 double largest_radius_m) {
   std::vector<double> points(position_m.data(), position_m.data() + position_m.size());
   auto corners = corners_of(triangles, static_cast<int>(position_m.shape(0)));
   engine.surface().set_surface(flipflow::SurfacePath(std::move(points)), std::move(corners),
-                               {type.data(), type.data() + type.size()}, largest_radius_m,
-                               tangential_spring);
+                               {type.data(), type.data() + type.size()}, largest_radius_m);
 }
 
 void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_s, Doubles spin_rad_s,
@@ -137,6 +136,24 @@ void run(Engine &engine, int steps, double step_s) {
   engine.surface().end_sums(step_s);
 }
 
+void set_laws(Engine &engine, std::vector<double> e_star_Pa, std::vector<double> g_star_Pa,
+              bool tangential_spring, const std::string &adhesion, std::vector<double> strength) {
+  flipflow::ContactLaws laws;
+  laws.types = engine.lammps().atom->ntypes;
+  laws.e_star_Pa = std::move(e_star_Pa);
+  laws.g_star_Pa = std::move(g_star_Pa);
+  laws.tangential_spring = tangential_spring;
+  laws.adhesion = adhesion == "jkr"    ? flipflow::ContactLaws::Adhesion::jkr
+                  : adhesion == "sjkr" ? flipflow::ContactLaws::Adhesion::sjkr
+                                       : flipflow::ContactLaws::Adhesion::none;
+  laws.strength = std::move(strength);
+  engine.set_laws(laws);
+}
+
+std::pair<double, double> pair_of(flipflow::ContactEnergy energy) {
+  return {energy.elastic_J, energy.adhesion_J};
+}
+
 Doubles by_point(const std::vector<double> &values) {
   Doubles array({static_cast<py::ssize_t>(values.size() / 3), py::ssize_t{3}});
   std::copy(values.begin(), values.end(), array.mutable_data());
@@ -147,12 +164,16 @@ Doubles by_point(const std::vector<double> &values) {
 
 PYBIND11_MODULE(_liggghts, module) {
   py::class_<Engine>(module, "Engine")
-      .def(py::init([](int communicator, const std::string &screen, const std::string &log) {
-             return std::make_unique<Engine>(MPI_Comm_f2c(communicator), screen, log);
+      .def(py::init([](int communicator, const std::string &screen, const std::string &log,
+                       double contact_distance_factor) {
+             return std::make_unique<Engine>(MPI_Comm_f2c(communicator), screen, log,
+                                             contact_distance_factor);
            }),
-           py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"))
+           py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"),
+           py::arg("contact_distance_factor"))
       .def("command", &Engine::command)
       .def("set_surface", &set_surface)
+      .def("set_laws", &set_laws)
       .def("create", &create_particles)
       .def("repeat_surface", &repeat_surface)
       .def("set_exits", &set_exits)
@@ -170,12 +191,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().load().impulse_N_s()); })
       .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
-      .def("surface_elastic_J", [](Engine &e) { return e.surface().elastic_energy_J(); })
+      .def("surface_energy_J", [](Engine &e) { return pair_of(e.surface().energy()); })
       .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
-      .def("pair_elastic_J",
-           [](Engine &e, const std::vector<double> &e_star_Pa,
-              const std::vector<double> &g_star_Pa, bool tangential_spring) {
-             return flipflow::pair_elastic_energy_J(e.lammps(), e_star_Pa, g_star_Pa,
-                                                    tangential_spring);
-           });
+      .def("pair_energy_J",
+           [](Engine &e) { return pair_of(flipflow::pair_energy(e.lammps(), e.laws())); });
 }

@@ -31,16 +31,6 @@ bool is_minimum(size_t k, const std::vector<Touch> &by_distance,
   return true;
 }
 
-void keep_minima(std::vector<Touch> &touches, const std::vector<Triangle> &triangles) {
-  std::sort(touches.begin(), touches.end(),
-            [](const Touch &a, const Touch &b) { return a.distance2 < b.distance2; });
-  for (size_t k = 0; k < touches.size(); ++k)
-    touches[k].weight = is_minimum(k, touches, triangles) ? 1 : 0;
-  touches.erase(std::remove_if(touches.begin(), touches.end(),
-                               [](const Touch &touch) { return touch.weight == 0; }),
-                touches.end());
-}
-
 struct Separation {
   double s;      // 0 (one contact) ... 1 (two contacts)
   double slope;  // -ds / d(cosine of the angle between the normals)
@@ -62,24 +52,22 @@ Separation separation(Vec3 normal, Vec3 other) {
 
 Vec3 normal(const Touch &touch) { return (1 / std::sqrt(touch.distance2)) * touch.away; }
 
-// log (U_other / U_one)^(1/s) with U = overlap^2.5; beyond contact only the nearer one counts.
-double log_ratio(const Touch &nearer, const Touch &other, double radius_m, double s) {
-  const double overlap = radius_m - std::sqrt(other.distance2);
-  if (overlap <= 0) return -600;
-  const double deeper = radius_m - std::sqrt(nearer.distance2);
-  return std::max(-600.0, 2.5 / s * std::log(overlap / deeper));
+// log (U_other / U_one)^(1/s) with U = depth^2.5; beyond contact only the nearer one counts.
+double log_ratio(const Touch &nearer, const Touch &other, double s) {
+  if (other.depth_m <= 0) return -600;
+  return std::max(-600.0, 2.5 / s * std::log(other.depth_m / nearer.depth_m));
 }
 
 // All pairs of a particle's places: how they share what acts.  Two places i, j have the potential
 // (U_i^(1/s) + U_j^(1/s))^s, so that the weight of i is (1 + (U_j / U_i)^(1/s))^(s - 1).
 class Pairs {
  public:
-  Pairs(const std::vector<Touch> &touches, double radius_m)
+  explicit Pairs(const std::vector<Touch> &touches)
       : count_(touches.size()), weight_(count_ * count_, 1), push_(count_ * count_, 0) {
     for (size_t i = 0; i < count_; ++i)
       for (size_t j = i + 1; j < count_; ++j) {
         const Separation apart = separation(normal(touches[i]), normal(touches[j]));
-        const double log_y = log_ratio(touches[i], touches[j], radius_m, apart.s);
+        const double log_y = log_ratio(touches[i], touches[j], apart.s);
         const double y = std::exp(log_y), entropy = std::log1p(y) - y / (1 + y) * log_y;
         weight_[i * count_ + j] = std::pow(1 + y, apart.s - 1);
         weight_[j * count_ + i] = std::pow(1 + 1 / y, apart.s - 1);
@@ -134,9 +122,9 @@ Vec3 turn(const Touch &touch, Vec3 toward, const SurfacePath &surface, const Tri
 // Where a normal turns, s changes along the way: -dU/ds grad s is a force, too, and dU/ds is U
 // times the entropy of the two shares of U.
 void set_turning(std::vector<Touch> &touches, const Pairs &pairs, const SurfacePath &surface,
-                 const std::vector<Triangle> &triangles, double radius_m) {
+                 const std::vector<Triangle> &triangles) {
   const auto energy = [&](const Touch &touch) {
-    return touch.weight * std::pow(std::max(radius_m - std::sqrt(touch.distance2), 0.0), 2.5);
+    return touch.weight * std::pow(std::max(touch.depth_m, 0.0), 2.5);
   };
   for (size_t i = 0; i < touches.size(); ++i) {
     Touch &touch = touches[i];
@@ -153,13 +141,22 @@ void set_turning(std::vector<Touch> &touches, const Pairs &pairs, const SurfaceP
 
 }  // namespace
 
+void keep_minima(std::vector<Touch> &touches, const std::vector<Triangle> &triangles) {
+  std::sort(touches.begin(), touches.end(),
+            [](const Touch &a, const Touch &b) { return a.distance2 < b.distance2; });
+  for (size_t k = 0; k < touches.size(); ++k)
+    touches[k].weight = is_minimum(k, touches, triangles) ? 1 : 0;
+  touches.erase(std::remove_if(touches.begin(), touches.end(),
+                               [](const Touch &touch) { return touch.weight == 0; }),
+                touches.end());
+}
+
 void share_smooth_patches(std::vector<Touch> &touches, const SurfacePath &surface,
-                          const Topology &topology, double radius_m) {
-  keep_minima(touches, topology.joined);
+                          const std::vector<Triangle> &triangles) {
   if (touches.size() < 2) return;
-  const Pairs pairs(touches, radius_m);
+  const Pairs pairs(touches);
   set_weights(touches, pairs);
-  set_turning(touches, pairs, surface, topology.triangles, radius_m);
+  set_turning(touches, pairs, surface, triangles);
   touches.erase(
       std::remove_if(touches.begin(), touches.end(),
                      [](const Touch &touch) { return touch.weight < kNegligible; }),

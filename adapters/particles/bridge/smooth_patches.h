@@ -8,27 +8,26 @@
 
 namespace flipflow {
 
-// A triangle within reach of a particle, or (after `share_smooth_patches`) a contact.
+// A place of the surface within reach of a particle, or (after `share_smooth_patches`) a contact.
 struct Touch {
   int triangle;
   ClosestPoint at;
   Vec3 away;          // from the closest point to the particle's centre
   double distance2;
+  double depth_m = 0;  // what contacts are compared by: overlap, or more with adhesion
   double weight = 1;  // share of the contact force that acts, 0 ... 1
-  Vec3 turning = {0, 0, 0};  // m^1.5: force of the turning normal for an energy of overlap^2.5
-};
-
-// Triangles by the numbers of their points; `joined` has one number for points that are the same
-// place on a surface that repeats itself.
-struct Topology {
-  const std::vector<Triangle> &triangles, &joined;
+  Vec3 turning = {0, 0, 0};  // m^1.5: force of the turning normal for an energy of depth^2.5
 };
 
 // Keeps the places where the distance to the surface is smallest in their surroundings, nearest
-// first, and shares the force between those that are one contact with a smooth surface
+// first.  Of a surface that repeats itself, `triangles` have one number for points that are the same
+// place.
+void keep_minima(std::vector<Touch> &touches, const std::vector<Triangle> &triangles);
+
+// Shares the force between places that are one contact with a smooth surface
 // (docs/theory/particle_surface_contact.md): weights are the derivatives of a common potential of
-// the contacts' elastic energies.  Contacts without weight are left out.
+// the contacts' elastic energies, which go with depth^2.5.  Contacts without weight are left out.
 void share_smooth_patches(std::vector<Touch> &touches, const SurfacePath &surface,
-                          const Topology &topology, double radius_m);
+                          const std::vector<Triangle> &triangles);
 
 }  // namespace flipflow

@@ -1,0 +1,110 @@
+"""Rolling friction of both solvers: a sphere on an incline, against closed forms.
+
+Ai, J., Chen, J.-F., Rotter, J. M. and Ooi, J. Y., Powder Technology 206, 2011, 269-282, doi
+10.1016/j.powtec.2010.09.030: one sphere on a plane is their first test.  On a plane the couple is
+at most  mu_r R N,  so that a sphere which does not slide rolls down with
+a = 5/7 g (sin - mu_r cos), and rests where tan < mu_r.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import closing
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from orchestrator.plans import GrainMaterial, Jkr
+from orchestrator.ports import ParticleSnapshot
+from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
+from tests.particles.test_adhesion import module
+
+__all__ = ["module"]  # the fixture
+
+ROLLING = 0.1
+RADIUS_M, DENSITY_KG_M3, G_M_S2 = 2.5e-3, 2500.0, 9.81
+MASS_KG = DENSITY_KG_M3 * 4 / 3 * math.pi * RADIUS_M**3
+
+
+def sunk_m(angle: float) -> float:
+    """Overlap of a sphere that lies on the incline (Hertz)."""
+    e_star_Pa = 1 / ((1 - 0.3**2) / 1e7 + (1 - 0.3**2) / 2e7)
+    weight_N = MASS_KG * G_M_S2 * math.cos(angle)
+    return math.pow(0.75 * weight_N / e_star_Pa / math.sqrt(RADIUS_M), 2 / 3)
+
+
+def after(
+    module: ModuleType, law: str, slope: float, time_s: float, speed_m_s: float, **changes: object
+) -> ParticleSnapshot:
+    """A sphere rolling down (x) a plane with tan = ``slope``, gravity turned instead."""
+    angle = math.atan(slope)
+    surface = flat(0.05, 10)
+    grain = spheres(
+        [-0.02, 0.0011, RADIUS_M - sunk_m(angle)],
+        (speed_m_s, 0.0, 0.0),
+        2 * RADIUS_M,
+        DENSITY_KG_M3,
+        (0.0, speed_m_s / RADIUS_M, 0.0),
+    )
+    plan = make_plan(
+        surface,
+        grain,
+        materials=(GrainMaterial("grain", 1e7, 0.3), GrainMaterial("plane", 2e7, 0.3)),
+        restitution=0.3,
+        sliding_friction=0.9,
+        rolling_friction=ROLLING,
+        rolling=law,
+        gravity_m_s2=G_M_S2 * np.array([math.sin(angle), 0.0, -math.cos(angle)]),
+        step_s=3e-5,
+        sync_interval_s=1e-3,
+        **changes,
+    )
+    with closing(module.build(plan)) as solver:
+        travel(solver, lambda _: still(surface), range(round(time_s / 1e-3)), 1e-3)
+        return solver.snapshot()
+
+
+def rate_m_s2(slope: float) -> float:
+    """Down the incline, of a sphere that rolls down; negative: it slows down."""
+    angle = math.atan(slope)
+    return 5 / 7 * G_M_S2 * (math.sin(angle) - ROLLING * math.cos(angle))
+
+
+@pytest.mark.parametrize("law", ["cdt", "epsd2"])
+def test_above_the_threshold_it_rolls_down(module: ModuleType, law: str) -> None:
+    """From rest, to 1 %: until the spring of epsd2 is stretched the sphere runs ahead, 0.3 mm/s."""
+    now = after(module, law, 2 * ROLLING, 0.05, 0.0)
+    assert now.velocity_m_s[0, 0] == pytest.approx(0.05 * rate_m_s2(2 * ROLLING), rel=1e-2)
+    assert now.spin_rad_s[0, 1] * RADIUS_M == pytest.approx(now.velocity_m_s[0, 0], rel=2e-3)
+
+
+@pytest.mark.parametrize("law", ["cdt", "epsd2"])
+def test_below_the_threshold_it_slows_down(module: ModuleType, law: str) -> None:
+    now = after(module, law, ROLLING / 2, 0.05, 0.1)
+    assert now.velocity_m_s[0, 0] == pytest.approx(0.1 + 0.05 * rate_m_s2(ROLLING / 2), rel=5e-3)
+
+
+@pytest.mark.parametrize("law", ["cdt", "epsd2"])
+@pytest.mark.parametrize("slope", [0.0, 0.5 * ROLLING])
+def test_below_the_threshold_it_comes_to_rest(module: ModuleType, law: str, slope: float) -> None:
+    """From 0.01 m/s after v / (-a), and stays there (1 % of the way): cdt turns to and fro, epsd2
+    swings on its spring with 2 % of the speed.  cdt creeps: 0.3 % of the speed with this step, a tenth of that with a
+    tenth of the step."""
+    speed_m_s = 0.01
+    way_m = speed_m_s**2 / (-2 * rate_m_s2(slope))
+    now = after(module, law, slope, 1.5 * speed_m_s / -rate_m_s2(slope), speed_m_s)
+    assert now.position_m[0, 0] == pytest.approx(-0.02 + way_m, abs=0.01 * way_m)
+    assert abs(now.velocity_m_s[0, 0]) < 0.03 * speed_m_s
+
+
+@pytest.mark.parametrize("law", ["cdt", "epsd2"])
+def test_a_sphere_that_sticks_resists_rolling_without_weight(module: ModuleType, law: str) -> None:
+    """With JKR the couple goes by N + 2 F_po: pulled along the plane by gravity without any weight,
+    the sphere rests up to  mu_r 2 F_po,  and rolls with  5/7 (g - mu_r 2 F_po / m)  beyond."""
+    for share in (0.9, 2.0):
+        work_J_m2 = MASS_KG * G_M_S2 / share / ROLLING / (3 * math.pi * RADIUS_M)
+        sticky = Jkr(np.full((2, 2), work_J_m2), 1e-2)
+        now = after(module, law, 1e9, 0.03, 0.0, adhesion=sticky)
+        expected_m_s = 0.03 * 5 / 7 * G_M_S2 * max(0.0, 1.0 - 1.0 / share)
+        assert now.velocity_m_s[0, 0] == pytest.approx(expected_m_s, rel=1e-2, abs=2e-3)
