@@ -11,8 +11,9 @@ from adapters.particles.sphere_contacts import Laws, contact_forces, springs
 from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_partners import Partners, partners
 from adapters.particles.sphere_rolling import Rolling, across
+from adapters.particles.sphere_search import continued, touching
 from adapters.particles.sphere_state import Spheres
-from adapters.particles.sphere_touch import Touching, continued, touching
+from adapters.particles.sphere_touch import Touching
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ports import Array, Indices, Motion
 

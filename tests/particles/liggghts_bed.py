@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.clock import Interval
-from orchestrator.plans import ParticleList, ParticlesPlan
+from orchestrator.plans import Jkr, ParticleList, ParticlesPlan
 from orchestrator.ports import Array, Motion
 from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, spheres, travel
 
@@ -71,6 +71,10 @@ PERIODIC = {
 }
 
 
+# sticks below 0.02 m/s (pair) and 0.03 m/s
+WET = {"adhesion": Jkr(np.full((2, 2), 0.5), 1e-2), "step_s": 2e-6}
+
+
 def wave(time_s: float) -> Motion:
     """The sheet shaken by 1 mm at 40 Hz, and bent by a standing wave that grows with time."""
     rest, w = SURFACE.position_m, 2 * np.pi * 40.0
@@ -92,8 +96,9 @@ def main() -> None:
 
     from adapters.particles.liggghts import build
 
-    sides = PERIODIC if "periodic" in sys.argv else {}
-    solver = build(bed_plan(communicator=MPI.COMM_WORLD, **sides))
+    changes = PERIODIC if "periodic" in sys.argv else {}
+    changes = WET if "wet" in sys.argv else changes
+    solver = build(bed_plan(communicator=MPI.COMM_WORLD, **changes))
     owned_first = len(solver.arrays()["x"])
     forces = travel(solver, wave, range(200))
     account, snapshot = solver.account(), solver.snapshot()

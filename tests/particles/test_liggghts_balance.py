@@ -11,7 +11,7 @@ import pytest
 
 from orchestrator.clock import Interval
 from orchestrator.plans import ParticleList
-from tests.particles.liggghts_bed import bed, bed_plan, impulse_N_s, wave
+from tests.particles.liggghts_bed import WET, bed, bed_plan, impulse_N_s, wave
 from tests.particles.liggghts_plans import INTERVAL_S, flat, make_plan, spheres, still, travel
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")
@@ -26,10 +26,11 @@ def defect(before, after, impulse_on_surface):
     return change - outside + impulse_on_surface
 
 
-def test_momentum_is_kept_to_rounding():
+@pytest.mark.parametrize("changes", [{}, WET], ids=["dry", "wet"])
+def test_momentum_is_kept_to_rounding(changes):
     # 360 particles with friction on a moving, bending sheet, some fed, some leaving:
     # 1e-12 of the momentum they carry
-    with closing(liggghts.build(bed_plan())) as solver:
+    with closing(liggghts.build(bed_plan(**changes))) as solver:
         before = solver.account()
         forces = travel(solver, wave, range(200))
         after = solver.account()
@@ -147,10 +148,11 @@ def ranks(n, *words):
     return json.loads(done.stdout)
 
 
-def test_two_ranks_give_the_same_as_one():
+@pytest.mark.parametrize("words", [(), ("wet",)], ids=["dry", "wet"])
+def test_two_ranks_give_the_same_as_one(words):
     # the sheet straddles the border x = 0 and the bed drifts over it by 6 mm; the order of sums
     # differs, and collisions amplify that: 1e-9 for 10 ms
-    one, two = ranks(1), ranks(2)
+    one, two = ranks(1, *words), ranks(2, *words)
     first, last = np.array(two["owned"]).T
     assert min(first) > 0  # particles on both sides,
     assert abs(last[0] - first[0]) >= 10  # and crossing

@@ -88,9 +88,9 @@ def test_below_the_threshold_it_slows_down(module: ModuleType, law: str) -> None
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
 @pytest.mark.parametrize("slope", [0.0, 0.5 * ROLLING])
 def test_below_the_threshold_it_comes_to_rest(module: ModuleType, law: str, slope: float) -> None:
-    """From 0.01 m/s after v / (-a), and stays there (1 % of the way): cdt turns to and fro, epsd2
-    swings on its spring with 2 % of the speed.  cdt creeps: 0.3 % of the speed with this step, a tenth of that with a
-    tenth of the step."""
+    """From 0.01 m/s after v / (-a), and stays there (1 % of the way): epsd2 swings on its spring
+    with 2 % of the speed, cdt turns to and fro and creeps: with 0.3 % of the speed at this step,
+    in proportion to the step."""
     speed_m_s = 0.01
     way_m = speed_m_s**2 / (-2 * rate_m_s2(slope))
     now = after(module, law, slope, 1.5 * speed_m_s / -rate_m_s2(slope), speed_m_s)
