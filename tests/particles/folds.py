@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from adapters.particles.sphere_contacts import laws
-from adapters.particles.sphere_forces import forces_at
+from adapters.particles.sphere_forces import System, forces_at
 from adapters.particles.sphere_neighbours import neighbours
 from adapters.particles.sphere_state import spheres as rows
 from orchestrator.geometry import TriangleSurface
@@ -86,7 +86,7 @@ def _in_spheres(plan: ParticlesPlan) -> Held:
     none = np.zeros(0, dtype=np.int64)  # the spheres do not know each other
     near = replace(neighbours(some, plan.surface, surface_m), i=none, j=none)
     still = Motion(surface_m, np.zeros_like(surface_m))
-    now = forces_at(some, plan.surface, still, near, laws(plan), None, 0.0)
+    now = forces_at(System(plan.surface, laws(plan), None), some, still, near, None, 0.0)
     given_N = np.zeros((len(some), 3))
     # the barycentric weights hand on all of a contact's force
     shares = now.touching.barycentric.sum(axis=1)[:, None] * (now.contact_N + now.turning_N)
@@ -112,5 +112,5 @@ def _in_liggghts(plan: ParticlesPlan, place_m: Array) -> Held:
             engine.prepare()
             forces_N.append(engine.particles()["f"][0].copy())
             loads_N.append(engine.force_N().sum(axis=0))
-            energies_J.append(engine.surface_elastic_J())
+            energies_J.append(engine.surface_energy_J()[0])
     return Held(np.array(forces_N), np.array(loads_N), np.array(energies_J))
