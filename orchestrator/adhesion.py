@@ -65,7 +65,7 @@ class StickyContact:
 def adhesion_law(case: Case) -> str:
     """ "jkr", "sjkr", or "none": also where nothing sticks."""
     sticks = any(contact.work_of_adhesion_J_m2 for contact in case.contacts)
-    return case.particles.adhesion if sticks else "none"
+    return (case.particles.adhesion or "jkr") if sticks else "none"
 
 
 def sticky_contacts(case: Case) -> Iterator[StickyContact]:

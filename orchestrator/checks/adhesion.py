@@ -16,7 +16,7 @@ G_M_S2 = 9.81
 
 def works_of_adhesion(case: Case) -> Iterator[Mistake]:
     """A law that is asked for needs work, and each law its own keys."""
-    asked = "adhesion" in case.particles.model_fields_set and case.particles.adhesion != "none"
+    asked = case.particles.adhesion not in (None, "none")
     if asked and not any(contact.work_of_adhesion_J_m2 for contact in case.contacts):
         what = f'"{case.particles.adhesion}" is asked for, but every work of adhesion is zero'
         hint = 'give contacts a work_of_adhesion_J_m2, or take "none"'

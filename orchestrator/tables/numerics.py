@@ -54,8 +54,9 @@ class ParticlesSolver(Table):
     """Stiffer materials are softened to this in contacts, which allows longer steps."""
     softened_adhesion: Literal["sticking", "pull-off"] = "sticking"
     """What softened contacts keep: the speed below which particles stick, or the pull-off force."""
-    adhesion: Literal["none", "sjkr", "jkr"] = "jkr"
-    """Law of adhesion, where contacts have a work of adhesion (docs/theory/adhesion.md)."""
+    adhesion: Literal["none", "sjkr", "jkr"] | None = None
+    """Law of adhesion (docs/theory/adhesion.md); without, jkr where contacts have a work of
+    adhesion."""
     sjkr_diameter_m: Positive | None = None
     """Diameter at which ``sjkr`` has the true pull-off force; without, the geometric mean of the
     smallest and the largest."""
