@@ -16,6 +16,7 @@ from orchestrator.contact_times import (
     shortest_panel_contact_s,
     shortest_rayleigh_s,
 )
+from orchestrator.cost import TRANSPORT_M_S, cost
 from orchestrator.deck import single_panels, walls
 from orchestrator.left_out import has_particles
 from orchestrator.levels import LoadedCase, level_names, load, read_toml
@@ -79,6 +80,19 @@ def _particles(loaded: LoadedCase) -> Iterator[str]:
     yield (
         f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
         "smallest particle's Rayleigh time"
+    )
+    if case.particles.solver == "liggghts":
+        yield _cost(case, count)
+
+
+def _cost(case: Case, at_start: int) -> str:
+    """Of the particles; a deck that is fed fills until as much leaves."""
+    expected = cost(case, at_start)
+    hours = expected.processor_s / 3600.0
+    stay = f" if material moves at {TRANSPORT_M_S:g} m/s" if case.bed.feeds else ""
+    return (
+        f"  cost       {expected.most:.2g} particles at most{stay}: {expected.particle_steps:.2g} "
+        f"particle-steps, {hours:.2g} hours of one processor for LIGGGHTS, within a factor of 3"
     )
 
 

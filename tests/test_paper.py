@@ -65,7 +65,16 @@ def fake(point: sweep.Point) -> None:
     speed = float(point.value)
     driving, driven = moved_mm(speed)
     written(point.folder, (point.loaded.folder / "case.toml").read_text())
-    summary = {"status": "done", "cycle_s": 2 * np.pi / speed}
+    screening = {
+        "efficiency_percent": {"value": speed},
+        "sections": [{"depth_m": speed / 100}],
+    }
+    bed = {"velocity_m_s": {"value": speed / 10}}
+    summary = {
+        "status": "done",
+        "cycle_s": 2 * np.pi / speed,
+        "results": {"screening": screening, "bed": bed},
+    }
     (point.folder / "summary.json").write_text(json.dumps(summary))
     time_s = np.arange(4000) * 5e-4
     s = np.linspace(0.0, 0.3, 31)
@@ -173,3 +182,24 @@ def test_a_sweep_may_be_cut(case: Path) -> None:
     (whole,) = paper.runs(wanted, case, None, [], case.parent / "out").values()
     assert isinstance(whole, Sweep)
     assert whole.between((65, 85)).values.tolist() == [70.0, 80.0]
+
+
+def test_results_and_their_change_over_a_sweep(case: Path) -> None:
+    """Numbers of the results by their path; shares where the summary has percents."""
+    rows = [
+        ROW.replace('at = "70"\n', part)
+        .replace('"amplitude"', f'"{quantity}"')
+        .replace('"driven-driving"', f'"{path}"')
+        .replace("5.4, 6.6", band)
+        + f'unit = "{unit}"\n'
+        for quantity, part, path, band, unit in (
+            ("result", 'at = "80"\n', "screening.efficiency_percent", "79.9, 80.1", "%"),
+            ("effect", "", "screening.efficiency_percent", "29.9, 30.1", "%"),
+            ("effect", "", "bed.velocity_m_s", "2.9, 3.1", "m/s"),
+            ("result", 'at = "80"\n', "screening.sections.0.depth_m", "0.79, 0.81", "m"),
+            ("result", 'at = "80"\n', "screening.absent.value_m", "0, 1", "m"),
+        )
+    ]
+    *known, unknown = compared(case, "".join(rows))
+    assert [line.verdict for line in known] == ["met"] * 4
+    assert "absent" in unknown.verdict

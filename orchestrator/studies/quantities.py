@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -14,7 +15,7 @@ from orchestrator.studies.points import Vary
 from orchestrator.studies.steady import steady
 from orchestrator.studies.sweep import Point
 
-UNITS = {"mm": 1e-3, "m": 1.0, "rad/s": 1.0, "%": 0.01, "1": 1.0}
+UNITS = {"mm": 1e-3, "m": 1.0, "rad/s": 1.0, "%": 0.01, "m/s": 1.0, "1": 1.0}
 COMPONENT = {"x": 0, "y": 1, "z": 2}
 
 
@@ -107,9 +108,35 @@ def arch(runs: Sweep, point: str, axis: str) -> float:
     return float(np.linalg.norm(away, axis=2).max())
 
 
+def result(runs: Sweep, point: str, axis: str) -> float:
+    """A number of the results in a run's summary, by its keys with dots; percents as shares."""
+    return float(_results(runs, point)[0])
+
+
+def effect(runs: Sweep, point: str, axis: str) -> float:
+    """Difference of such a number, of the last value of the sweep from the first."""
+    found = _results(runs, point)
+    return float(found[-1] - found[0])
+
+
+def _results(runs: Sweep, path: str) -> Array:
+    found = []
+    for point in _done(runs):
+        inner = json.loads((point.folder / "summary.json").read_text())["results"]
+        for word in path.split("."):
+            inner = inner[int(word)] if isinstance(inner, list) else inner.get(word, {})
+        value = inner.get("value") if isinstance(inner, dict) else inner
+        if value is None:
+            raise Unknown(f"{point.folder.name}: {path} is not known")
+        found.append(value)
+    return np.array(found) * (0.01 if path.endswith("_percent") else 1.0)
+
+
 QUANTITIES: dict[str, Callable[[Sweep, str, str], float]] = {
     "amplitude": amplitude,
     "growth": growth,
     "lowest-at": lowest_at,
     "arch": arch,
+    "result": result,
+    "effect": effect,
 }

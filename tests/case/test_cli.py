@@ -108,13 +108,16 @@ LEVELS = [
     for case in sorted(CASES.glob("*/case.toml"))
     for level in sorted((case.parent / "levels").glob("*.toml"))
 ]
+UNDER_COAL = ("banana", *(name for name, _ in LEVELS if name.startswith("ffs0827")))
+ACCEPTED = ("coupling.sync_interval_s", "coal: ")  # what their READMEs say of interval and fines
 
 
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) -> None:
     found = load(CASES / case, level)
     assert mistakes(found) == []
-    assert warnings(found) == []
+    accepted = ACCEPTED if case in UNDER_COAL else ()
+    assert [said for said in warnings(found) if not said.startswith(accepted)] == []
     assert (CASES / case / "README.md").is_file()
 
 

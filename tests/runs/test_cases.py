@@ -16,7 +16,8 @@ import pytest
 from tests.runs.outside import QUICK, ROOT, flipflow, left_usable, run_words, said_plainly, summary
 
 CASES = sorted(file.parent.name for file in (ROOT / "cases").glob("*/case.toml"))
-DURATION_S = {"ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2}
+DURATION_S = {"ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2, "ffs0827": 0.04}
+FED_SOON = ("banana", "ffs0827", "ffs0827-effects", "ffs0827-slice")
 PICTURED = "quickstart"
 WITHOUT_PANELS = ("bushing-hysteresis",)  # nothing moves but what is prescribed to
 Done = tuple[str, Path, subprocess.CompletedProcess[str]]
@@ -28,6 +29,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     name = request.param
     folder = tmp_path_factory.mktemp(name) / "run"
     sets = [f"duration_s={DURATION_S.get(name, 0.1)}"]
+    sets += ["bed.feeds.coal.start_s=0.01"] if name in FED_SOON else []
     sets += [] if name == PICTURED else ["output.pictures=false"]
     return name, folder, flipflow(*run_words(name, folder, sets))
 
