@@ -22,6 +22,7 @@ from orchestrator.particle_step import particle_step_s
 from orchestrator.stopwatch import Stopwatch
 
 BLOCK = 100
+STILL_ROW = "particles alone, rigid still surface"
 STILL = {"frame_motion": False, "panel_motion": False, "particle_load": False}
 
 
@@ -48,6 +49,11 @@ class Runner:
         self.wall_s += time.perf_counter() - started
         self.particle_steps += BLOCK * self._steps * self.particles()
 
+    def forget(self) -> None:
+        """What was spent so far counts no more."""
+        self.stopwatch.wall_s.clear()
+        self.wall_s, self.particle_steps = 0.0, 0
+
     def particles(self) -> int:
         """How many there are now."""
         particles = self._machine.solvers.particles
@@ -71,12 +77,16 @@ def still(loaded: LoadedCase) -> LoadedCase:
     )
 
 
-def bench(loaded: LoadedCase, intervals: int) -> Table:
-    """Runs about ``intervals`` sync intervals of both; the table says what each part took."""
+def bench(loaded: LoadedCase, intervals: int, settling: int = 0) -> Table:
+    """Runs about ``intervals`` sync intervals of both, after ``settling`` that do not count; the
+    table says what each part took."""
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
         coupled = Runner(loaded, Path(scratch) / "coupled")
         alone = Runner(still(loaded), Path(scratch) / "still")
-        for _ in range(max(1, intervals // BLOCK)):
+        for number in range(settling // BLOCK + max(1, intervals // BLOCK)):
+            if number == settling // BLOCK:
+                coupled.forget()
+                alone.forget()
             coupled.block()
             alone.block()
         table = compared(loaded.name, coupled, alone)
@@ -90,14 +100,15 @@ def compared(name: str, coupled: Runner, alone: Runner) -> Table:
     still_s = alone.stopwatch.wall_s["particles"]
     parts_s = coupled.stopwatch.wall_s
     table = Table(title=f"{name}: {coupled.particles()} particles", title_justify="left")
-    for column in ("", "wall / s", "against still", "particle-steps / s"):
+    for column in ("", "wall / s", "share", "against still", "particle-steps / s"):
         table.add_column(column, justify="left" if column == "" else "right")
 
     def row(what: str, wall_s: float, particle_steps: int = 0) -> None:
         speed = f"{particle_steps / wall_s:.3g}" if particle_steps else ""
-        table.add_row(what, f"{wall_s:.2f}", f"{wall_s / still_s:.2f}", speed)
+        share = "" if what == STILL_ROW else f"{100 * wall_s / coupled.wall_s:.0f} %"
+        table.add_row(what, f"{wall_s:.2f}", share, f"{wall_s / still_s:.2f}", speed)
 
-    row("particles alone, rigid still surface", still_s, alone.particle_steps)
+    row(STILL_ROW, still_s, alone.particle_steps)
     row("particles in the coupled run", parts_s["particles"], coupled.particle_steps)
     for part in ("panel", "frames", "mapping"):
         row(part, parts_s.get(part, 0.0))

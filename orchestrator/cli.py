@@ -130,6 +130,7 @@ def bench(
     case: CasePath,
     level: Level = None,
     intervals: Annotated[int, typer.Option(help="sync intervals to time")] = 2000,
+    settling: Annotated[int, typer.Option(help="sync intervals before them, untimed")] = 0,
     overrides: Overrides = None,
 ) -> None:
     """Time a case against its particles alone on a rigid, still surface (one process)."""
@@ -141,7 +142,7 @@ def bench(
     if not has_particles(loaded.case):
         _refuse("the case has no particles: there is nothing to compare", 2)
     try:
-        Console().print(timed(loaded, intervals))
+        Console().print(timed(loaded, intervals, settling))
     except SolverMissing as missing:
         _refuse(str(missing), 3)
     except SolverFailed as failed:
