@@ -49,7 +49,8 @@ from adapters.particles.liggghts import Liggghts
 advance = Liggghts.advance
 def careless(self, interval, path):
     if interval.index == 2:
-        self._engine.remove([0])
+        self._engine.command("group lost id 1")
+        self._engine.command("delete_atoms group lost compress no")
     return advance(self, interval, path)
 Liggghts.advance = careless
 """
