@@ -101,7 +101,7 @@ def compared(name: str, coupled: Runner, alone: Runner) -> Table:
     parts_s = coupled.stopwatch.wall_s
     table = Table(title=f"{name}: {coupled.particles()} particles", title_justify="left")
     for column in ("", "wall / s", "share", "against still", "particle-steps / s"):
-        table.add_column(column, justify="left" if column == "" else "right")
+        table.add_column(column, justify="left" if column == "" else "right", no_wrap=True)
 
     def row(what: str, wall_s: float, particle_steps: int = 0) -> None:
         speed = f"{particle_steps / wall_s:.3g}" if particle_steps else ""

@@ -22,9 +22,9 @@ from orchestrator.planning import material_numbers
 TRANSPORT_M_S = 0.34
 """Speed of the material: 40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al.,
 Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
-PARTICLE_STEP_S = 4e-7
-"""Processor time per particle and step of LIGGGHTS with JKR contacts, on the machine whose
-figures docs/theory/adhesion.md gives."""
+PARTICLE_STEP_S = 6e-7
+"""Processor time per particle and step of LIGGGHTS: 6.1e-7 s for 50 000 wet particles at rest on
+the deck of cases/ffs0827-slice, on one of two busy cores (its README; ``flipflow bench``)."""
 TIMES = 2000  # places in time at which particles are counted
 
 
