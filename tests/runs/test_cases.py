@@ -16,7 +16,13 @@ import pytest
 from tests.runs.outside import QUICK, ROOT, flipflow, left_usable, run_words, said_plainly, summary
 
 CASES = sorted(file.parent.name for file in (ROOT / "cases").glob("*/case.toml"))
-DURATION_S = {"ball-on-panel": 0.15, "empty-machine": 0.2, "panel-cycle": 0.2, "ffs0827": 0.04}
+DURATION_S = {
+    "ball-on-panel": 0.15,
+    "empty-machine": 0.2,
+    "panel-cycle": 0.2,
+    "ffs0827": 0.05,
+    "ffs0827-effects": 0.08,
+}
 FED_SOON = ("banana", "ffs0827", "ffs0827-effects", "ffs0827-slice")
 PICTURED = "quickstart"
 WITHOUT_PANELS = ("bushing-hysteresis",)  # nothing moves but what is prescribed to
@@ -29,6 +35,7 @@ def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     name = request.param
     folder = tmp_path_factory.mktemp(name) / "run"
     sets = [f"duration_s={DURATION_S.get(name, 0.1)}"]
+    sets += ["output.series_s=0"]  # a row at every sync point
     sets += ["bed.feeds.coal.start_s=0.01"] if name in FED_SOON else []
     sets += [] if name == PICTURED else ["output.pictures=false"]
     return name, folder, flipflow(*run_words(name, folder, sets))
@@ -104,11 +111,16 @@ def test_paraview_finds_every_output_time(case: Done) -> None:
             continue
         listed = ElementTree.parse(folder / f"{series}.pvd").getroot().findall("*/DataSet")
         assert [float(entry.get("timestep", "")) for entry in listed] == pytest.approx(wanted)
-        for entry in (listed[0], listed[-1]):
+        for entry in (listed[-1],) if fed_later(name, series) else (listed[0], listed[-1]):
             mesh = meshio.read(folder / entry.get("file", ""))
             assert np.isfinite(mesh.points).all()
             assert "velocity_m_s" in mesh.point_data
         assert len(listed) == len(list((folder / series).iterdir()))
+
+
+def fed_later(name: str, series: str) -> bool:
+    """Without particles at t = 0: VTK reads such a file, meshio does not."""
+    return series == "particles" and name in FED_SOON
 
 
 def test_a_pvd_opens_in_vtk(case: Done) -> None:
