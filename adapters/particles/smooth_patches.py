@@ -22,6 +22,7 @@ from orchestrator.ports import Array, Indices
 
 SMOOTH = math.cos(math.radians(15.0))
 SHARP = math.cos(math.radians(45.0))
+SHARPEST = 1e7  # power in the p-norm: on folds below 0.04 degrees rounding would set weights
 NEGLIGIBLE = 1e-12  # a weight that rounding would swallow
 
 
@@ -69,19 +70,24 @@ def _shared(overlap_m: Array, normal: Array, filled: npt.NDArray[np.bool_]) -> t
     """
     pair = filled[:, :, None] & filled[:, None, :] & ~np.eye(filled.shape[1], dtype=bool)
     s, slope = _separation(normal)
+    power = 1.0 / np.maximum(s, 1.0 / SHARPEST)
     # log (U_j / U_i)^(1/s); beyond contact only the nearest counts
     beyond = -1e4 * np.arange(1, filled.shape[1] + 1)
     log_m = np.where(overlap_m > 0.0, np.log(np.maximum(overlap_m, 1e-300)), beyond)
-    log_y = np.clip(2.5 / s * (log_m[:, None, :] - log_m[:, :, None]), -600.0, 600.0)
+    log_y = np.clip(2.5 * power * (log_m[:, None, :] - log_m[:, :, None]), -600.0, 600.0)
     y = np.exp(log_y)
     alone = np.where(pair, (1.0 + y) ** (s - 1.0), 1.0)  # weight of i if there is only j
+    lost = np.where(pair, -np.expm1((s - 1.0) * np.log1p(y)), 0.0)  # 1 - alone
     heard = _heard(alone)
-    crowd = 1.0 + (1.0 / (1.0 - heard + heard * alone) - 1.0).sum(axis=2)
-    energy = np.maximum(overlap_m, 0.0) ** 2.5 / crowd
+    first = (1.0 - heard * lost).prod(axis=2)
+    # what i lost to j is a part of j's weight: with it, what each contact sees adds up to one
+    seen = first + np.einsum("mij,mj->mi", lost / alone.transpose(0, 2, 1), first)
+    weight = first / np.maximum(seen, 1e-300)
+    energy = weight * np.maximum(overlap_m, 0.0) ** 2.5
     entropy = np.log1p(y) - y / (1.0 + y) * log_y  # dU/ds = U * entropy
     push = (energy[:, :, None] + energy[:, None, :]) * entropy * slope
     push *= np.where(pair, heard * heard.transpose(0, 2, 1), 0.0)
-    return 1.0 / crowd, np.einsum("mij,mjk->mik", push, normal)
+    return weight, np.einsum("mij,mjk->mik", push, normal)
 
 
 def _heard(alone: Array) -> Array:
@@ -105,7 +111,7 @@ def _separation(normal: Array) -> tuple[Array, Array]:
     left = 1.0 - t * t * (3.0 - 2.0 * t)
     slope = left / ((1.0 - half_sine2) * math.log(16.0))
     slope += (1.0 - even) * 6.0 * t * (1.0 - t) / (SMOOTH - SHARP)
-    return np.maximum(1.0 - (1.0 - even) * left, 1e-9), slope
+    return 1.0 - (1.0 - even) * left, slope
 
 
 def _turning(places: Places, toward: Array) -> Array:

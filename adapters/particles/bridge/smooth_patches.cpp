@@ -9,6 +9,7 @@ namespace {
 constexpr double kCosSmooth = 0.96592582628906829;  // cos 15 degrees
 constexpr double kCosSharp = 0.70710678118654752;   // cos 45 degrees
 constexpr double kLog4 = 1.3862943611198906;
+constexpr double kSharpest = 1e7;      // power in the p-norm, of folds of 0.04 degrees
 constexpr double kNegligible = 1e-12;  // a weight that rounding would swallow
 
 // Does `triangle` contain the edge or corner on which `touch` lies?
@@ -47,7 +48,7 @@ Separation separation(Vec3 normal, Vec3 other) {
   const double left = 1 - t * t * (3 - 2 * t);
   const double slope =
       left / ((1 - half_sine2) * 2 * kLog4) + (1 - even) * 6 * t * (1 - t) / range;
-  return {std::max(1 - (1 - even) * left, 1e-9), slope};
+  return {1 - (1 - even) * left, slope};
 }
 
 Vec3 normal(const Touch &touch) { return (1 / std::sqrt(touch.distance2)) * touch.away; }
@@ -55,7 +56,8 @@ Vec3 normal(const Touch &touch) { return (1 / std::sqrt(touch.distance2)) * touc
 // log (U_other / U_one)^(1/s) with U = depth^2.5; beyond contact only the nearer one counts.
 double log_ratio(const Touch &nearer, const Touch &other, double s) {
   if (other.depth_m <= 0) return -600;
-  return std::max(-600.0, 2.5 / s * std::log(other.depth_m / nearer.depth_m));
+  const double power = std::min(1 / s, kSharpest);
+  return std::max(-600.0, 2.5 * power * std::log(other.depth_m / nearer.depth_m));
 }
 
 // All pairs of a particle's places: how they share what acts.  Two places i, j have the potential
@@ -63,20 +65,24 @@ double log_ratio(const Touch &nearer, const Touch &other, double s) {
 class Pairs {
  public:
   explicit Pairs(const std::vector<Touch> &touches)
-      : count_(touches.size()), weight_(count_ * count_, 1), push_(count_ * count_, 0) {
+      : count_(touches.size()),
+        weight_(count_ * count_, 1),
+        lost_(count_ * count_, 0),
+        push_(count_ * count_, 0) {
     for (size_t i = 0; i < count_; ++i)
       for (size_t j = i + 1; j < count_; ++j) {
         const Separation apart = separation(normal(touches[i]), normal(touches[j]));
         const double log_y = log_ratio(touches[i], touches[j], apart.s);
         const double y = std::exp(log_y), entropy = std::log1p(y) - y / (1 + y) * log_y;
-        weight_[i * count_ + j] = std::pow(1 + y, apart.s - 1);
-        weight_[j * count_ + i] = std::pow(1 + 1 / y, apart.s - 1);
+        set(i, j, (apart.s - 1) * std::log1p(y));
+        set(j, i, (apart.s - 1) * std::log1p(1 / y));
         push_[i * count_ + j] = push_[j * count_ + i] = entropy * apart.slope;
       }
   }
 
   // Weight of i if there were no place but j.
   double weight(size_t i, size_t j) const { return weight_[i * count_ + j]; }
+  double lost(size_t i, size_t j) const { return lost_[i * count_ + j]; }  // 1 - weight
   // Force by the turning of both normals, for both together an energy of one.
   double push(size_t i, size_t j) const { return push_[i * count_ + j]; }
 
@@ -89,19 +95,26 @@ class Pairs {
   }
 
  private:
+  void set(size_t i, size_t j, double log_weight) {
+    weight_[i * count_ + j] = std::exp(log_weight);
+    lost_[i * count_ + j] = -std::expm1(log_weight);
+  }
+
   size_t count_;
-  std::vector<double> weight_, push_;
+  std::vector<double> weight_, lost_, push_;
 };
 
+// What i loses to j is a part of j's weight: with it, what each contact sees adds up to one.
 void set_weights(std::vector<Touch> &touches, const Pairs &pairs) {
+  std::vector<double> first(touches.size(), 1.0);
+  for (size_t i = 0; i < touches.size(); ++i)
+    for (size_t j = 0; j < touches.size(); ++j)
+      if (j != i) first[i] *= 1 - pairs.heard(i, j) * pairs.lost(i, j);
   for (size_t i = 0; i < touches.size(); ++i) {
-    double crowd = 1;
-    for (size_t j = 0; j < touches.size(); ++j) {
-      if (j == i) continue;
-      const double heard = pairs.heard(i, j);
-      crowd += 1 / (1 - heard + heard * pairs.weight(i, j)) - 1;
-    }
-    touches[i].weight = 1 / crowd;
+    double seen = first[i];
+    for (size_t j = 0; j < touches.size(); ++j)
+      if (j != i) seen += pairs.lost(i, j) / pairs.weight(j, i) * first[j];
+    touches[i].weight = first[i] / std::max(seen, 1e-300);
   }
 }
 
