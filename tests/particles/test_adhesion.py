@@ -26,6 +26,8 @@ from tests.particles.sticky import (
     plan_of,
 )
 
+pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
+
 
 @pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
 def module(request: pytest.FixtureRequest) -> ModuleType:

@@ -24,7 +24,8 @@ from tests.particles.folds import (
 )
 from tests.particles.liggghts_plans import make_plan, spheres, still, travel
 
-pytestmark = pytest.mark.parametrize("code", CODES)
+# slow as a whole: thousands of steps of the NumPy spheres
+pytestmark = [pytest.mark.slow, pytest.mark.parametrize("code", CODES)]
 FOLDS_DEG = pytest.mark.parametrize("angle_deg", [5.0, 15.0, 20.0, 30.0, 40.0, 60.0, 90.0])
 OVERLAP_M = 0.02 * RADIUS_M
 

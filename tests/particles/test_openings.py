@@ -15,6 +15,8 @@ from orchestrator.perforated_grid import perforated_grid
 from orchestrator.ports import Array
 from tests.particles.contract import Run, one, particles, plan
 
+pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
+
 PANEL = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.3, 0.0)
 SQUARES = Apertures("rectangle", 0.010, 0.010, 0.015, 0.015, 0.0, 0.02, 0.02)
 SLOTS = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.02, 0.02)

@@ -20,6 +20,8 @@ from orchestrator.ports import ParticleSnapshot
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 from tests.particles.test_adhesion import module
 
+pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
+
 __all__ = ["module"]  # the fixture
 
 ROLLING = 0.1
