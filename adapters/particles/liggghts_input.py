@@ -22,7 +22,8 @@ units           si
 atom_style      granular
 newton          off
 communicate     single vel yes
-boundary        {boundary}           # grows with the particles (m): none can be lost unseen
+boundary        {boundary}           # grows with the particles (m): none can be lost unseen,
+                                # and no bins are kept where there are none
 {confirmations}region          box block {box} units box
 create_box      {types} box
 neighbor        {skin} bin
@@ -74,15 +75,28 @@ def contact_model(plan: ParticlesPlan) -> str:
     return model
 
 
+def smallest_box_m(plan: ParticlesPlan) -> Array:
+    """Lowest and highest corner (2, 3) of what LIGGGHTS's bins cover at least: the surface and the
+    particles at the start (along y the whole domain where that is periodic)."""
+    points_m = plan.surface.position_m
+    on_it = np.isin(np.arange(len(points_m)), plan.surface.triangles)  # not probes, nor frames
+    places_m = np.vstack([points_m[on_it], plan.particles.position_m])
+    if not len(places_m):
+        places_m = plan.domain_m
+    margin_m = plan.largest_diameter_m
+    corners_m = np.array([places_m.min(axis=0) - margin_m, places_m.max(axis=0) + margin_m])
+    if plan.periodic_y:
+        corners_m[:, 1] = plan.domain_m[:, 1]
+    return corners_m
+
+
 def input_text(plan: ParticlesPlan) -> str:
     """The whole input but the last line, :data:`FIRST_EVALUATION`."""
     youngs = [material.youngs_modulus_Pa for material in plan.materials]
-    margin_m = plan.largest_diameter_m * np.array([1.0, 0.0 if plan.periodic_y else 1.0, 1.0])
-    corners_m = plan.domain_m + margin_m * np.array([[-1.0], [1.0]])
     return INPUT.format(
         boundary="m p m" if plan.periodic_y else "m m m",
         confirmations=_confirmations(youngs),
-        box=words(corners_m.T.round(12)),
+        box=words(smallest_box_m(plan).T.round(12)),
         types=len(youngs),
         skin=words(SKIN * np.array(plan.largest_diameter_m)),
         youngs=words(np.array(youngs)),

@@ -1,8 +1,10 @@
 """The generated LIGGGHTS input, word for word.  No solver needed."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from adapters.particles.liggghts_input import contact_model, input_text
+from adapters.particles.liggghts_input import contact_model, input_text, smallest_box_m
 from orchestrator.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
@@ -14,9 +16,10 @@ units           si
 atom_style      granular
 newton          off
 communicate     single vel yes
-boundary        m m m           # grows with the particles (m): none can be lost unseen
+boundary        m m m           # grows with the particles (m): none can be lost unseen,
+                                # and no bins are kept where there are none
 hard_particles  yes
-region          box block -0.105 0.105 -0.105 0.105 -0.105 0.105 units box
+region          box block -0.025 0.025 -0.025 0.025 -0.005 0.015 units box
 create_box      2 box
 neighbor        0.0015 bin
 neigh_modify    delay 0
@@ -69,3 +72,11 @@ def test_effects_that_no_coefficient_calls_for_are_absent():
 def test_the_step_fills_the_interval_with_whole_steps():
     plan = make_plan(flat(), spheres([0.0, 0.0, 0.01]), step_s=3e-6)
     assert f"timestep        {5e-5 / 17!r}\n" in input_text(plan)
+
+
+def test_bins_cover_what_is_there_and_not_the_domain():
+    plan = make_plan(flat(), spheres([0.0, 0.03, 0.05]), domain_m=np.array([[-50.0] * 3, [50.0] * 3]))
+    corners_m = np.array([[-0.025, -0.025, -0.005], [0.025, 0.035, 0.055]])
+    np.testing.assert_allclose(smallest_box_m(plan), corners_m, atol=1e-15)
+    corners_m[:, 1] = [-50.0, 50.0]
+    np.testing.assert_allclose(smallest_box_m(replace(plan, periodic_y=True)), corners_m)

@@ -7,6 +7,7 @@
 
 #include "atom.h"
 #include "atom_vec.h"
+#include "comm.h"
 #include "domain.h"
 #include "fix.h"
 #include "input.h"
@@ -119,15 +120,23 @@ void Engine::set_laws(const ContactLaws &laws) {
   surface().set_laws(laws);
 }
 
+// The box grows with the particles: who is put outside of it belongs to the part at that edge.
+bool Engine::is_mine(const double *place_m) const {
+  const Domain &domain = *lammps_->domain;
+  const Comm &comm = *lammps_->comm;
+  for (int d = 0; d < 3; ++d) {
+    const bool first = comm.myloc[d] == 0, last = comm.myloc[d] == comm.procgrid[d] - 1;
+    if (!first && place_m[d] < domain.sublo[d]) return false;
+    if (!last && place_m[d] >= domain.subhi[d]) return false;
+  }
+  return true;
+}
+
 void Engine::create(const Particles &particles, int first_id) {
   Atom &atom = *lammps_->atom;
-  const Domain &domain = *lammps_->domain;
-  for (int k = 0; k < particles.count; ++k) {
-    const double *x = particles.position_m + 3 * k;
-    bool mine = true;
-    for (int d = 0; d < 3; ++d) mine = mine && x[d] >= domain.sublo[d] && x[d] < domain.subhi[d];
-    if (mine) place(atom, *lammps_->modify, particles, k, first_id + k);
-  }
+  for (int k = 0; k < particles.count; ++k)
+    if (is_mine(particles.position_m + 3 * k))
+      place(atom, *lammps_->modify, particles, k, first_id + k);
   atom.natoms += particles.count;
 }
 

@@ -53,6 +53,8 @@ class Engine {
   const ContactLaws &laws() const { return laws_; }
 
  private:
+  bool is_mine(const double *place_m) const;
+
   template <class Call>
   void guarded(Call call);
 
