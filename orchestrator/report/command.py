@@ -31,6 +31,11 @@ def report(folder: Path) -> Path:
         write_text(made, text)
     except CaseError as error:
         raise FolderUnusable(f"{folder}: its case cannot be read\n{error}") from None
+    except KeyError as error:
+        raise FolderUnusable(
+            f"{folder}: there is no {error} in its files: the run was made by another version of "
+            "flipflow; run the case again"
+        ) from error
     except OSError as error:
         raise FolderUnusable(f"{folder}: {error}") from None
     return made

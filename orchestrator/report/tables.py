@@ -28,6 +28,7 @@ def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
         "hold-up in the machine": ("hold_up_kg", "kg"),
         "screening efficiency η": ("efficiency_percent", "%"),
         "fine placement (undersize recovery)": ("fine_placement_percent", "%"),
+        "fines recovered, of what came in": ("recovered_percent", "%"),
         "coarse placement": ("coarse_placement_percent", "%"),
         "oversize yield": ("oversize_yield_percent", "%"),
         "fines left in the oversize": ("fines_in_oversize_percent", "%"),

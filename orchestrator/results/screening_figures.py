@@ -96,6 +96,8 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         }
     for name, share in yields.items():
         figures[f"{name}_percent"] = events.figure(partial(_percent, share, exits=exits), out)
+    if cut_m is not None:
+        figures["recovered_percent"] = _recovered(events, out, cut_m)
     figures["sections"] = _sections(events, out, cut_m is not None)
     figures["partition"] = _partition(events, cut_m)
     return figures
@@ -103,6 +105,17 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
 
 def _percent(share: Callable[..., float], out_kg: Array, **more: Any) -> float:
     return 100.0 * share(out_kg, **more)
+
+
+def _recovered(events: Events, out: Array, cut_m: float) -> Estimate:
+    """Fines passed over fines that came in: unlike the fine placement, fines that stay on the
+    deck count as not recovered."""
+    fed = events.fed
+    came = np.where(placement.fine_or_coarse(fed.diameter_m, cut_m) == placement.FINE, 0, -1)
+    came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came, 1)[:, 0]
+    passed_kg = out[:, events.exits.of(UNDERSIZE), placement.FINE].sum(axis=1)
+    pairs = np.column_stack([passed_kg, came_kg])
+    return events.figure(lambda sums: 100.0 * placement.share(sums[0], sums[1]), pairs)
 
 
 def _flows(events: Events, out: Array) -> dict[str, Any]:

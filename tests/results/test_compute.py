@@ -69,7 +69,7 @@ def test_separation(found: dict[str, Any]) -> None:
     screening = found["screening"]
     fines = OUT_KG[:, FINE].sum(axis=1)
     recovery = 100 * fines[:2].sum() / fines.sum()
-    for name in ("fine_placement", "efficiency"):  # no coarse passes
+    for name in ("fine_placement", "efficiency", "recovered"):  # no coarse passes, none stays
         assert value(screening[f"{name}_percent"]) == pytest.approx(recovery)
     assert value(screening["coarse_placement_percent"]) == pytest.approx(100.0)
     assert value(screening["misplaced_percent"]) == pytest.approx(100 * fines[2] / OUT_KG.sum())

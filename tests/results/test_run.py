@@ -47,6 +47,12 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
     screening = found["screening"]
     assert screening["fine_placement_percent"]["value"] == pytest.approx(recovery)
     assert screening["efficiency_percent"]["value"] == pytest.approx(recovery)
+    with h5py.File(folder / "history.h5") as history:
+        fed = {name: series[:] for name, series in history["fed"].items()}
+    fed_kg = np.pi / 6 * fed["diameter_m"] ** 3 * fed["density_kg_m3"]
+    of_all = 100 * mass[fine & passed].sum() / fed_kg[fed["diameter_m"] < 0.02].sum()
+    assert of_all < recovery - 0.1
+    assert screening["recovered_percent"]["value"] == pytest.approx(of_all)
     assert screening["lost_particles"] == 0
 
 
