@@ -6,7 +6,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
-from orchestrator.case_errors import CaseError, Mistake
+from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.metered import named
 
 

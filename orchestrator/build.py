@@ -9,11 +9,14 @@ from typing import Any, cast
 import numpy as np
 
 from orchestrator import adapter
-from orchestrator.bushing_forces import BushingForces
-from orchestrator.case import Case
+from orchestrator.bed.feed import Feeds
+from orchestrator.bed.material_book import CountedFeed, MaterialBook
+from orchestrator.bed.material_watch import MaterialWatch
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.levels import LoadedCase
 from orchestrator.coupling import SCHEMES, Solvers
-from orchestrator.deck import single_panels
-from orchestrator.feed import Feeds
+from orchestrator.deck.opening_places import smaller_sides_m
+from orchestrator.deck.panels import single_panels
 from orchestrator.geometry import TriangleSurface
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
@@ -22,18 +25,15 @@ from orchestrator.hand_over import (
     UnpushedFrames,
 )
 from orchestrator.ledger import Members
-from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine, PanelPoints, Probe
-from orchestrator.material_book import CountedFeed, MaterialBook
-from orchestrator.material_watch import MaterialWatch
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.opening_places import smaller_sides_m
 from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
 from orchestrator.planning import bushings, frames_plan, material_numbers, particles_plan
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array, Frames, Panel, Particles
 from orchestrator.ranks import FramesOnFirstRank
+from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
 
 NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch

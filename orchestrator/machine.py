@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from orchestrator.bushing_forces import BushingForces
+from orchestrator.bed.material_book import MaterialBook
 from orchestrator.coupling import Scheme, Solvers
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
-from orchestrator.material_book import MaterialBook
 from orchestrator.ports import Indices
+from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
 
 

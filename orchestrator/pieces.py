@@ -15,8 +15,9 @@ from typing import Any, cast
 import numpy as np
 
 from orchestrator import adapter
-from orchestrator.case import Case
-from orchestrator.deck import Wall, single_panels, to_world, walls
+from orchestrator.casefile.case import Case
+from orchestrator.deck.panels import Wall, single_panels, to_world, walls
+from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.mapping import Grid, Mapped
 from orchestrator.metered import MeteredPanel
 from orchestrator.planning import panel_plans
@@ -24,7 +25,6 @@ from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ranks import first_rank_does
 from orchestrator.stopwatch import Stopwatch
-from orchestrator.surface_grids import surface_grids
 
 
 def _nothing(*shape: int) -> Callable[[], Indices]:

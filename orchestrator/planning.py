@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from orchestrator.adhesion import planned_adhesion
-from orchestrator.bed_sources import combined_feed, initial_particles, largest_diameter_m
-from orchestrator.case import Case, Material
-from orchestrator.contact_times import contact_moduli
-from orchestrator.deck import axes, single_panels, to_world, unit
+from orchestrator.bed.adhesion import planned_adhesion
+from orchestrator.bed.contact_times import contact_moduli
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.bed.sources import combined_feed, initial_particles, largest_diameter_m
+from orchestrator.casefile.case import Case, Material
+from orchestrator.casefile.left_out import has_particles, left_out
+from orchestrator.deck.panels import axes, single_panels, to_world, unit
 from orchestrator.geometry import TriangleSurface
-from orchestrator.left_out import has_particles, left_out
-from orchestrator.particle_step import particle_step_s
 from orchestrator.plans import (
     Body,
     Bushing,

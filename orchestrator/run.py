@@ -12,20 +12,20 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator import summary
+from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.build import build
+from orchestrator.casefile.levels import LoadedCase
+from orchestrator.casefile.slice import share
 from orchestrator.clock import Interval, exact, intervals, steps_in
 from orchestrator.coupling import State, initial
 from orchestrator.ledger import Ledger
-from orchestrator.levels import LoadedCase
 from orchestrator.machine import Machine
 from orchestrator.metered import named
-from orchestrator.particle_step import particle_step_s
-from orchestrator.recorder import Recorder
+from orchestrator.records import summary
+from orchestrator.records.recorder import Recorder
+from orchestrator.records.run_folder import LOG, write_json
 from orchestrator.results.compute import results
 from orchestrator.results.store import store
-from orchestrator.run_folder import LOG, write_json
-from orchestrator.slice import share
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.watch import Interrupted, Say, Stop, check_stable
 
@@ -160,7 +160,7 @@ def written(time_s: float) -> Iterator[None]:
 
 def draw(folder: Path) -> None:
     """Pictures in a process of their own; one that fails is a warning in the log."""
-    command = [sys.executable, "-m", "orchestrator.pictures", str(folder)]
+    command = [sys.executable, "-m", "orchestrator.records.pictures", str(folder)]
     drawn = subprocess.run(command, capture_output=True, text=True, check=False)
     if drawn.returncode:
         LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

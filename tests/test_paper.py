@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.case_errors import CaseError
+from orchestrator.casefile.errors import CaseError
 from orchestrator.studies import paper, sweep
 from orchestrator.studies.quantities import Sweep
 from tests.case.cases import CASE, written

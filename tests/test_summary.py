@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.summary import closing_lines, cycle_s
+from orchestrator.records.summary import closing_lines, cycle_s
 from tests.case.cases import loaded
 
 

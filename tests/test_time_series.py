@@ -10,9 +10,9 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.history import History
 from orchestrator.ports import Load, Motion, PanelState
-from orchestrator.time_series import TimeSeries
+from orchestrator.records.history import History
+from orchestrator.records.time_series import TimeSeries
 
 REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))
 

@@ -6,7 +6,9 @@ together, then files, then what is computed from both.
 
 from __future__ import annotations
 
-from orchestrator.case_errors import Mistake
+from orchestrator.casefile.deck_layout import as_given
+from orchestrator.casefile.errors import Mistake
+from orchestrator.casefile.levels import LoadedCase
 from orchestrator.checks import (
     adhesion,
     apertures,
@@ -22,8 +24,6 @@ from orchestrator.checks import (
     steps,
     surfaces,
 )
-from orchestrator.deck_layout import as_given
-from orchestrator.levels import LoadedCase
 
 OF_TABLES = (
     names.unknown_names,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from orchestrator.adhesion import adhesion_law, sticky_contacts, surface_materials
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.contact_times import smallest_diameters_m
+from orchestrator.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
+from orchestrator.bed.contact_times import smallest_diameters_m
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
 
 WIDEST_NECK = 0.5  # of the smaller radius; JKR's paraboloids have no flanks
 STRONGEST_PULL = 1e6  # weights of the smallest particle

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import SinglePanel, perforated
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.deck.panels import SinglePanel, perforated
 from orchestrator.geometry import Apertures
 from orchestrator.plans import SolverMissing
 
@@ -32,8 +32,8 @@ def triangles(case: Case) -> Iterator[Mistake]:
     missing_solvers says so."""
     if not perforated(case):
         return
-    from orchestrator.perforated_grid import BadMesh
-    from orchestrator.surface_grids import surface_grids
+    from orchestrator.deck.perforated_grid import BadMesh
+    from orchestrator.deck.surface_grids import surface_grids
 
     try:
         surface_grids(case)

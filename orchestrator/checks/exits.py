@@ -7,9 +7,9 @@ from itertools import combinations, product
 
 import numpy as np
 
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import single_panels, to_world
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.deck.panels import single_panels, to_world
 from orchestrator.ports import Array
 
 SAME_PLACE_M = 1e-6  # neighbouring exits may share a face

@@ -7,10 +7,10 @@ from itertools import combinations
 
 import numpy as np
 
-from orchestrator.bed_sources import inlets
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.feed import apart
+from orchestrator.bed.feed import apart
+from orchestrator.bed.sources import inlets
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
 from orchestrator.planning import material_numbers
 
 SLACK_M = 1e-9  # rounding when boxes are turned

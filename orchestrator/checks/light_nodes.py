@@ -12,12 +12,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orchestrator.case import Case
-from orchestrator.contact_times import contact_moduli, impact_speed_m_s, reduced_modulus_Pa
+from orchestrator.bed.contact_times import contact_moduli, impact_speed_m_s, reduced_modulus_Pa
+from orchestrator.bed.size_distribution import classes
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.left_out import has_particles
 from orchestrator.geometry import Apertures
-from orchestrator.left_out import has_particles
 from orchestrator.ports import Array
-from orchestrator.size_distribution import classes
 from orchestrator.tables.screen import Panel
 
 

@@ -8,10 +8,10 @@ from itertools import product
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import axes
-from orchestrator.left_out import has_particles
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.casefile.left_out import has_particles
+from orchestrator.deck.panels import axes
 from orchestrator.tables.quantities import GROUND
 from orchestrator.tables.screen import Panel
 

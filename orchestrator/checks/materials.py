@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 from itertools import combinations_with_replacement
 
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.size_distribution import Source, classes, faults, finer_share
+from orchestrator.bed.size_distribution import Source, classes, faults, finer_share
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
 
 
 def complete_materials(case: Case) -> Iterator[Mistake]:
@@ -96,7 +96,7 @@ def larger_than_the_box(case: Case) -> Iterator[Mistake]:
                 yield Mistake(("bed", kind, name, "box_m"), what, "enlarge the box")
 
 
-FULLEST = 0.38  # share of a box that spheres at random places can fill (orchestrator/packing.py)
+FULLEST = 0.38  # share of a box that spheres at random places can fill (bed/packing.py)
 
 
 def crowded_blocks(case: Case) -> Iterator[Mistake]:

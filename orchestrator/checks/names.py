@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake, did_you_mean
-from orchestrator.deck import single_panels
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake, did_you_mean
+from orchestrator.deck.panels import single_panels
 from orchestrator.tables.quantities import GROUND
 
 

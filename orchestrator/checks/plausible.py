@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
 
 # key: (smallest, largest) size of a value that is not zero
 RANGES: dict[str, tuple[float, float]] = {

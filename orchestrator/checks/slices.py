@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.bed_sources import largest_diameter_m
-from orchestrator.case import Case
-from orchestrator.case_errors import Mistake
-from orchestrator.deck import walls
-from orchestrator.left_out import has_particles
+from orchestrator.bed.sources import largest_diameter_m
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Mistake
+from orchestrator.casefile.left_out import has_particles
+from orchestrator.deck.panels import walls
 
 FEWEST_DIAMETERS = 3.0  # a particle must not meet itself, or a neighbour twice
 ENOUGH_DIAMETERS = 5.0

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from orchestrator.bed_sources import NoRoom, initial_particles, inlets
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import single_panels, walls
+from orchestrator.bed.sources import NoRoom, initial_particles, inlets
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.deck.panels import single_panels, walls
 from orchestrator.mapping import grid
 from orchestrator.planning import material_numbers
 from orchestrator.plans import ParticleList

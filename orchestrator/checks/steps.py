@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from importlib import import_module
 
-from orchestrator.adhesion import STEPS_PER_CONTACT, adhesive_step_s
-from orchestrator.case import Case
-from orchestrator.case_errors import Mistake
-from orchestrator.contact_times import (
+from orchestrator.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
+from orchestrator.bed.contact_times import (
     LARGEST_RAYLEIGH_FRACTION,
     impact_speed_m_s,
     shortest_panel_contact_s,
     shortest_rayleigh_s,
 )
-from orchestrator.left_out import has_particles
-from orchestrator.particle_step import particle_step_s
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Mistake
+from orchestrator.casefile.left_out import has_particles
 from orchestrator.planning import panel_plans
 from orchestrator.plans import SolverFailed, SolverMissing
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator import stl
-from orchestrator.case import Case
-from orchestrator.case_errors import Key, Mistake
-from orchestrator.deck import plate_corners_m, single_panels, to_world
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.deck import stl
+from orchestrator.deck.panels import plate_corners_m, single_panels, to_world
 from orchestrator.ports import Array, Indices
 
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from orchestrator.case_errors import CaseError
+from orchestrator.casefile.errors import CaseError
+from orchestrator.records.run_folder import FolderUnusable, write_text
 from orchestrator.report.film import film
 from orchestrator.report.page import NAME, page
 from orchestrator.results.compute import results
-from orchestrator.run_folder import FolderUnusable, write_text
 
 NEEDED = ("case.toml", "summary.json", "provenance.json", "history.h5")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from orchestrator.case import Case
-from orchestrator.deck import single_panels
+from orchestrator.casefile.case import Case
+from orchestrator.deck.panels import single_panels
 from orchestrator.report.words import number
 from orchestrator.results.run_data import RunData, cut_size_m
 

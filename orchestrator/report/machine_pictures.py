@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.deck import single_panels
+from orchestrator.deck.panels import single_panels
 from orchestrator.report.drawing import HALF, HELD, LINES, WIDE, embedded, figure
 from orchestrator.results.run_data import RunData
 

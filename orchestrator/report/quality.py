@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from orchestrator.records.summary import closing_lines
 from orchestrator.report.words import number
-from orchestrator.summary import closing_lines
 
 SHOWN = 12
 UNSETTLED = 0.1

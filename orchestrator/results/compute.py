@@ -9,16 +9,16 @@ from typing import Any
 import h5py
 import numpy as np
 
-from orchestrator.deck_line import DeckLine, deck_line
-from orchestrator.left_out import has_particles
-from orchestrator.opening_places import openings_m
+from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.slice import share
+from orchestrator.deck.line import DeckLine, deck_line
+from orchestrator.deck.opening_places import openings_m
 from orchestrator.results import machine_figures as machine
 from orchestrator.results.deck_figures import bed_figures, held_figures
 from orchestrator.results.estimate import Estimate
 from orchestrator.results.events import read
 from orchestrator.results.run_data import RunData, cut_size_m, run_data
 from orchestrator.results.screening_figures import Events, balanced, screening, transport
-from orchestrator.slice import share
 
 NO_EXITS = "no exits: undersize and oversize are not told apart"
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"

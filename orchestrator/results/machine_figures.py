@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.deck import SinglePanel, single_panels
+from orchestrator.deck.panels import SinglePanel, single_panels
 from orchestrator.ports import Array, Indices
 from orchestrator.results.estimate import Estimate, mean
 from orchestrator.results.panel_load import line_length_m, stretch, tension_N

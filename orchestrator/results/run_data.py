@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case import Case
-from orchestrator.deck import axes
-from orchestrator.levels import load
-from orchestrator.opening_places import smaller_sides_m
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.levels import load
+from orchestrator.deck.opening_places import smaller_sides_m
+from orchestrator.deck.panels import axes
 from orchestrator.ports import Array
-from orchestrator.summary import cycle_s
+from orchestrator.records.summary import cycle_s
 
 CYCLES_WITHOUT_DRIVE = 50
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.deck_line import DeckLine
-from orchestrator.deck_profile import bins_m
+from orchestrator.deck.line import DeckLine
 from orchestrator.ports import Array
+from orchestrator.records.deck_profile import bins_m
 from orchestrator.results import placement
 from orchestrator.results.estimate import Estimate, batch_sums, estimate
 from orchestrator.results.events import LOST, OVERSIZE, UNDERSIZE, Exits, Fed, Removed, per_cycle

@@ -14,8 +14,8 @@ from pathlib import Path
 from pydantic import ValidationError
 from rich.table import Table as Printed
 
-from orchestrator.case_errors import CaseError, Mistake, from_validation
-from orchestrator.levels import read_toml
+from orchestrator.casefile.errors import CaseError, Mistake, from_validation
+from orchestrator.casefile.levels import read_toml
 from orchestrator.studies import sweep
 from orchestrator.studies.points import parsed
 from orchestrator.studies.quantities import QUANTITIES, UNITS, Sweep, Unknown

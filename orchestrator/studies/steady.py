@@ -10,8 +10,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from orchestrator.deck import axes
-from orchestrator.levels import load
+from orchestrator.casefile.levels import load
+from orchestrator.deck.panels import axes
 from orchestrator.ports import Array
 
 CYCLES = 10

@@ -11,14 +11,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestrator.case_errors import CaseError
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import LoadedCase, load, read_toml
+from orchestrator.casefile.overlays import changed
 from orchestrator.checks import mistakes
-from orchestrator.levels import LoadedCase, load, read_toml
-from orchestrator.overlays import changed
-from orchestrator.run_folder import FolderUnusable, resolved
+from orchestrator.records.run_folder import FolderUnusable, resolved
 from orchestrator.studies.points import Vary
 
-MAIN = "from orchestrator.cli import main; main()"
+MAIN = "from orchestrator.commands.cli import main; main()"
 
 
 @dataclass(frozen=True)

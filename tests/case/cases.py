@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from orchestrator.case_errors import CaseError
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes
-from orchestrator.levels import LoadedCase, load
 
 CASE = """
 title = "a test"

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
-from orchestrator.case import Case
-from orchestrator.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
-from orchestrator.left_out import left_out
-from orchestrator.particle_step import particle_step_s
+from orchestrator.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
+from orchestrator.bed.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.left_out import left_out
 from orchestrator.planning import material_numbers
 from orchestrator.plans import Jkr, Sjkr
 from tests.case.cases import complaints, loaded, only_complaint

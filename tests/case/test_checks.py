@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.casefile.levels import load
 from orchestrator.checks import machine, mistakes, warnings
-from orchestrator.levels import load
 from orchestrator.plans import PanelPlan, SolverFailed
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator import launch
+from orchestrator.casefile.levels import load
 from orchestrator.checks import mistakes, warnings
-from orchestrator.cli import app
-from orchestrator.levels import load
+from orchestrator.commands import launch
+from orchestrator.commands.cli import app
 from tests.case.cases import CASE, LEVEL, written
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -9,8 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from orchestrator.case import Hyperelastic, Material
-from orchestrator.contact_times import (
+from orchestrator.bed.contact_times import (
     contact_moduli,
     hertz_s,
     rayleigh_s,
@@ -18,7 +17,8 @@ from orchestrator.contact_times import (
     shortest_panel_contact_s,
     shortest_rayleigh_s,
 )
-from orchestrator.particle_step import particle_step_s
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.case import Hyperelastic, Material
 from tests.case.cases import loaded
 
 

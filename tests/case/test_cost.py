@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.cost import PARTICLE_STEP_S, TRANSPORT_M_S, cost
-from orchestrator.levels import load
-from orchestrator.particle_step import particle_step_s
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.levels import load
+from orchestrator.commands.cost import PARTICLE_STEP_S, TRANSPORT_M_S, cost
 from tests.case.cases import CASE, written
 
 FEED = """

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from orchestrator.case_errors import CaseError
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import load, validated
+from orchestrator.casefile.overlays import Layers
 from orchestrator.checks import mistakes, warnings
-from orchestrator.levels import load, validated
-from orchestrator.overlays import Layers
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 
 GIVEN = tomllib.loads(CASE)

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.casefile.levels import load
 from orchestrator.checks.light_nodes import light_nodes
-from orchestrator.launch import run
-from orchestrator.levels import load
+from orchestrator.commands.launch import run
 
 CASE = Path("cases/ball-on-panel")
 # finite elements and triangles share their corners, and the ball lands on one of them

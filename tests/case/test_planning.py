@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.clock import Interval
-from orchestrator.deck import axes, single_panels, to_world
+from orchestrator.deck.panels import axes, single_panels, to_world
 from orchestrator.geometry import TriangleSurface
 from orchestrator.planning import frames_plan, material_numbers, panel_plans, particles_plan
 from orchestrator.plans import FramesPlan, ParticlesPlan

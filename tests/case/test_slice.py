@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator import slice_surfaces
+from orchestrator.casefile import slice_surfaces
+from orchestrator.casefile.levels import load
+from orchestrator.casefile.slice import share
 from orchestrator.checks import warnings
-from orchestrator.deck import walls
-from orchestrator.levels import load
+from orchestrator.deck.panels import walls
 from orchestrator.planning import panel_plans, particles_plan
-from orchestrator.slice import share
 from tests.case.cases import BLOCK, FEED, loaded, only_complaint
 
 # the test case's deck is 0.2 m wide, from y = 0; its ball is at y = 0.1

@@ -10,8 +10,8 @@ import pytest
 
 from meshes.side_walls import side_walls
 from orchestrator.checks.surfaces import faults
-from orchestrator.deck import walls
-from orchestrator.stl import Facets, Unreadable, read
+from orchestrator.deck.panels import walls
+from orchestrator.deck.stl import Facets, Unreadable, read
 from tests.case.cases import complaints, loaded
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from orchestrator.case_errors import CaseError
+from orchestrator.casefile.errors import CaseError
 from orchestrator.studies.points import parsed
 
 

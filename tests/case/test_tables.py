@@ -9,9 +9,9 @@ from typing import Any, get_args
 import pytest
 from pydantic import BaseModel, ValidationError
 
-from orchestrator import case_reference
-from orchestrator.case import Case
+from orchestrator.casefile.case import Case
 from orchestrator.checks.plausible import RANGES
+from orchestrator.commands import case_reference
 
 
 def tables(table: type[BaseModel] = Case) -> Iterator[type[BaseModel]]:
@@ -55,7 +55,7 @@ def test_every_table_and_key_is_described(table: type[BaseModel]) -> None:
 
 def test_the_page_on_the_case_format_is_the_tables() -> None:
     page = Path(__file__).parents[2] / "docs" / "case-format.md"
-    again = "python -m orchestrator.case_reference > docs/case-format.md"
+    again = "python -m orchestrator.commands.case_reference > docs/case-format.md"
     assert page.read_text() == case_reference.reference(), again
 
 

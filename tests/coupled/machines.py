@@ -9,10 +9,10 @@ from pathlib import Path
 
 from orchestrator import coupling
 from orchestrator.build import build
+from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.clock import Interval
 from orchestrator.coupling import State
 from orchestrator.ledger import Ledger
-from orchestrator.levels import LoadedCase, load
 from orchestrator.machine import Machine
 from orchestrator.ports import ParticleSnapshot
 from orchestrator.stopwatch import Stopwatch

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.checks import mistakes
-from orchestrator.frame_rotation import rotations
+from orchestrator.records.frame_rotation import rotations
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, MACHINE
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.casefile.levels import LoadedCase
 from orchestrator.checks import mistakes
-from orchestrator.deck import axes
-from orchestrator.levels import LoadedCase
+from orchestrator.deck.panels import axes
 from orchestrator.ports import Array
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE

@@ -9,8 +9,8 @@ import pytest
 
 from orchestrator import coupling
 from orchestrator.build import build
+from orchestrator.casefile.levels import load
 from orchestrator.clock import intervals
-from orchestrator.levels import load
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.studies.steady import harmonic
 

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
+from orchestrator.bed.feed import Feeds, Inlet, RateFeed
+from orchestrator.bed.particle_sizes import mass_kg
 from orchestrator.clock import Interval
-from orchestrator.feed import Feeds, Inlet, RateFeed
-from orchestrator.particle_sizes import mass_kg
 from orchestrator.plans import ParticleList
 from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
 

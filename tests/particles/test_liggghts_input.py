@@ -75,7 +75,9 @@ def test_the_step_fills_the_interval_with_whole_steps():
 
 
 def test_bins_cover_what_is_there_and_not_the_domain():
-    plan = make_plan(flat(), spheres([0.0, 0.03, 0.05]), domain_m=np.array([[-50.0] * 3, [50.0] * 3]))
+    plan = make_plan(
+        flat(), spheres([0.0, 0.03, 0.05]), domain_m=np.array([[-50.0] * 3, [50.0] * 3])
+    )
     corners_m = np.array([[-0.025, -0.025, -0.005], [0.025, 0.035, 0.055]])
     np.testing.assert_allclose(smallest_box_m(plan), corners_m, atol=1e-15)
     corners_m[:, 1] = [-50.0, 50.0]

@@ -9,9 +9,9 @@ import pytest
 from scipy.stats import binom
 
 from adapters.particles import spheres
+from orchestrator.deck.openings import straight_passing
+from orchestrator.deck.perforated_grid import perforated_grid
 from orchestrator.geometry import Apertures, Rectangle, TriangleSurface
-from orchestrator.openings import straight_passing
-from orchestrator.perforated_grid import perforated_grid
 from orchestrator.ports import Array
 from tests.particles.contract import Run, one, particles, plan
 

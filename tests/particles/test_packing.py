@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orchestrator.packing import block
-from orchestrator.particle_sizes import counts, diameters_m, shares
+from orchestrator.bed.packing import block
+from orchestrator.bed.particle_sizes import counts, diameters_m, shares
 from orchestrator.plans import ParticleList
 from orchestrator.ports import Array
 from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.particle_sizes import diameters_m
-from orchestrator.size_distribution import classes, faults, finer_share, share_left_out
+from orchestrator.bed.particle_sizes import diameters_m
+from orchestrator.bed.size_distribution import classes, faults, finer_share, share_left_out
 from orchestrator.tables.bed import Block
 
 CURVE = [(0.002, 0.0), (0.004, 0.3), (0.01, 0.9), (0.02, 1.0)]

@@ -18,13 +18,13 @@ import h5py
 import numpy as np
 import tomli_w
 
-from orchestrator.case import Case
-from orchestrator.deck import axes, single_panels
-from orchestrator.history import History
-from orchestrator.levels import load
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.levels import load
+from orchestrator.deck.panels import axes, single_panels
 from orchestrator.ports import Array, Motion, ParticleSnapshot
-from orchestrator.run_folder import write_json
-from orchestrator.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.records.history import History
+from orchestrator.records.run_folder import write_json
+from orchestrator.records.snapshots import Series, particle_mesh, surface_mesh
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5

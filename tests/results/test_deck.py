@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.deck import axes
-from orchestrator.deck_line import DeckLine, deck_line, joined, over
-from orchestrator.deck_profile import bins_m, profile
-from orchestrator.held import HELD_CYCLES, Held
-from orchestrator.levels import load
-from orchestrator.opening_places import openings_m
+from orchestrator.casefile.levels import load
+from orchestrator.deck.line import DeckLine, deck_line, joined, over
+from orchestrator.deck.opening_places import openings_m
+from orchestrator.deck.panels import axes
 from orchestrator.ports import Array, ParticleSnapshot
+from orchestrator.records.deck_profile import bins_m, profile
+from orchestrator.records.held import HELD_CYCLES, Held
 from orchestrator.results.run_data import cut_size_m
 from tests.results.synthetic import ROOT
 

@@ -24,7 +24,7 @@ MPIRUN = ("mpirun", "--allow-run-as-root", "--oversubscribe", "-n")
 def command(*words: str, before: str = "", ranks: int = 1) -> list[str]:
     """``flipflow WORDS`` in a fresh process (or ``ranks`` of them under mpirun); ``before`` is
     Python that is run first, to break something on purpose."""
-    main = f"{before}\nfrom orchestrator.cli import main\nmain()\n"
+    main = f"{before}\nfrom orchestrator.commands.cli import main\nmain()\n"
     launcher = [*MPIRUN, str(ranks)] if ranks > 1 else []
     return [*launcher, sys.executable, "-c", main, *words]
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.bench import BLOCK, Runner, bench
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.levels import load
 from orchestrator.clock import Interval
-from orchestrator.levels import load
-from orchestrator.particle_step import particle_step_s
+from orchestrator.commands.bench import BLOCK, Runner, bench
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/ball-on-panel"

@@ -153,7 +153,7 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     """A write that fails where no reserve helps: the series are lost, the process is not."""
     folder = tmp_path / "run"
     before = (
-        "import resource; from orchestrator import full_disk\n"
+        "import resource; from orchestrator.records import full_disk\n"
         "full_disk.RESERVE_BYTES = 4096\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))"
     )

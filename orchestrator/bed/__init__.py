@@ -1,0 +1,1 @@
+"""The particles: sizes, feed, contacts, and the book of what came and went."""

@@ -1,0 +1,1 @@
+"""From case.toml, a level and --set to one checked ``Case``."""

@@ -1,0 +1,144 @@
+"""Reads a case: ``case.toml``, overlaid by ``levels/<level>.toml``, overlaid by ``--set``.
+
+An overlay may give any key; overlays.py says how it is laid over what is there.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.deck_layout import laid_out
+from orchestrator.casefile.errors import CaseError, Mistake, did_you_mean, from_validation, shown
+from orchestrator.casefile.left_out import dropped, left_out
+from orchestrator.casefile.overlays import Layers, changed, parsed
+from orchestrator.casefile.slice import sliced
+
+NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice", "watch")
+
+
+@dataclass(frozen=True)
+class LoadedCase:
+    """A case as it will be run.
+
+    ``level`` is "" for the bare case; ``changed`` lists the physics keys (dotted) to which the
+    level or --set gave another value; ``left_out`` names the physics that solvers and hand-overs
+    leave out, with the reason; ``layers`` knows which file gave a key.
+    """
+
+    name: str
+    folder: Path
+    level: str
+    case: Case
+    changed: tuple[str, ...]
+    left_out: dict[str, str]
+    layers: Layers
+
+
+def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> LoadedCase:
+    """The case in ``path`` (its folder or its case.toml) at a level (None: its default).
+
+    Raises CaseError with every mistake that the tables find; what needs more than the tables is
+    found by ``checks.mistakes``.
+    """
+    file = path if path.is_file() else path / "case.toml"
+    if not file.is_file():
+        raise CaseError([Mistake((), "no such case: there is no case.toml", file=str(path))])
+    folder = file.resolve().parent
+    given = read_toml(file)
+    layers = Layers(given, file.name)
+    chosen = chosen_level(folder, given, level)
+    if chosen:
+        _lay_level(layers, folder, chosen)
+    for override in overrides:
+        layers.lay(parsed(override), "--set")
+    case = validated(layers)
+    physics = (key for key in changed(given, layers.merged) if key[0] not in NUMERICS)
+    return LoadedCase(
+        name=folder.name,
+        folder=folder,
+        level=chosen,
+        case=case,
+        changed=tuple(".".join(key) for key in physics),
+        left_out=left_out(case),
+        layers=layers,
+    )
+
+
+def level_names(folder: Path) -> list[str]:
+    """The levels that a case's folder has."""
+    return sorted(file.stem for file in (folder / "levels").glob("*.toml"))
+
+
+def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
+    """The level asked for; else the case's default, else the only one, else none ("")."""
+    known = level_names(folder)
+    wanted = level if level is not None else given.get("default_level", "")
+    if not wanted:
+        return known[0] if len(known) == 1 else ""
+    if wanted not in known:
+        hint = did_you_mean(str(wanted), known, say="levels")
+        file = "case.toml" if level is None else "--level"
+        key = ("default_level",) if level is None else ()
+        raise CaseError([Mistake(key, f"no level {shown(wanted)}", hint, file=file)])
+    return str(wanted)
+
+
+def read_toml(file: Path) -> dict[str, Any]:
+    """Raises CaseError when the file cannot be read or is not TOML."""
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        what = f"cannot be read: {error.strerror}"
+    except UnicodeDecodeError:
+        what = "is no text file (UTF-8 is wanted)"
+    except tomllib.TOMLDecodeError as error:
+        what = f"is not TOML: {error}"
+    except RecursionError:
+        what = "is nested too deeply"
+    raise CaseError([Mistake((), what, file=str(file))])
+
+
+def validated(layers: Layers) -> Case:
+    """With decks laid out, and cut to its slice.  Raises CaseError with every mistake found."""
+    try:
+        return sliced(laid_out(Case.model_validate(layers.merged)))
+    except ValidationError as error:
+        raise CaseError(layers.named(from_validation(error, Case))) from None
+    except CaseError as error:
+        raise CaseError(layers.named(error.mistakes)) from None
+
+
+def _lay_level(layers: Layers, folder: Path, level: str) -> None:
+    """Lays the level over the case and checks that it names what it leaves out."""
+    bare = dict(layers.merged)
+    source = f"levels/{level}.toml"
+    overlay = read_toml(folder / source)
+    without = overlay.pop("without", [])
+    overlay.pop("about", None)
+    layers.lay(overlay, source)
+    if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
+        what = f"{shown(without)} is wrong, a list of names is wanted"
+        raise CaseError([Mistake(("without",), what, file=source)])
+    try:
+        needed = dropped(*(laid_out(Case.model_validate(c)) for c in (bare, layers.merged)))
+    except (ValidationError, CaseError):
+        return  # load validates again and says what is wrong
+    mistakes = [
+        Mistake(("without",), f'"{name}" must be named: the level leaves it out', why, source)
+        for name, why in needed.items()
+        if name not in without
+    ]
+    mistakes += [
+        Mistake(("without",), f'"{word}" is not left out', did_you_mean(word, needed), source)
+        for word in without
+        if word not in needed
+    ]
+    if mistakes:
+        raise CaseError(mistakes)

@@ -1,0 +1,177 @@
+"""The command line ``flipflow``; its commands ``study ...`` are in study_cli.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+from rich.console import Console
+
+from orchestrator.commands.study_cli import study
+
+if TYPE_CHECKING:
+    from orchestrator.casefile.levels import LoadedCase
+
+HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
+
+Examples:
+
+  flipflow list                                        what can be run
+
+  flipflow check cases/quickstart                      is the case right, and what is in it?
+
+  flipflow run cases/quickstart                        run it, into a new folder under runs/
+
+  flipflow run cases/quickstart --level draft          coarse and quick
+
+  flipflow run cases/quickstart --set panel.solver=rigid --out runs/rigid
+
+  mpirun -n 4 flipflow run cases/quickstart            on four processes
+
+  flipflow report runs/quickstart-1                    one HTML page about a run
+
+  flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
+
+  flipflow study paper cases/ffs0827-empty             a published machine against its paper
+
+Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
+not installed, 4 a solver failed or the run became unstable, 130 interrupted (143 by SIGTERM).
+
+Every key of a case is described in docs/case-format.md, what a run leaves behind in
+docs/run-folder.md."""
+
+app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_markup_mode=None)
+
+CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
+Level = Annotated[
+    str | None,
+    typer.Option("--level", help="one of the case's levels [default: the case's default_level]"),
+]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="gives a key another value, for example panel.solver=rigid; may be repeated",
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]"),
+]
+
+
+@app.command()
+def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrides = None) -> None:
+    """Run a case.
+
+    The case is checked first; nothing is written if it is wrong.  The folder of the run holds
+    the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
+
+    Ctrl-C ends the run at the next sync point with all results written; twice, at once.
+    """
+    from orchestrator.commands.launch import run as launch
+
+    raise typer.Exit(launch(case, level, out, overrides or []))
+
+
+@app.command()
+def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> None:
+    """Check a case without running it, and say what is in it.
+
+    Exit code 0: it can be run; 2: it cannot, with every mistake in one message.
+    """
+    from orchestrator.commands.overview import overview
+
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    for line in overview(_checked(case, level, overrides)):
+        console.print(line)
+
+
+@app.command()
+def report(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
+) -> None:
+    """Make one HTML page about a run: RUN/report.html.
+
+    It holds everything in itself (figures, tables, a film of the deck) and can be sent to anybody.
+    Works for interrupted and failed runs, too, and says what is missing.
+
+    Exit code 0: made; 2: the folder is no run, or has not ended.
+    """
+    from orchestrator.records.run_folder import FolderUnusable
+    from orchestrator.report.command import report as made
+
+    try:
+        Console(highlight=False, markup=False, soft_wrap=True).print(made(run))
+    except FolderUnusable as error:
+        _refuse(str(error), 2)
+
+
+@app.command(name="list")
+def list_cases(
+    folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
+) -> None:
+    """List cases with their titles and levels."""
+    from orchestrator.commands.overview import case_lines
+
+    if not folder.is_dir():
+        _refuse(
+            f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER", 2
+        )
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    for line in case_lines(folder):
+        console.print(line)
+
+
+@app.command()
+def bench(
+    case: CasePath,
+    level: Level = None,
+    intervals: Annotated[int, typer.Option(help="sync intervals to time")] = 2000,
+    settling: Annotated[int, typer.Option(help="sync intervals before them, untimed")] = 0,
+    overrides: Overrides = None,
+) -> None:
+    """Time a case against its particles alone on a rigid, still surface (one process)."""
+    from orchestrator.casefile.left_out import has_particles
+    from orchestrator.commands.bench import bench as timed
+    from orchestrator.plans import SolverFailed, SolverMissing
+
+    loaded = _checked(case, level, overrides)
+    if not has_particles(loaded.case):
+        _refuse("the case has no particles: there is nothing to compare", 2)
+    try:
+        Console().print(timed(loaded, intervals, settling))
+    except SolverMissing as missing:
+        _refuse(str(missing), 3)
+    except SolverFailed as failed:
+        _refuse(str(failed), 4)
+
+
+def _checked(case: Path, level: str | None, overrides: list[str] | None) -> LoadedCase:
+    """The case, if it has no mistake; else all of them are said and the program ends."""
+    from orchestrator.casefile.errors import CaseError
+    from orchestrator.casefile.levels import load
+    from orchestrator.checks import mistakes
+
+    try:
+        loaded = load(case, level, overrides or [])
+        if found := mistakes(loaded):
+            raise CaseError(found)
+    except CaseError as error:
+        _refuse(str(error), 2)
+    return loaded
+
+
+def _refuse(why: str, code: int) -> NoReturn:
+    Console(stderr=True, highlight=False, markup=False, soft_wrap=True).print(why)
+    raise typer.Exit(code)
+
+
+app.add_typer(study, name="study")
+
+
+def main() -> None:
+    """The entry point ``flipflow``."""
+    app()

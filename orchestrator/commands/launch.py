@@ -1,0 +1,128 @@
+"""From the command line to a run and its exit code: who says what went wrong, and once.
+
+0 done, 1 a mistake in flipflow itself, 2 the case or the output folder is wrong, 3 a solver is
+missing, 4 a solver failed or the run became unstable or its results could not be written,
+130 or 143 interrupted.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from orchestrator import ranks
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import load
+from orchestrator.checks import mistakes, warnings
+from orchestrator.plans import SolverFailed, SolverMissing
+from orchestrator.records import run_folder, summary
+from orchestrator.records.run_folder import LOG, FolderUnusable
+from orchestrator.run import Run
+from orchestrator.watch import Interrupted
+
+DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
+AT_ONCE = 128 + signal.SIGINT
+
+
+def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
+    """Runs a case on every rank; returns the exit code."""
+    world = ranks.communicator()
+    first = ranks.is_first(world)
+    console = _console(quiet=not first)
+    try:
+        loaded = load(path, level, overrides)
+        if found := mistakes(loaded):
+            raise CaseError(found)
+        folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
+    except (CaseError, FolderUnusable) as error:
+        wrong = str(error)
+        return ranks.in_turn(world, lambda: _console().print(wrong), WRONG)
+    except Exception as error:
+        broken = f"a mistake in flipflow: {type(error).__name__}: {error}"
+        return ranks.in_turn(world, lambda: _console().print(broken), BROKEN)
+    with run_folder.logging_to(folder, first):
+        LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
+        console.print(f"running {loaded.name} {loaded.level} into {folder}")
+        for line in [*warnings(loaded), *(f"left out: {why}" for why in loaded.left_out.values())]:
+            LOG.warning(line)
+            console.print(f"warning: {line}")
+        return _guarded(Run(loaded, folder, world, console), folder, world, console)
+
+
+def _console(quiet: bool = False) -> Console:
+    return Console(stderr=True, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
+
+
+def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
+    """Runs, and turns whatever happens into a message, a finished folder and an exit code."""
+    try:
+        run.go()
+    except Interrupted as stopped:
+        code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
+    except CaseError as error:
+        return _ended(run, WRONG, "refused", str(error), folder, world)
+    except SolverMissing as error:
+        return _ended(run, MISSING, "refused", str(error), folder, world)
+    except (SolverFailed, OSError, MemoryError) as error:
+        return _ended(run, FAILED, "failed", str(error) or "out of memory", folder, world)
+    except KeyboardInterrupt:
+        return _ended(run, AT_ONCE, "interrupted", "stopped at once", folder, world)
+    except Exception as error:
+        LOG.exception("a mistake in flipflow")
+        reason = f"a mistake in flipflow: {type(error).__name__}: {error}"
+        return _ended(run, BROKEN, "failed", reason, folder, world)
+    else:
+        code, status, reason = DONE, "done", ""
+    if not ranks.is_first(world):
+        return code
+    try:
+        _close(run.finish(status, reason), folder, console)
+    except OSError as error:
+        LOG.error("no summary: %s", error)
+        console.print(f"no summary: {error}\nall else is in {folder}")
+        return FAILED
+    return code
+
+
+def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
+    """The first rank to fail speaks and ends all of them, wherever they wait.  What was refused
+    before anything was computed leaves no folder."""
+    if not run_folder.claimed(folder / "failure.txt", reason, world.rank if world else 0):
+        time.sleep(60)  # the rank that speaks ends this one, too, when it has written its summary
+    else:
+        LOG.error(reason)
+        console = _console()
+        console.print(reason)
+        if status == "refused":
+            run_folder.discard(folder)
+        else:
+            _leave_usable(run, status, reason, folder, console)
+    return ranks.end_all(world, code)
+
+
+def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:
+    logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
+    console.print(f"logs: {logs}" if logs else f"{folder} has gone")
+    try:
+        run.finish(status, reason)
+    except OSError as error:
+        console.print(f"no summary: {error}")
+
+
+def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
+    """The closing table, and where everything is."""
+    if figures["status"] == "done":
+        console.print(summary.closing_table(figures))
+        for line in summary.closing_lines(figures):
+            LOG.info(line)
+            console.print(line)
+    else:
+        line = f"{figures['reason']} at t = {figures['simulated_s']:g} s"
+        LOG.info(line)
+        console.print(line)
+    console.print(f"results in {folder}")

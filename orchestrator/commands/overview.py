@@ -1,0 +1,125 @@
+"""What is in a case, in words and derived numbers, for ``flipflow check`` and ``list``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from orchestrator.bed.contact_times import (
+    impact_speed_m_s,
+    shortest_panel_contact_s,
+    shortest_rayleigh_s,
+)
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.bed.sources import initial_particles
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.levels import LoadedCase, level_names, load, read_toml
+from orchestrator.checks import warnings
+from orchestrator.checks.steps import missing_solvers
+from orchestrator.clock import steps_in
+from orchestrator.commands.cost import TRANSPORT_M_S, cost
+from orchestrator.deck.openings import openings
+from orchestrator.deck.panels import single_panels, walls
+from orchestrator.deck.surface_grids import surface_grids
+from orchestrator.planning import material_numbers
+from orchestrator.plans import SolverMissing
+
+
+def overview(loaded: LoadedCase) -> Iterator[str]:
+    """Lines about a case without mistakes."""
+    case = loaded.case
+    level = f"level {loaded.level}" if loaded.level else "no level"
+    yield f"{loaded.name}, {level}: {case.title}"
+    yield from _machine(loaded)
+    if has_particles(case):
+        yield from _particles(loaded)
+    yield from _times(loaded)
+    for name, why in loaded.left_out.items():
+        yield f"left out: {name} ({why})"
+    if loaded.changed:
+        yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
+    for warning in [*warnings(loaded), *missing_solvers(case)]:
+        yield f"warning: {warning}"
+    yield "the case can be run"
+
+
+def _machine(loaded: LoadedCase) -> Iterator[str]:
+    case, screen = loaded.case, loaded.case.screen
+    bushings = sum(len(bushing.positions_m) for bushing in screen.bushings.values())
+    drives = sum(frame.drive is not None for frame in screen.frames.values())
+    yield (
+        f"  frames     {len(screen.frames)} ({case.frames.solver}), "
+        f"{f'{drives} of them driven, ' if drives else ''}{bushings} bushings, "
+        f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
+    )
+    cells = " x ".join(str(count) for count in case.panel.cells)
+    yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
+    yield from openings(case)
+    rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
+    yield f"  triangles  {_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _on_panels(case: Case) -> str:
+    """How many triangles the particles meet."""
+    try:
+        counts = [len(grid.triangles) for grid in surface_grids(case).values()]
+    except SolverMissing:
+        return "unknown number on the panels (gmsh is missing)"
+    each = sorted(set(counts))
+    return f"{' or '.join(map(str, each))} on each panel, {sum(counts)} on all"
+
+
+def _particles(loaded: LoadedCase) -> Iterator[str]:
+    case = loaded.case
+    count = len(initial_particles(case, material_numbers(case)))
+    feeds = "".join(f", {feed.rate_kg_s:g} kg/s fed" for feed in case.bed.feeds.values())
+    step_s = particle_step_s(case)
+    yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
+    yield (
+        f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
+        "smallest particle's Rayleigh time"
+    )
+    if case.particles.solver == "liggghts":
+        yield _cost(case, count)
+
+
+def _cost(case: Case, at_start: int) -> str:
+    """Of the particles; a deck that is fed fills until as much leaves."""
+    expected = cost(case, at_start)
+    hours = expected.processor_s / 3600.0
+    stay = f" if material moves at {TRANSPORT_M_S:g} m/s" if case.bed.feeds else ""
+    return (
+        f"  cost       {expected.most:.2g} particles at most{stay}: {expected.particle_steps:.2g} "
+        f"particle-steps, {hours:.2g} hours of one processor for LIGGGHTS, within a factor of 3"
+    )
+
+
+def _times(loaded: LoadedCase) -> Iterator[str]:
+    case = loaded.case
+    interval_s = case.coupling.sync_interval_s
+    yield (
+        f"  coupling   {steps_in(case.duration_s, interval_s)} sync intervals of {interval_s:g} s "
+        f"({case.coupling.scheme}), {case.duration_s:g} s in all"
+    )
+    if has_particles(case):
+        contact_s = shortest_panel_contact_s(case)
+        yield (
+            f"  contact    the shortest impact on a panel lasts {contact_s:.3g} s at "
+            f"{impact_speed_m_s(case):.3g} m/s = {contact_s / interval_s:.1f} sync intervals of "
+            f"{steps_in(interval_s, particle_step_s(case))} steps each"
+        )
+
+
+def case_lines(folder: Path) -> Iterator[str]:
+    """One line per case in a folder, and one for its levels."""
+    for file in sorted(folder.glob("*/case.toml")):
+        try:
+            title = str(read_toml(file).get("title", "(no title)"))
+            default = load(file).level
+        except CaseError:
+            title, default = f"(has mistakes: flipflow check {file.parent})", ""
+        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
+        yield f"{file.parent}  {title}"
+        yield f"    levels: {', '.join(names) or 'none'}"

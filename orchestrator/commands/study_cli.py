@@ -1,0 +1,118 @@
+"""The command line's ``flipflow study``: many runs, and what they say together."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
+ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
+WRONG, FAILED, INTERRUPTED = 2, 4, 130
+
+study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
+
+CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
+Level = Annotated[str | None, typer.Option("--level", help="one of the case's levels")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="gives a key another value, in every run"),
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")
+]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="runs at a time [default: one per processor]")
+]
+
+
+@study.command()
+def sweep(
+    case: CasePath,
+    vary: Annotated[
+        str,
+        typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)"),
+    ],
+    level: Level = None,
+    out: Out = None,
+    jobs: Jobs = None,
+    overrides: Overrides = None,
+) -> None:
+    """Run a case over values of one key.
+
+    Each value has a run of its own in a folder of its own.  Called again, only what is missing is
+    run.  sweep.csv has a row for each value: amplitudes of the first harmonic along (x) and normal
+    to the deck (z) of frames, probes on them, and of the frames against each other; drift says how
+    much they still changed.
+    """
+    from orchestrator.studies import sweep as sweeps
+    from orchestrator.studies import sweep_table
+    from orchestrator.studies.points import parsed
+
+    with _said():
+        wanted = parsed(vary)
+        folder = out or Path("runs") / f"{case.resolve().name}-{wanted.name}"
+        points = sweeps.points(case, level, overrides or [], wanted, folder)
+        sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
+    for file in sweep_table.write(sweep_table.rows(wanted, points), wanted, folder):
+        CONSOLE.print(f"written: {file}")
+    if any(point.status() != "done" for point in points):
+        raise typer.Exit(FAILED)
+
+
+@study.command()
+def paper(
+    case: CasePath,
+    level: Level = None,
+    out: Out = None,
+    jobs: Jobs = None,
+    overrides: Overrides = None,
+) -> None:
+    """Compare a case with the paper it comes from: what is printed there, ours, and the error.
+
+    The case's paper.toml has the paper's values, their acceptance bands, and the runs they need;
+    finished runs are not run again.  What the case was fitted to is marked: it proves nothing.
+
+    Exit code 4: a run failed, or a value that was not fitted is out of its band.
+    """
+    from orchestrator.studies import paper as papers
+    from orchestrator.studies import sweep as sweeps
+    from orchestrator.studies import sweep_table
+
+    folder = out or Path("runs") / f"{case.resolve().name}-paper"
+    with _said():
+        wanted = papers.read(case)
+        found = papers.runs(wanted, case, level, overrides or [], folder)
+        points = [point for sweep in found.values() for point in sweep.points]
+        sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
+        compared = papers.compared(wanted, found)
+    if not CONSOLE.is_terminal:
+        CONSOLE.width = 150  # into a file: as wide as the table
+    CONSOLE.print(papers.table(wanted, compared))
+    for name, runs in found.items():
+        rows = sweep_table.rows(runs.vary, runs.points)
+        for file in sweep_table.write(rows, runs.vary, folder / name):
+            CONSOLE.print(f"written: {file}")
+    CONSOLE.print(f"written: {papers.write(compared, folder)}")
+    if not all(line.good or line.row.fitted for line in compared):
+        raise typer.Exit(FAILED)
+
+
+@contextmanager
+def _said() -> Iterator[None]:
+    """What a user got wrong inside is said, and ends the program."""
+    from orchestrator.casefile.errors import CaseError
+    from orchestrator.records.run_folder import FolderUnusable
+
+    try:
+        yield
+    except (CaseError, FolderUnusable) as error:
+        ERRORS.print(str(error))
+        raise typer.Exit(WRONG) from None
+    except KeyboardInterrupt:
+        raise typer.Exit(INTERRUPTED) from None

@@ -1,0 +1,1 @@
+"""Where panels, openings and triangles are."""

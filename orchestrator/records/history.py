@@ -1,0 +1,109 @@
+"""``history.h5``: time series with units, readable by h5py and pandas while the run goes on.
+
+Every series is a dataset whose first axis runs along the group's ``time_s``; the attribute
+``unit`` gives its unit.  An event table has a row for each event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from orchestrator.ports import Array, Indices
+from orchestrator.records.full_disk import Reserved
+
+ROWS_IN_MEMORY = 500
+
+
+class History:
+    """Rows are gathered in memory and appended in blocks; ``flush`` writes what is there."""
+
+    def __init__(self, path: Path) -> None:
+        self._disk = Reserved(path)
+        self._file = h5py.File(self._disk, "w")
+        self._rows: dict[str, list[dict[str, Array]]] = {}
+
+    def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
+        """One row at ``time_s``; the names of a group's values are the same in every row."""
+        row = {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
+        rows = self._rows.setdefault(group, [])
+        rows.append({"time_s": np.float64(time_s) * np.ones(())} | row)
+        if len(rows) >= ROWS_IN_MEMORY:
+            self._append(group)
+
+    def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
+        """Rows of an event table, of any number, appended at once; whole numbers stay whole."""
+        for name, rows in values.items():
+            self._extend(f"{group}/{name}", rows, rows.dtype)
+
+    def describe(self, group: str, name: str, words: Sequence[str]) -> None:
+        """An attribute of a group: a list of words."""
+        attributes = self._file.require_group(group).attrs
+        attributes.create(name, list(words), shape=len(words), dtype=h5py.string_dtype())
+
+    def flush(self) -> None:
+        """Raises OSError when the disk is full; all that was added until then is kept."""
+        for group in self._rows:
+            self._append(group)
+        self._file.flush()
+        self._disk.check()
+
+    def close(self) -> None:
+        for group in self._rows:
+            self._append(group)
+        self._file.close()
+        self._disk.close()
+
+    def _append(self, group: str) -> None:
+        rows, self._rows[group] = self._rows[group], []
+        if not rows:
+            return
+        for name in rows[0]:
+            block = np.stack([row[name] for row in rows])
+            self._extend(f"{group}/{name}", block, np.dtype(np.float64))
+
+    def _extend(self, where: str, block: Array | Indices, dtype: np.dtype[Any]) -> None:
+        if where not in self._file:
+            inner = block.shape[1:]
+            dataset = self._file.create_dataset(
+                where, shape=(0, *inner), maxshape=(None, *inner), dtype=dtype
+            )
+            dataset.attrs["unit"] = unit_of(where)
+        dataset = self._file[where]
+        before = len(dataset)
+        dataset.resize(before + len(block), axis=0)
+        dataset[before:] = block
+
+
+def unit_of(name: str) -> str:
+    """The unit that a name carries: position_m -> m, speed_m_s -> m/s, force_N -> N."""
+    for ending, unit in _UNITS.items():
+        if name.endswith(ending):
+            return unit
+    return "1"
+
+
+_UNITS = {
+    "_kg_m_s": "kg m/s",
+    "_kg_m3": "kg/m3",
+    "_m_s2": "m/s2",
+    "_rad_s": "rad/s",
+    "_kg_s_m": "kg/(s m)",
+    "_kg_s": "kg/s",
+    "_kg_m": "kg/m",
+    "_percent": "%",
+    "_deg": "degree",
+    "_rad": "rad",
+    "_g": "9.80665 m/s2",
+    "_N_s": "N s",
+    "_m_s": "m/s",
+    "_kg": "kg",
+    "_J": "J",
+    "_N": "N",
+    "_s": "s",
+    "_m": "m",
+}

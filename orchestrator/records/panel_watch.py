@@ -1,0 +1,60 @@
+"""The watch on panels: one that folds into itself is no panel any more."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from orchestrator.casefile.case import Case
+from orchestrator.deck.panels import single_panels
+from orchestrator.plans import SolverFailed
+from orchestrator.ports import Array
+
+LOG = logging.getLogger("flipflow")
+FOLD_LENGTHS = 4.0  # in thicknesses: less than this apart along the panel is no fold but a bend
+
+
+class PanelWatch:
+    """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that."""
+
+    def __init__(self, case: Case) -> None:
+        self._then = case.watch.folded_panels
+        self._thickness_m = {panel.name: panel.table.thickness_m for panel in single_panels(case)}
+        self._said: set[str] = set()
+
+    def look(self, time_s: float, panel: str, line_m: Array) -> None:
+        """``line_m`` (points, 3): the middle of the panel's width from clamp to clamp, now."""
+        at_m = touches_itself_m(line_m, self._thickness_m[panel])
+        if at_m is None:
+            return
+        what = (
+            f"panel {panel} has folded into itself at t = {time_s:.6g} s: its line {at_m[0]:.3g} m "
+            f"and {at_m[1]:.3g} m from its first clamp is nearer than its thickness of "
+            f"{self._thickness_m[panel]:.3g} m, and no solver here knows that it touches itself"
+        )
+        if self._then == "stop":
+            raise SolverFailed(what)
+        if panel not in self._said:
+            LOG.warning(what)
+            self._said.add(panel)
+
+
+def touches_itself_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:
+    """Where along the line (n, 3) two places are nearer to each other than the thickness, although
+    at least ``FOLD_LENGTHS`` thicknesses lie between them; None if nowhere."""
+    piece_m = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
+    count = np.maximum(1, np.ceil(2.0 * piece_m / thickness_m).astype(int))
+    fine = [
+        start + np.outer(np.arange(n) / n, end - start)
+        for start, end, n in zip(line_m[:-1], line_m[1:], count, strict=True)
+    ]
+    places_m = np.vstack([*fine, line_m[-1:]])
+    along_m = np.concatenate([[0.0], np.linalg.norm(np.diff(places_m, axis=0), axis=1).cumsum()])
+    apart_m = np.linalg.norm(places_m[:, None] - places_m, axis=2)
+    between_m = along_m - along_m[:, None]
+    touching = (apart_m < thickness_m) & (between_m > FOLD_LENGTHS * thickness_m)
+    if not touching.any():
+        return None
+    first, second = np.argwhere(touching)[0]
+    return float(along_m[first]), float(along_m[second])

@@ -1,0 +1,145 @@
+"""What a run writes while it goes on: time series, and snapshots for ParaView.
+
+Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
+``bushings/<name>`` every ``output.series_s``; ``panels/<name>`` (centre line), ``energy``, ``bed``
+and what deck_record.py adds at every output time; ``fed`` and ``removed``: a row for each particle
+that came or went.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.casefile.case import Case
+from orchestrator.clock import steps_in
+from orchestrator.coupling import State
+from orchestrator.deck.opening_places import openings_m
+from orchestrator.ledger import Ledger
+from orchestrator.machine import Machine
+from orchestrator.ports import ParticleSnapshot
+from orchestrator.ranks import is_first
+from orchestrator.records.deck_record import deck_record
+from orchestrator.records.history import History
+from orchestrator.records.panel_watch import PanelWatch
+from orchestrator.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.records.summary import cycle_s
+from orchestrator.records.time_series import TimeSeries
+
+
+class Recorder:
+    """On every rank (snapshots and accounts are collective); rank 0 writes."""
+
+    def __init__(
+        self,
+        folder: Path,
+        machine: Machine,
+        ledger: Ledger,
+        start: State,
+        case: Case,
+        world: Any,
+    ):
+        self._machine, self._ledger, self._start = machine, ledger, start
+        self._writes = is_first(world)
+        self._follows = any(probe.on == "particle" for probe in machine.probes)
+        self._every = rows_every(case)
+        if self._writes:
+            self._history = History(folder / "history.h5")
+            self._panel_watch = PanelWatch(case)
+            self._series = TimeSeries(machine, start, self._history)
+            if len(machine.surface.triangles):
+                self._surface = Series(folder, "surface")
+            if machine.material is not None:
+                self._particles = Series(folder, "particles")
+                exits = machine.material.exits
+                self._history.describe("removed", "names", [one.name for one in exits])
+                self._history.describe("removed", "products", [one.product for one in exits])
+            lines = [panel.centre_line for panel in machine.panels]
+            self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
+
+    def sync_point(self, done: int, time_s: float, state: State) -> None:
+        """Every sync point; ``done`` counts them."""
+        if self._writes:
+            self._series.sync_point(state)
+        if done % self._every:
+            return
+        followed = self._snapshot() if self._follows else None
+        if self._writes:
+            self._series.row(time_s, state, followed)
+
+    def output(self, time_s: float, state: State) -> int:
+        """Every output time: shapes, books, and files for ParaView.  Returns the number of
+        particles (on rank 0)."""
+        terms = self._ledger.energy_J()
+        particles = self._material(time_s)
+        count = len(particles.id) if particles is not None else 0
+        if not self._writes:
+            return count
+        self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
+        surface = state.panel.surface
+        for panel in self._machine.panels:
+            line = surface.position_m[panel.centre_line]
+            self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
+            self._panel_watch.look(time_s, panel.name, line)
+        triangles = self._machine.surface.triangles
+        if len(triangles):
+            mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle)
+            self._surface.add(time_s, mesh)
+        if particles is not None:
+            self._history.add("bed", time_s, _bed(particles))
+            if self._deck is not None:
+                for group, values in self._deck.at(time_s, surface, particles).items():
+                    self._history.add(group, time_s, values)
+            self._particles.add(time_s, particle_mesh(particles))
+        self._history.flush()
+        return count
+
+    def material(self) -> dict[str, Any] | None:
+        """The material's balance at the last output time, on rank 0."""
+        book = self._machine.material
+        return book.figures() if book is not None else None
+
+    def close(self) -> None:
+        if self._writes:
+            self._history.close()
+
+    def _material(self, time_s: float) -> ParticleSnapshot | None:
+        """Who came and went since the last output time, into the books and the event tables."""
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is None or book is None:
+            return None
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        if self._writes:
+            self._history.events("fed", vars(fed))
+            gone = {name: rows for name, rows in vars(removed).items() if name != "material"}
+            self._history.events("removed", gone)
+            for feed in book.feed.feeds:
+                values = {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
+                self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
+            book.add(time_s, fed, removed, present)
+        return present
+
+    def _snapshot(self) -> ParticleSnapshot | None:
+        particles = self._machine.solvers.particles
+        return particles.snapshot() if particles is not None else None
+
+
+def rows_every(case: Case) -> int:
+    """Sync intervals from row to row of the time series."""
+    interval_s = case.coupling.sync_interval_s
+    return steps_in(case.output.series_s or interval_s, interval_s)
+
+
+def _bed(particles: ParticleSnapshot) -> dict[str, Any]:
+    mass = np.pi / 6 * particles.diameter_m**3 * particles.density_kg_m3
+    speed = np.linalg.norm(particles.velocity_m_s, axis=1)
+    count = len(mass)
+    return {
+        "particles": float(count),
+        "mass_kg": float(mass.sum()),
+        "mean_speed_m_s": float(mass @ speed / mass.sum()) if count else 0.0,
+        "mean_velocity_m_s": mass @ particles.velocity_m_s / mass.sum() if count else np.zeros(3),
+        "highest_m": float(particles.position_m[:, 2].max()) if count else np.nan,
+    }

@@ -1,0 +1,182 @@
+"""The folder of a run: made once, never written over, and left usable whatever happens."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import platform
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import h5py
+import tomli_w
+
+from orchestrator.casefile.levels import LoadedCase
+
+LOG = logging.getLogger("flipflow")
+
+
+class FolderUnusable(Exception):
+    """The output folder exists already or cannot be written (exit code 2)."""
+
+
+def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
+    """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
+    that can be run again, with its surfaces beside it) and the provenance.  Raises
+    FolderUnusable."""
+    folder = make(out or fresh_name(Path("runs"), loaded.name))
+    try:
+        _fill(folder, loaded, world.size if world else 1)
+    except OSError as error:
+        discard(folder)
+        raise FolderUnusable(f"{folder}: cannot be written: {error.strerror or error}") from None
+    return folder
+
+
+def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
+    for name, surface in loaded.case.whole.screen.surfaces.items():
+        if surface.stl is not None:
+            shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
+    (folder / "case.toml").write_text(tomli_w.dumps(resolved(loaded)))
+    write_json(folder / "provenance.json", provenance(ranks))
+
+
+def resolved(loaded: LoadedCase) -> dict[str, Any]:
+    """The case with its level, every ``--set`` and every default, as the run's folder has it."""
+    table = loaded.case.whole.model_dump(mode="json", exclude_none=True)
+    for name, surface in table["screen"]["surfaces"].items():
+        if "stl" in surface:
+            surface["stl"] = f"{name}.stl"
+    return table | {"default_level": ""}
+
+
+def claimed(path: Path, text: str, rank: int) -> bool:
+    """Writes ``path`` if nobody did before; False for everybody but the first.  Where nobody can
+    write, ranks that wait in turn for the lower ones to act are all first."""
+    try:
+        with path.open("x") as file:
+            file.write(text + "\n")
+    except FileExistsError:
+        return False
+    except OSError:  # a full disk must not silence the message
+        time.sleep(2.0 * rank)
+    return True
+
+
+def discard(folder: Path) -> None:
+    """Removes a run's folder in which nothing has been computed."""
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def make(folder: Path) -> Path:
+    """A new folder; raises FolderUnusable if it is there already or cannot be made."""
+    try:
+        folder.mkdir(parents=True)
+    except FileExistsError:
+        raise FolderUnusable(
+            f"{folder}: exists already; nothing was written. "
+            "Give another folder with --out, or remove this one."
+        ) from None
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
+    return folder
+
+
+def fresh_name(parent: Path, case: str) -> Path:
+    """``<parent>/<case>-<n>`` with the first free number."""
+    number = 1
+    while (parent / f"{case}-{number}").exists():
+        number += 1
+    return parent / f"{case}-{number}"
+
+
+@contextmanager
+def logging_to(folder: Path, first: bool) -> Iterator[None]:
+    """``run.log`` with times; of ranks other than the first it has errors only."""
+    handler = logging.FileHandler(folder / "run.log", delay=True)
+    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO if first else logging.ERROR)
+    LOG.propagate = False  # the console has its own words
+    logging.raiseExceptions = False  # a log that cannot be written must not stop the run
+    try:
+        yield
+    finally:
+        LOG.removeHandler(handler)
+        handler.close()
+
+
+def provenance(ranks: int) -> dict[str, Any]:
+    """Who ran what, where and with which versions."""
+    packages = ("flipflow", "numpy", "scipy", "pydantic", "exudyn", "fenics-dolfinx", "mpi4py")
+    return {
+        "command": sys.argv,
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "host": socket.gethostname(),
+        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "ranks": ranks,
+        "versions": {
+            **{name: _version(name) for name in packages},
+            "h5py": h5py.__version__,
+            "libliggghts3": _debian_version("libliggghts3"),
+        },
+        "commit": _commit(),
+    }
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Whole or not at all."""
+    write_text(path, json.dumps(value, indent=2, default=float) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Whole or not at all: written aside, then renamed."""
+    aside = path.with_name(f".{path.name}")
+    aside.write_text(text, encoding="utf-8")
+    aside.replace(path)
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _debian_version(package: str) -> str | None:
+    """LIGGGHTS does not tell its own version; Debian knows it."""
+    try:
+        return _said("dpkg-query", "-W", "-f", "${Version}", package)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _commit() -> str | None:
+    """The commit of the checkout that this program runs from, with "+" for local changes."""
+    here = Path(__file__).parent
+    try:
+        commit = _git(here, "rev-parse", "HEAD")
+        return commit + ("+" if _git(here, "status", "--porcelain", "-uno") else "")
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _git(folder: Path, *words: str) -> str:
+    return _said("git", "-C", str(folder), *words)
+
+
+def _said(*command: str) -> str:
+    """What a command prints.  Raises OSError or CalledProcessError."""
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,0 +1,134 @@
+"""``summary.json`` and the closing table: what a run says at its end.
+
+The keys are documented in docs/run-folder.md; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from rich.table import Table
+
+from orchestrator.casefile.case import Case
+from orchestrator.ports import Array
+
+FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_s")
+PARTS = ("particles", "panel", "frames", "mapping", "output")
+
+
+def cycle_s(case: Case) -> float:
+    """The machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
+    frames); the whole run where there is none."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    speeds = [drive.speed_rad_s for drive in drives]
+    if case.frames.solver != "prescribed":
+        speeds += [exciter.speed_rad_s for exciter in case.screen.exciters.values()]
+    return 2 * math.pi / min(speeds) if speeds else case.duration_s
+
+
+def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
+    """Every part, and ``rest`` so that they add up to the wall time."""
+    table = {part: parts_s.get(part, 0.0) for part in PARTS}
+    return table | {"rest": wall_s - sum(table.values())}
+
+
+def probes(history_file: Path, cycle_s: float) -> dict[str, dict[str, Any]]:
+    """Amplitude, mean and peak of every probe and every frame's centre of mass, each (3,).
+
+    ``amplitude_m``: half the range over the last two cycles (or all of a shorter run);
+    ``mean_m``: mean displacement over them; ``peak_m``: largest size of the displacement from
+    the place at t = 0 over the whole run; ``peak_speed_m_s`` likewise.  Of a particle the time
+    in which it is present is taken for the run; all are None if it never was.
+    """
+    with h5py.File(history_file) as history:
+        found = {}
+        for kind in ("frames", "probes"):
+            for name, group in history.get(kind, {}).items():
+                place = group["displacement_m" if kind == "frames" else "position_m"][:]
+                found[name] = _figures(group["time_s"][:], place, group["velocity_m_s"][:], cycle_s)
+        return found
+
+
+def _figures(time: Array, place: Array, velocity: Array, cycle_s: float) -> dict[str, Any]:
+    there = np.isfinite(place).all(axis=1)
+    if not there.any():  # a particle that never came
+        return dict.fromkeys(FIGURES)
+    moved, time = place[there] - place[there][0], time[there]
+    last = moved[time >= time[-1] - 2 * cycle_s]
+    values = (
+        ((last.max(axis=0) - last.min(axis=0)) / 2).tolist(),
+        last.mean(axis=0).tolist(),
+        float(np.linalg.norm(moved, axis=1).max()),
+        float(np.linalg.norm(velocity[there], axis=1).max()),
+    )
+    return dict(zip(FIGURES, values, strict=True))
+
+
+def closing_table(summary: dict[str, Any]) -> Table:
+    """Where the time went."""
+    table = Table(title="where the time went", title_justify="left")
+    table.add_column("part")
+    table.add_column("wall / s", justify="right")
+    table.add_column("share", justify="right")
+    for part, wall_s in summary["wall_by_part_s"].items():
+        table.add_row(part, f"{wall_s:.2f}", f"{100 * wall_s / summary['wall_s']:.0f} %")
+    table.add_row("all", f"{summary['wall_s']:.2f}", "100 %")
+    return table
+
+
+LARGEST_SHARE_CREATED = 0.01  # of the energy supplied and lost; above it the run says so
+
+
+def material_lines(material: dict[str, Any]) -> list[str]:
+    """Where the particles are; a warning where some are lost."""
+
+    def said(what: str, amount: dict[str, Any]) -> str:
+        return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
+
+    exits = [said(f"through {name}", one) for name, one in material["exits"].items()]
+    there = [said("on deck", material["on_deck"]), *exits, said("lost", material["lost"])]
+    lines = [f"{said('particles: came', material['fed'])} = " + " + ".join(there)]
+    if material["lost"]["number"]:
+        lines.append(
+            f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
+            "through an exit; history.h5 says where (removed, exit = -1)"
+        )
+    if material["escaped"]["number"]:
+        lines.append(
+            f"WARNING: {material['escaped']['number']} particles came out with the undersize "
+            "although they fit through no opening; run.log names the first"
+        )
+    return lines
+
+
+def closing_lines(summary: dict[str, Any]) -> list[str]:
+    """The run's own figures of quality, in words; a warning where they are bad."""
+    ledger = summary["energy_ledger_J"]
+    created = sum(value for name, value in ledger.items() if name.startswith("created."))
+    books = ("supplied.", "lost.")
+    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith(books))
+    share = created / turned_over if turned_over else 0.0
+    lines = [
+        f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
+        f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
+        f"energy created by the coupling {created:+.3g} J "
+        f"({share:+.1e} of the energy supplied and lost)",
+    ]
+    if summary["particles"]:
+        lines.insert(
+            1,
+            f"{summary['particles']} particles, "
+            f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
+        )
+    if material := summary.get("material"):
+        lines += material_lines(material)
+    if abs(share) > LARGEST_SHARE_CREATED:
+        lines.append(
+            f"WARNING: the coupling created more than {100 * LARGEST_SHARE_CREATED:g} % of the "
+            "energy supplied and lost: do not trust this run; shorten coupling.sync_interval_s"
+        )
+    return lines

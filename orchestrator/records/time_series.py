@@ -1,0 +1,86 @@
+"""Rows of the time series in ``history.h5``: motion of frames and probes, forces of panels and
+bushings."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from orchestrator.coupling import State
+from orchestrator.machine import Machine, Probe
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.records.frame_rotation import rotations
+from orchestrator.records.history import History
+
+FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N")
+
+
+class TimeSeries:
+    """Motion in a row is that of the moment; panel forces are means over the sync intervals since
+    the last row, so that none of their impulse is missed."""
+
+    def __init__(self, machine: Machine, start: State, history: History) -> None:
+        self._machine, self._start, self._history = machine, start, history
+        self._centres = np.fromiter(machine.centres.values(), np.int64)
+        self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
+        self._summed = 0
+
+    def sync_point(self, state: State) -> None:
+        """Takes note of an interval's forces."""
+        self._sum_N += self._forces_N(state)
+        self._summed += 1
+
+    def row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
+        """``followed``: the particles, where probes ask for them."""
+        self._frames(time_s, state)
+        for probe in self._machine.probes:
+            position, velocity = _at(probe, state, followed)
+            values = {"position_m": position, "velocity_m_s": velocity}
+            self._history.add(f"probes/{probe.name}", time_s, values)
+        stretched = self._machine.bushings.at(state.clamps)
+        for name, *row in zip(self._machine.bushings.names, *stretched, strict=True):
+            values = dict(zip(("deformation_m", "force_N"), row, strict=True))
+            self._history.add(f"bushings/{name}", time_s, values)
+        mean_N = self._sum_N / self._summed
+        for number, panel in enumerate(self._machine.panels):
+            values = dict(zip(FORCES, mean_N[:, number], strict=True))
+            self._history.add(f"forces/{panel.name}", time_s, values)
+        self._sum_N[:], self._summed = 0.0, 0
+
+    def _frames(self, time_s: float, state: State) -> None:
+        clamps, points = state.clamps, self._centres
+        moved = clamps.position_m[points] - self._start.clamps.position_m[points]
+        rows = (moved, clamps.velocity_m_s[points], *rotations(clamps, points))
+        names = ("displacement_m", "velocity_m_s", "rotation_rad", "spin_rad_s")
+        for frame, *row in zip(self._machine.centres, *rows, strict=True):
+            values = dict(zip(names, row, strict=True))
+            self._history.add(f"frames/{frame}", time_s, values)
+
+    def _forces_N(self, state: State) -> Array:
+        """(4, panels, 3), in the order of FORCES."""
+        load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
+        return np.array(
+            [
+                [_sum(load_N, panel.surface) for panel in self._machine.panels],
+                [_sum(reaction_N, panel.clamps) for panel in self._machine.panels],
+                [_sum(reaction_N, panel.first_clamp) for panel in self._machine.panels],
+                [_sum(reaction_N, panel.second_clamp) for panel in self._machine.panels],
+            ]
+        ).reshape(self._sum_N.shape)
+
+
+def _sum(force_N: Array, points: slice | Indices) -> Array:
+    return np.asarray(np.add.reduce(force_N[points], axis=0))
+
+
+def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
+    """Position and velocity (3,) of a probe; NaN for a particle that has left."""
+    if probe.on == "particle":
+        assert followed is not None
+        row = np.flatnonzero(followed.id == probe.index)
+        if len(row) == 0:
+            return np.full(3, np.nan), np.full(3, np.nan)
+        return followed.position_m[row[0]], followed.velocity_m_s[row[0]]
+    motion: Motion = state.clamps if probe.on == "clamps" else state.panel.surface
+    return motion.position_m[probe.index], motion.velocity_m_s[probe.index]
