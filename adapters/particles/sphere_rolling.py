@@ -1,4 +1,5 @@
-"""Resistance to rolling: LIGGGHTS 3.8.0's ``rolling_friction cdt`` and ``epsd2``.
+"""Resistance to rolling: LIGGGHTS 3.8.0's ``rolling_friction cdt`` and ``epsd2`` (cured: its couple
+stays across the normal, bridge/rolling_across.h).
 
 A couple against the relative rotation, without its part about the normal, of at most
 coefficient * reduced radius * normal force: at once (``cdt``, constant directional torque) or
@@ -45,7 +46,8 @@ class Rolling:
             return _directional(limit_N_m, normal, partners.rolling_rad_s)
         stiffness_N_m = springs.tangential_N_m * radius_m**2
         turn_rad = step_s * across(partners.rolling_rad_s, normal)
-        couple_N_m = before_N_m - stiffness_N_m[:, None] * turn_rad
+        # what came to lie along the turning normal is dropped: no rotation would take it back
+        couple_N_m = across(before_N_m, normal) - stiffness_N_m[:, None] * turn_rad
         return _limited(couple_N_m, arm_m * at.grip_N)
 
 

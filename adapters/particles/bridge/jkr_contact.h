@@ -1,6 +1,7 @@
 #pragma once
 
 #include "jkr_normal.h"
+#include "rolling_across.h"
 
 namespace flipflow {
 
@@ -58,6 +59,8 @@ class JkrContact : public LIGGGHTS::ContactModels::ContactModelBase {
     surface_.surfacesIntersect(pair, on_i, on_j);
     normal_.push(pair, on_i, on_j);
     tangential_.surfacesIntersect(pair, on_i, on_j);
+    if (rolling_model == LIGGGHTS::ContactModels::ROLLING_EPSD2)
+      keep_across(pair.contact_history + 4, pair.en);  // after the neck and the tangential spring
     rolling_.surfacesIntersect(pair, on_i, on_j);
   }
 

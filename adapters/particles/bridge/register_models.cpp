@@ -1,8 +1,12 @@
-// Adds `model jkr` to LIGGGHTS's tables of contact models, for pairs and for walls.
+// Adds to LIGGGHTS's tables of contact models, for pairs and for walls: `model jkr`, and its own
+// `model hertz` compiled for the combinations that flipflow uses (LIGGGHTS would call every part of
+// them through a table), with rolling friction `epsd2` cured.
 
 #include "register_models.h"
 
 #include <mpi.h>
+
+#include <type_traits>
 
 #include "atom.h"
 #include "comm.h"
@@ -24,6 +28,7 @@
 #include "pair_gran_base.h"
 
 #include "jkr_contact.h"
+#include "rolling_across.h"
 
 namespace flipflow {
 
@@ -37,13 +42,33 @@ Interface *create(LAMMPS_NS::LAMMPS *lmp, typename Interface::ParentType *parent
   return new Style(lmp, parent, hash);
 }
 
-template <int tangential, int rolling>
+template <class Contact, int64_t hash>
 void add() {
-  using Contact = JkrContact<tangential, rolling>;
   PairStyles::Factory::instance().addStyle(
-      "gran", Contact::kHash, &create<PairStyles::IGranularPairStyle, PairStyles::Granular<Contact>>);
+      "gran", hash, &create<PairStyles::IGranularPairStyle, PairStyles::Granular<Contact>>);
   Walls::Factory::instance().addStyle(
-      "gran", Contact::kHash, &create<Walls::IGranularWall, Walls::Granular<Contact>>);
+      "gran", hash, &create<Walls::IGranularWall, Walls::Granular<Contact>>);
+}
+
+template <int tangential, int rolling>
+void add_jkr() {
+  using Contact = JkrContact<tangential, rolling>;
+  add<Contact, Contact::kHash>();
+}
+
+template <int tangential, int cohesion, int rolling>
+void add_hertz() {
+  using Style = GranStyle<HERTZ, tangential, cohesion, rolling, SURFACE_DEFAULT>;
+  using Stock = ContactModel<Style>;
+  constexpr bool cured = rolling == ROLLING_EPSD2;
+  add<std::conditional_t<cured, RollingAcross<Stock>, Stock>, Style::HASHCODE>();
+}
+
+template <int tangential, int rolling>
+void add_all() {
+  add_jkr<tangential, rolling>();
+  add_hertz<tangential, COHESION_OFF, rolling>();
+  add_hertz<tangential, COHESION_SJKR, rolling>();
 }
 
 }  // namespace
@@ -53,10 +78,10 @@ void register_contact_models() {
   if (done) return;
   done = true;
   ContactModels::Factory::instance().addNormalModel("jkr", JkrContact<0, 0>::kModel);
-  add<TANGENTIAL_OFF, ROLLING_OFF>();
-  add<TANGENTIAL_HISTORY, ROLLING_OFF>();
-  add<TANGENTIAL_HISTORY, ROLLING_CDT>();
-  add<TANGENTIAL_HISTORY, ROLLING_EPSD2>();
+  add_all<TANGENTIAL_OFF, ROLLING_OFF>();
+  add_all<TANGENTIAL_HISTORY, ROLLING_OFF>();
+  add_all<TANGENTIAL_HISTORY, ROLLING_CDT>();
+  add_all<TANGENTIAL_HISTORY, ROLLING_EPSD2>();
 }
 
 }  // namespace flipflow
