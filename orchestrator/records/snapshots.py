@@ -48,11 +48,13 @@ class Series:
 
 
 def surface_mesh(surface: Motion, triangles: Indices, panel: Indices) -> meshio.Mesh:
-    """Triangles with velocity at the points and the number of the panel in each cell."""
+    """Triangles with velocity at the points and the number of the panel in each cell; points of no
+    triangle (probes, arms of frames) would only blow up what a viewer frames."""
+    points, corners = np.unique(triangles, return_inverse=True)
     return meshio.Mesh(
-        surface.position_m,
-        [("triangle", triangles)],
-        point_data={"velocity_m_s": surface.velocity_m_s},
+        surface.position_m[points],
+        [("triangle", corners.reshape(triangles.shape))],
+        point_data={"velocity_m_s": surface.velocity_m_s[points]},
         cell_data={"panel": [panel]},
     )
 

@@ -100,6 +100,15 @@ def test_what_is_no_run(tmp_path: Path) -> None:
         assert done.returncode == 2
         assert why in done.stderr
         said_plainly(done)
+    old = folder_of(tmp_path / "old", True)
+    said = json.loads((old / "summary.json").read_text())
+    del said["sync_intervals"]
+    (old / "summary.json").write_text(json.dumps(said))
+    done = flipflow("report", str(old))
+    assert done.returncode == 2
+    assert "'sync_intervals'" in done.stderr
+    assert "another version" in done.stderr
+    said_plainly(done)
     half = tmp_path / "half"
     half.mkdir()
     for name in ("case.toml", "summary.json", "provenance.json", "history.h5"):
