@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.geometry import Apertures
-from orchestrator.plans import SolverMissing
+from orchestrator.meshing import gmsh_session
 from orchestrator.ports import Array, Indices
 
 TRIANGLES_PER_LAND = 6
@@ -26,19 +26,8 @@ def cell_m(apertures: Apertures) -> tuple[float, float]:
 
 def cell_triangles(apertures: Apertures) -> tuple[Array, Indices]:
     """Points (n, 2) and triangles (m, 3) of the material in one period."""
-    try:
-        import gmsh
-    except (ImportError, OSError) as missing:
-        raise SolverMissing(
-            f"panels with apertures need gmsh (pip install gmsh; Debian: libglu1-mesa): {missing}"
-        ) from missing
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)
+    with gmsh_session() as gmsh:
         return _meshed(gmsh, apertures)
-    finally:
-        gmsh.finalize()
 
 
 def _meshed(gmsh: Any, apertures: Apertures) -> tuple[Array, Indices]:

@@ -9,16 +9,13 @@ a faster run.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.mapping import Grid
-from orchestrator.plans import SolverMissing
+from orchestrator.meshing import gmsh_session
 from orchestrator.ports import Array, Indices
 
 GIVEN_POINTS_ONLY = 3  # gmsh's Mesh.Algorithm "initial mesh only"
@@ -118,27 +115,10 @@ def _between_m(rectangle: Rectangle, apertures: Apertures, size_m: float) -> Arr
     return np.column_stack([s[i], y[j]])
 
 
-@contextmanager
-def _gmsh() -> Iterator[Any]:
-    try:
-        import gmsh
-    except (ImportError, OSError) as missing:
-        raise SolverMissing(
-            f"panels with apertures need gmsh (pip install gmsh; Debian: libglu1-mesa): {missing}"
-        ) from missing
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.option.setNumber("General.NumThreads", 1)
-        gmsh.option.setNumber("Mesh.Algorithm", GIVEN_POINTS_ONLY)
-        yield gmsh
-    finally:
-        gmsh.finalize()
-
-
 def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
     """Points (n, 2) and triangles of the area in the first loop less the others."""
-    with _gmsh() as gmsh:
+    with gmsh_session() as gmsh:
+        gmsh.option.setNumber("Mesh.Algorithm", GIVEN_POINTS_ONLY)
         model, mesh = gmsh.model.geo, gmsh.model.mesh
         numbers = []
         for loop in loops:

@@ -150,7 +150,9 @@ def test_a_sphere_that_sticks_is_not_spun_up_by_a_plate_that_wobbles(module: Mod
     cure of epsd2 it grew by half with every second turn of the plate: to 3000 rad/s here, and
     particles flew off slack panels with 13 m/s."""
     plate = flat(0.004, 4)
-    grain = spheres([0.0003, 0.0002, 0.995 * SMALL_M], diameter_m=2 * SMALL_M, density_kg_m3=COAL_KG_M3)
+    grain = spheres(
+        [0.0003, 0.0002, 0.995 * SMALL_M], diameter_m=2 * SMALL_M, density_kg_m3=COAL_KG_M3
+    )
     with closing(module.build(sticky_plan(grain, plate))) as solver:
         travel(solver, lambda time_s: wobbling(plate.position_m, time_s), range(1000), 1e-4)
         assert np.linalg.norm(solver.snapshot().spin_rad_s) < 0.01
