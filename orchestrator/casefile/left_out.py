@@ -39,6 +39,9 @@ def left_out(case: Case) -> dict[str, str]:
     sticky = any(contact.work_of_adhesion_J_m2 for contact in case.contacts)
     if case.particles.adhesion == "none" and sticky and has_particles(case):
         found["adhesion"] = "particles.adhesion none: nothing sticks"
+    k = case.particles.coarse_graining
+    if k > 1.0 and has_particles(case):
+        found["single-particles"] = f"particles.coarse_graining: one stands for {k**3:.3g}"
     if case.slice is not None:
         found["full-width"] = f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
     for name, why in HAND_OVER.items():

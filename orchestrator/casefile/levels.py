@@ -14,6 +14,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.coarse import coarsened
 from orchestrator.casefile.deck_layout import laid_out
 from orchestrator.casefile.errors import CaseError, Mistake, did_you_mean, from_validation, shown
 from orchestrator.casefile.left_out import dropped, left_out
@@ -106,9 +107,10 @@ def read_toml(file: Path) -> dict[str, Any]:
 
 
 def validated(layers: Layers) -> Case:
-    """With decks laid out, and cut to its slice.  Raises CaseError with every mistake found."""
+    """With decks laid out, particles as coarse as wanted, and cut to its slice.  Raises CaseError
+    with every mistake found."""
     try:
-        return sliced(laid_out(Case.model_validate(layers.merged)))
+        return sliced(coarsened(laid_out(Case.model_validate(layers.merged))))
     except ValidationError as error:
         raise CaseError(layers.named(from_validation(error, Case))) from None
     except CaseError as error:

@@ -72,4 +72,7 @@ def solver_facts(case: Case) -> Iterator[tuple[str, str]]:
     cap = case.particles.largest_youngs_modulus_Pa
     if cap:
         yield "particles softened to", f"{cap:.3g} Pa"
+    k = case.particles.coarse_graining
+    if k > 1.0:
+        yield "coarse graining", f"{k:g} times the diameter, one particle stands for {k**3:.3g}"
     yield "sync interval", f"{1e6 * case.coupling.sync_interval_s:.4g} µs, {case.coupling.scheme}"

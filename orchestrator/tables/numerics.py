@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from annotated_types import Gt, Le
+from annotated_types import Ge, Gt, Le
 from pydantic import Strict
 
 from orchestrator.tables.quantities import Cells, NotNegative, Positive, Switch, Table
@@ -52,6 +52,9 @@ class ParticlesSolver(Table):
     batch cost as much as seven steps."""
     largest_youngs_modulus_Pa: Positive | None = None
     """Stiffer materials are softened to this in contacts, which allows longer steps."""
+    coarse_graining: Annotated[float, Strict(), Ge(1), Le(10)] = 1.0
+    """Diameters are this much larger, and each particle stands for the cube of it: for layers that
+    load the machine, refused for sizes below four openings (docs/theory/feed.md)."""
     softened_adhesion: Literal["sticking", "pull-off"] = "sticking"
     """What softened contacts keep: the speed below which particles stick, or the pull-off force."""
     adhesion: Literal["none", "sjkr", "jkr"] | None = None

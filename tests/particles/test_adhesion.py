@@ -15,7 +15,7 @@ from orchestrator.clock import Interval
 from orchestrator.plans import GrainMaterial, Jkr, Sjkr, SolverMissing
 from orchestrator.ports import Array, Particles
 from tests.particles.contract import energy_defect_J
-from tests.particles.liggghts_plans import flat, sheet, still, travel
+from tests.particles.liggghts_plans import flat, make_plan, sheet, spheres, still, travel
 from tests.particles.sticky import (
     DENSITY_KG_M3,
     PAIR,
@@ -222,6 +222,29 @@ def test_softened_contacts(module: ModuleType, rule: str) -> None:
         speed_m_s *= math.pow(10.0, 1 / 3)
     assert meeting(module, 0.97 * speed_m_s, **changes)[0]
     assert not meeting(module, 1.03 * speed_m_s, **changes)[0]
+
+
+@pytest.mark.parametrize("work_J_m2", [0.0, 0.05])
+def test_coarse_contacts_are_similar(module: ModuleType, work_J_m2: float) -> None:
+    """Twice the size with twice the work of adhesion: the same rebound speed, in twice the time
+    (particles.coarse_graining)."""
+    speeds_m_s = []
+    for k in (1.0, 2.0):
+        sphere = spheres([1e-5 * k, 0.0, 1.001e-3 * k], (0.0, 0.0, -0.05), 2e-3 * k)
+        plan = make_plan(
+            flat(0.01 * k, 2),
+            sphere,
+            materials=(GrainMaterial("soft", 1e7, 0.3),) * 2,
+            restitution=0.6,
+            adhesion=Jkr(np.full((2, 2), k * work_J_m2), 1e-2) if work_J_m2 else None,
+            step_s=1e-6 * k,
+            sync_interval_s=1e-5 * k,
+        )
+        with closing(module.build(plan)) as solver:
+            travel(solver, lambda _, plan=plan: still(plan.surface), range(200), 1e-5 * k)
+            speeds_m_s.append(solver.snapshot().velocity_m_s[0, 2])
+    assert 0.005 < speeds_m_s[0] < 0.045
+    assert speeds_m_s[1] == pytest.approx(speeds_m_s[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("share", [-1.0, -0.5, 0.0, 2.0])

@@ -1,0 +1,68 @@
+"""Coarse-grained particles: what is scaled, and where they are refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.bed.sources import initial_particles, inlets
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import LoadedCase, load
+from orchestrator.planning import material_numbers
+from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written
+from tests.case.test_apertures import SLOTTED
+
+BALL = CASE[CASE.index("[bed.particles.ball]") : CASE.index("[probes")]
+BED = BLOCK.replace("count=1,", "count=64,")
+LUMPS = BED.replace("smallest_m=0.01,", "smallest_m=0.012,")  # four openings of 3 mm
+COARSE = "particles.coarse_graining=2.0"
+WET = "contacts.1.work_of_adhesion_J_m2=0.3"
+
+
+def of(folder: Path, *overrides: str) -> LoadedCase:
+    """The test case without its ball."""
+    return load(written(folder, CASE.replace(BALL, "")), None, overrides)
+
+
+def test_mass_stays_and_numbers_fall(tmp_path: Path) -> None:
+    masses_kg, counts = [], []
+    for coarse in ([], [COARSE]):
+        case = of(tmp_path, BED, *coarse).case
+        made = initial_particles(case, material_numbers(case))
+        counts.append(len(made))
+        masses_kg.append(np.sum(np.pi / 6 * made.diameter_m**3 * made.density_kg_m3))
+    assert counts == [64, 8]
+    assert masses_kg[1] == pytest.approx(masses_kg[0], rel=0.15)  # of 8 at random
+
+
+def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
+    fine, coarse = (of(tmp_path, FEED, WET, *more).case for more in ([], [COARSE]))
+    assert coarse.contacts[1].work_of_adhesion_J_m2 == pytest.approx(0.6)
+    numbers = material_numbers(fine)
+    one, two = (inlets(case, numbers)["chute"] for case in (fine, coarse))
+    assert two.rate_kg_s == one.rate_kg_s
+    for small, large in zip(one.sizes, two.sizes, strict=True):
+        assert large.smallest_m == pytest.approx(2 * small.smallest_m)
+        assert large.largest_m == pytest.approx(2 * small.largest_m)
+        assert large.mass_fraction == small.mass_fraction
+
+
+def test_it_is_named_as_left_out(tmp_path: Path) -> None:
+    said = of(tmp_path, BED, COARSE).left_out
+    assert said["single-particles"] == "particles.coarse_graining: one stands for 8"
+
+
+def test_single_particles_stand_for_themselves(tmp_path: Path) -> None:
+    said = only_complaint(tmp_path, COARSE)
+    assert "particles.coarse_graining" in said
+    assert "stand for themselves" in said
+
+
+def test_refused_across_openings(tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="openings of 0.003 m"):
+        of(tmp_path, BED, SLOTTED, COARSE)
+    with pytest.raises(CaseError, match="openings of 0.003 m"):
+        of(tmp_path, FEED, SLOTTED, COARSE)
+    assert of(tmp_path, LUMPS, SLOTTED, COARSE).case.bed.blocks["coal"].count == 8
