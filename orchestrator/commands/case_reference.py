@@ -50,6 +50,7 @@ DIMENSIONLESS = frozenset(
         "sliding_friction",
         "rolling_friction",
         "rayleigh_fraction",
+        "coarse_graining",
         "mass_fraction",
     }
 )
