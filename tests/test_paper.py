@@ -67,7 +67,7 @@ def fake(point: sweep.Point) -> None:
     written(point.folder, (point.loaded.folder / "case.toml").read_text())
     screening = {
         "efficiency_percent": {"value": speed},
-        "sections": [{"depth_m": speed / 100}],
+        "sections": [{"depth_m": speed / 100 - step} for step in (0.0, 0.3, 0.4)],
     }
     bed = {"velocity_m_s": {"value": speed / 10}}
     summary = {
@@ -197,9 +197,10 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
             ("effect", "", "screening.efficiency_percent", "29.9, 30.1", "%"),
             ("effect", "", "bed.velocity_m_s", "2.9, 3.1", "m/s"),
             ("result", 'at = "80"\n', "screening.sections.0.depth_m", "0.79, 0.81", "m"),
+            ("rise", 'at = "80"\n', "screening.sections.*.depth_m", "-0.11, -0.09", "m"),
             ("result", 'at = "80"\n', "screening.absent.value_m", "0, 1", "m"),
         )
     ]
     *known, unknown = compared(case, "".join(rows))
-    assert [line.verdict for line in known] == ["met"] * 4
+    assert [line.verdict for line in known] == ["met"] * 5
     assert "absent" in unknown.verdict

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import h5py
 import numpy as np
@@ -119,17 +120,32 @@ def effect(runs: Sweep, point: str, axis: str) -> float:
     return float(found[-1] - found[0])
 
 
+def rise(runs: Sweep, point: str, axis: str) -> float:
+    """The largest from one entry of a list of such numbers (``*`` in the keys) to the next:
+    negative if they fall all the way."""
+    (run,) = _done(runs)
+    results = json.loads((run.folder / "summary.json").read_text())["results"]
+    before, _, after = point.partition(".*.")
+    count = len(_inner(results, before))
+    return float(np.diff([_number(run, f"{before}.{n}.{after}") for n in range(count)]).max())
+
+
 def _results(runs: Sweep, path: str) -> Array:
-    found = []
-    for point in _done(runs):
-        inner = json.loads((point.folder / "summary.json").read_text())["results"]
-        for word in path.split("."):
-            inner = inner[int(word)] if isinstance(inner, list) else inner.get(word, {})
-        value = inner.get("value") if isinstance(inner, dict) else inner
-        if value is None:
-            raise Unknown(f"{point.folder.name}: {path} is not known")
-        found.append(value)
-    return np.array(found) * (0.01 if path.endswith("_percent") else 1.0)
+    return np.array([_number(point, path) for point in _done(runs)])
+
+
+def _number(run: Point, path: str) -> float:
+    inner = _inner(json.loads((run.folder / "summary.json").read_text())["results"], path)
+    value = inner.get("value") if isinstance(inner, dict) else inner
+    if value is None:
+        raise Unknown(f"{run.folder.name}: {path} is not known")
+    return float(value) * (0.01 if path.endswith("_percent") else 1.0)
+
+
+def _inner(results: Any, path: str) -> Any:
+    for word in path.split("."):
+        results = results[int(word)] if isinstance(results, list) else results.get(word, {})
+    return results
 
 
 QUANTITIES: dict[str, Callable[[Sweep, str, str], float]] = {
@@ -139,4 +155,5 @@ QUANTITIES: dict[str, Callable[[Sweep, str, str], float]] = {
     "arch": arch,
     "result": result,
     "effect": effect,
+    "rise": rise,
 }
