@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
@@ -40,15 +41,26 @@ NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
 
 
 def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Opens every solver the case calls for.  ``world``: MPI communicator or None.
+    """Opens every solver the case calls for; one that fails closes those before.  ``world``: MPI
+    communicator or None.
 
     Raises SolverMissing, SolverFailed, and CaseError where a solver refuses the case.
     """
+    with ExitStack() as opened:
+        machine = _built(loaded, folder, world, stopwatch, opened)
+        opened.pop_all()  # the machine closes them from here on
+        return machine
+
+
+def _built(
+    loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
+) -> Machine:
     case = loaded.case
     panels = panel_pieces(case, stopwatch, world)
     walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
     pieces = [*panels, *walls, *frames]
     together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
+    opened.callback(together.close)
     start = together.initial()
     surface = _surface(case, [*panels, *walls], together, start.surface.position_m)
     held_N = start.reaction.force_N
@@ -60,6 +72,8 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
         for number, piece in enumerate(frames)
     }
     material, particles = _particles(case, surface, folder, world, stopwatch)
+    if particles is not None:
+        opened.callback(particles.close)
     members = Members(
         MeteredFrames(_frames(case, plan, world), f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(together, "panels", "mapping", stopwatch),
