@@ -29,6 +29,7 @@ def _screening(found: dict[str, Any]) -> list[Tile]:
     kinds = {
         "efficiency_percent": ("screening efficiency η", "%"),
         "fine_placement_percent": ("undersize recovery", "%"),
+        "recovered_percent": ("fines recovered, of what came in", "%"),
         "oversize_yield_percent": ("oversize yield", "%"),
         "feed_kg_s": ("feed", "kg/s"),
     }
