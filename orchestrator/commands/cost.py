@@ -1,7 +1,7 @@
 """What a run will cost: particles at a time, particle-steps, and processor time of the particles.
 
-An estimate for deciding where to run a case, right to a factor of three: how long material stays
-on the deck is known after the run only.
+An estimate for deciding where to run a case, between a thin dry layer and a thick wet one: how
+long material stays on the deck is known after the run only.
 """
 
 from __future__ import annotations
@@ -19,12 +19,21 @@ from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import single_panels
 from orchestrator.planning import material_numbers
 
-TRANSPORT_M_S = 0.34
-"""Speed of the material: 40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al.,
-Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
-PARTICLE_STEP_S = 6e-7
-"""Processor time per particle and step of LIGGGHTS: 6.1e-7 s for 50 000 wet particles at rest on
-the deck of cases/ffs0827-slice, on one of two busy cores (its README; ``flipflow bench``)."""
+
+@dataclass(frozen=True)
+class Bed:
+    """How fast material moves along the deck, and the processor time that LIGGGHTS takes for a
+    particle and step."""
+
+    transport_m_s: float
+    particle_step_s: float
+
+
+THICK = Bed(transport_m_s=0.34, particle_step_s=6e-7)
+"""40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al., Minerals 14, 2024, 278);
+50 000 wet particles at rest on the deck of cases/ffs0827-slice, on one of two busy cores."""
+THIN = Bed(transport_m_s=1.5, particle_step_s=2.8e-7)
+"""Level dry of cases/ffs0827-slice: single dry particles, thrown."""
 TIMES = 2000  # places in time at which particles are counted
 
 
@@ -35,6 +44,7 @@ class Cost:
     most: float
     mean: float
     steps: int
+    bed: Bed
 
     @property
     def particle_steps(self) -> float:
@@ -43,20 +53,20 @@ class Cost:
     @property
     def processor_s(self) -> float:
         """Of the particles alone, over all processes."""
-        return PARTICLE_STEP_S * self.particle_steps
+        return self.bed.particle_step_s * self.particle_steps
 
 
-def cost(case: Case, at_start: int) -> Cost:
+def cost(case: Case, at_start: int, bed: Bed) -> Cost:
     """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
-    stay_s = _deck_length_m(case) / TRANSPORT_M_S if case.screen.exits else math.inf
+    stay_s = _deck_length_m(case) / bed.transport_m_s if case.screen.exits else math.inf
     count = np.where(time_s < stay_s, float(at_start), 0.0)
     for inlet in inlets(case, material_numbers(case)).values():
         per_kg = 1.0 / mean_mass_kg(inlet)
         there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stay_s) for t in time_s]
         count += per_kg * np.array(there_kg)
     steps = math.ceil(case.duration_s / particle_step_s(case))
-    return Cost(float(count.max()), float(count.mean()), steps)
+    return Cost(float(count.max()), float(count.mean()), steps, bed)
 
 
 def mean_mass_kg(inlet: Inlet) -> float:

@@ -19,7 +19,7 @@ from orchestrator.casefile.levels import LoadedCase, level_names, load, read_tom
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
-from orchestrator.commands.cost import TRANSPORT_M_S, cost
+from orchestrator.commands.cost import THICK, THIN, cost
 from orchestrator.deck.openings import openings
 from orchestrator.deck.panels import single_panels, walls
 from orchestrator.deck.surface_grids import surface_grids
@@ -87,12 +87,12 @@ def _particles(loaded: LoadedCase) -> Iterator[str]:
 
 def _cost(case: Case, at_start: int) -> str:
     """Of the particles; a deck that is fed fills until as much leaves."""
-    expected = cost(case, at_start)
-    hours = expected.processor_s / 3600.0
-    stay = f" if material moves at {TRANSPORT_M_S:g} m/s" if case.bed.feeds else ""
+    least, most = (cost(case, at_start, bed) for bed in (THIN, THICK))
     return (
-        f"  cost       {expected.most:.2g} particles at most{stay}: {expected.particle_steps:.2g} "
-        f"particle-steps, {hours:.2g} hours of one processor for LIGGGHTS, within a factor of 3"
+        f"  cost       {least.most:.2g} to {most.most:.2g} particles at most, "
+        f"{least.particle_steps:.2g} to {most.particle_steps:.2g} particle-steps: "
+        f"{least.processor_s / 3600:.2g} to {most.processor_s / 3600:.2g} hours of one processor "
+        "for LIGGGHTS (a thin dry layer to a thick wet one)"
     )
 
 
