@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.bed.feed import Inlet
-from orchestrator.bed.particle_sizes import mean_cube_m3, shares
+from orchestrator.bed.particle_sizes import mean_mass_kg
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import inlets
+from orchestrator.bed.transport import TRANSPORT_M_S, stay_s
 from orchestrator.casefile.case import Case
-from orchestrator.deck.panels import single_panels
 from orchestrator.planning import material_numbers
 
 
@@ -29,9 +28,8 @@ class Bed:
     particle_step_s: float
 
 
-THICK = Bed(transport_m_s=0.34, particle_step_s=6e-7)
-"""40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al., Minerals 14, 2024, 278);
-50 000 wet particles at rest on the deck of cases/ffs0827-slice, on one of two busy cores."""
+THICK = Bed(transport_m_s=TRANSPORT_M_S, particle_step_s=6e-7)
+"""Processor time: 50 000 wet particles at rest on the deck of cases/ffs0827-slice, on one of two busy cores."""
 THIN = Bed(transport_m_s=1.5, particle_step_s=2.8e-7)
 """Level dry of cases/ffs0827-slice: single dry particles, thrown."""
 TIMES = 2000  # places in time at which particles are counted
@@ -59,27 +57,11 @@ class Cost:
 def cost(case: Case, at_start: int, bed: Bed) -> Cost:
     """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
-    stay_s = _deck_length_m(case) / bed.transport_m_s if case.screen.exits else math.inf
-    count = np.where(time_s < stay_s, float(at_start), 0.0)
+    stays_s = stay_s(case, bed.transport_m_s)
+    count = np.where(time_s < stays_s, float(at_start), 0.0)
     for inlet in inlets(case, material_numbers(case)).values():
-        per_kg = 1.0 / mean_mass_kg(inlet)
-        there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stay_s) for t in time_s]
+        per_kg = 1.0 / mean_mass_kg(inlet.sizes, inlet.density_kg_m3)
+        there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
         count += per_kg * np.array(there_kg)
     steps = math.ceil(case.duration_s / particle_step_s(case))
     return Cost(float(count.max()), float(count.mean()), steps, bed)
-
-
-def mean_mass_kg(inlet: Inlet) -> float:
-    """Of a fed particle: a class with mass share p has p / (its mean mass) of the number."""
-    each_kg = math.pi / 6.0 * inlet.density_kg_m3 * mean_cube_m3(inlet.sizes)
-    return float(1.0 / np.sum(shares(inlet.sizes) / each_kg))
-
-
-def _deck_length_m(case: Case) -> float:
-    """From the first panel's upper end to the last one's lower end."""
-    ends_m = [
-        panel.rectangle.mounted(np.array([[along_m, 0.0]]))[0]
-        for panel in single_panels(case)
-        for along_m in (0.0, panel.rectangle.length_m)
-    ]
-    return float(np.linalg.norm(np.ptp(ends_m, axis=0)))
