@@ -64,6 +64,16 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found += steps.panel_step(case)
         found += start.particles_at_start(case, folder)
         found += start.feeds_at_start(case, folder)
+    return _as_given(loaded, found)
+
+
+def table_mistakes(loaded: LoadedCase) -> list[Mistake]:
+    """The first round alone, which reads no files and places no particles."""
+    return _as_given(loaded, [found for rule in OF_TABLES for found in rule(loaded.case.whole)])
+
+
+def _as_given(loaded: LoadedCase, found: list[Mistake]) -> list[Mistake]:
+    """With keys as the user gave them."""
     decks = loaded.layers.merged["screen"].get("decks", {})
     return loaded.layers.named([as_given(mistake, decks) for mistake in found])
 

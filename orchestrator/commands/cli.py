@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -11,6 +12,7 @@ from rich.console import Console
 from orchestrator.commands.study_cli import study
 
 if TYPE_CHECKING:
+    from orchestrator.casefile.errors import Mistake
     from orchestrator.casefile.levels import LoadedCase
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
@@ -20,6 +22,8 @@ Examples:
   flipflow list                                        what can be run
 
   flipflow check cases/quickstart                      is the case right, and what is in it?
+
+  flipflow explain cases/quickstart                    which effects does it call for?
 
   flipflow run cases/quickstart                        run it, into a new folder under runs/
 
@@ -90,6 +94,22 @@ def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> N
 
 
 @app.command()
+def explain(case: CasePath, level: Level = None, overrides: Overrides = None) -> None:
+    """Say which effects a case calls for, by estimates before any run.
+
+    For each effect: whether the case has it at this level, the dimensionless number that decides,
+    the threshold, what follows, and which key changes it.  At the end: what matters and is
+    lacking, and what could be left out.  No solver is started or needed.
+
+    Exit code 0: said, whatever the verdicts; 2: the case has mistakes.
+    """
+    from orchestrator.checks import table_mistakes
+    from orchestrator.commands.explain import show
+
+    show(_checked(case, level, overrides, table_mistakes))
+
+
+@app.command()
 def report(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
 ) -> None:
@@ -149,15 +169,21 @@ def bench(
         _refuse(str(failed), 4)
 
 
-def _checked(case: Path, level: str | None, overrides: list[str] | None) -> LoadedCase:
-    """The case, if it has no mistake; else all of them are said and the program ends."""
+def _checked(
+    case: Path,
+    level: str | None,
+    overrides: list[str] | None,
+    rule: Callable[[LoadedCase], list[Mistake]] | None = None,
+) -> LoadedCase:
+    """The case, if it has no mistake (by default, of any kind); else all of them are said and the
+    program ends."""
     from orchestrator.casefile.errors import CaseError
     from orchestrator.casefile.levels import load
     from orchestrator.checks import mistakes
 
     try:
         loaded = load(case, level, overrides or [])
-        if found := mistakes(loaded):
+        if found := (rule or mistakes)(loaded):
             raise CaseError(found)
     except CaseError as error:
         _refuse(str(error), 2)

@@ -1,0 +1,85 @@
+"""What ``flipflow explain`` prints: a table of effects, and what follows from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from orchestrator.casefile.levels import LoadedCase
+from orchestrator.effects.explain import NAMES, explained
+from orchestrator.effects.verdict import Verdict
+
+WIDTH = 180  # of the table where no terminal sets one
+NOTHING_BUT_ROUNDING = 1e-9
+COLUMNS = ("effect", "here", "number", "value", "threshold", "verdict", "change / cost")
+NOTHING = {
+    "particles": "no particles: nothing to decide",
+    "panels": "no panels: nothing to decide",
+    "frames": "no frames but the ground: nothing to decide",
+}
+
+
+def show(loaded: LoadedCase) -> None:
+    """Prints everything about a case without mistakes in its tables."""
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console.width = WIDTH
+    parts = explained(loaded)
+    level = f"level {loaded.level}" if loaded.level else "no level"
+    console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
+    console.print(table(parts))
+    for line in summary(loaded, [verdict for rows in parts.values() for verdict in rows]):
+        console.print(line, soft_wrap=True)
+
+
+def table(parts: dict[str, list[Verdict]]) -> Table:
+    """One row for each effect, part by part."""
+    found = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in COLUMNS:
+        narrow = column in ("effect", "here", "value")
+        found.add_column(column, no_wrap=narrow, overflow="fold")
+    for part, verdicts in parts.items():
+        found.add_row(f"[{part}]", *[""] * 4, "" if verdicts else NOTHING.get(part, ""))
+        for one in verdicts:
+            here = "yes" if one.present else "no"
+            found.add_row(
+                *(one.effect, here, one.number, _shown(one.value), one.threshold),
+                f"{in_words(one)}: {one.why}",
+                "\n".join(text for text in (one.key, one.cost) if text),
+            )
+        found.add_section()
+    return found
+
+
+def in_words(verdict: Verdict) -> str:
+    """ "matters", "may be left out" or "cannot say"."""
+    if verdict.matters is None:
+        return "cannot say"
+    return "matters" if verdict.matters else "may be left out"
+
+
+def _shown(value: float | None) -> str:
+    if value is None:
+        return "-"
+    if math.isinf(value):
+        return "infinite"
+    return "0" if abs(value) < NOTHING_BUT_ROUNDING else f"{value:.3g}"
+
+
+def summary(loaded: LoadedCase, verdicts: list[Verdict]) -> Iterator[str]:
+    """What the case lacks, and what it could do without."""
+    lacking = [one for one in verdicts if one.lacking]
+    spare = [one for one in verdicts if one.spare]
+    yield (
+        "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
+    )
+    yield from (f"  {one.effect}: {one.why}; {one.key}" for one in lacking)
+    yield "may be left out, and the case has it:" if spare else "nothing could be left out"
+    yield from (f"  {one.effect}: {one.why}; {one.key}; it costs {one.cost}" for one in spare)
+    if others := sorted(set(loaded.left_out) - NAMES):
+        yield f"also left out, and not judged here: {', '.join(others)}"
+    yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

@@ -1,0 +1,1 @@
+"""Which effects a scene calls for, by dimensionless numbers (docs/theory/effects.md)."""

@@ -1,0 +1,129 @@
+"""A panel whose ends move against each other: sag, strain, frequency and stiffness, by closed
+forms (docs/theory/effects.md)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from orchestrator.deck.panels import SinglePanel
+from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.plans import Hyperelastic
+
+
+@dataclass(frozen=True)
+class MovedPanel:
+    """``stroke_m``: amplitude of one clamp against the other along the panel."""
+
+    panel: SinglePanel
+    material: Hyperelastic
+    stroke_m: float
+
+    @property
+    def length_m(self) -> float:
+        return self.panel.rectangle.length_m
+
+    @property
+    def tension_m(self) -> float:
+        """Positive is taut, negative slack."""
+        return self.panel.rectangle.span_m - self.length_m
+
+    @property
+    def sag_m(self) -> float:
+        """Largest height of its arch."""
+        return sine_arch_m(self.length_m, self.stroke_m - self.tension_m)
+
+    @property
+    def travel_m(self) -> float:
+        """Range of its middle's motion, without snapping from one side to the other."""
+        return self.sag_m - sine_arch_m(self.length_m, -self.stroke_m - self.tension_m)
+
+    @property
+    def strain(self) -> float:
+        """When it is most taut; 0 if it never is."""
+        return max(0.0, self.tension_m + self.stroke_m) / self.length_m
+
+    @property
+    def material_share(self) -> float:
+        """Of its free area."""
+        pattern = self.panel.apertures
+        return pattern.material_share(self.panel.rectangle) if pattern else 1.0
+
+    @property
+    def mass_kg_m2(self) -> float:
+        """Per area of the free panel, its openings counted in."""
+        thickness_m = self.panel.table.thickness_m
+        return self.material.density_kg_m3 * thickness_m * self.material_share
+
+    @property
+    def free_mass_kg(self) -> float:
+        return self.mass_kg_m2 * self.length_m * self.panel.rectangle.width_m
+
+    @property
+    def frequency_rad_s(self) -> float:
+        """Lowest: bending between clamps and, where the panel is mounted taut, a string's."""
+        law, thickness_m = self.material, self.panel.table.thickness_m
+        plate_N_m = law.youngs_modulus_Pa * thickness_m**3 / 9  # E t^3 / (12 (1 - 1/4))
+        areal_kg_m2 = law.density_kg_m3 * thickness_m
+        bending = 22.37 * math.sqrt(plate_N_m / areal_kg_m2) / self.length_m**2
+        strain = max(0.0, self.tension_m) / self.length_m
+        wave_m_s = math.sqrt(law.youngs_modulus_Pa * strain / law.density_kg_m3)
+        return math.hypot(bending, math.pi / self.length_m * wave_m_s)
+
+    @property
+    def taut_stiffness_N_m(self) -> float:
+        """Along itself while it is taut, for small strain."""
+        area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
+        whole_N_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
+        return whole_N_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
+
+    @property
+    def spring_N_m(self) -> float:
+        """Of the spring that has the first harmonic of a panel which pulls while taut only."""
+        ratio = (
+            self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
+        )
+        return self.taut_stiffness_N_m * one_sided(ratio)
+
+
+def sine_arch_m(length_m: float, approach_m: float) -> float:
+    """Height of a sine arch of that length whose ends came nearer by so much; 0 for a taut one."""
+    return 2 / math.pi * math.sqrt(length_m * max(0.0, approach_m))
+
+
+def one_sided(ratio: float) -> float:
+    """Share of a one-sided spring's stiffness in the first harmonic, its stretch being
+    tension + amplitude * sin: ``ratio`` = tension / amplitude.  Gelb, A. and Vander Velde, W. E.,
+    Multiple-Input Describing Functions, 1968, ch. 2."""
+    r = min(1.0, max(-1.0, ratio))
+    return 0.5 + (math.asin(r) + r * math.sqrt(1 - r * r)) / math.pi
+
+
+def stiffness_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
+    """Stiffness along the panel against the whole panel's: net sections in series, as if every
+    section stayed straight (an upper bound)."""
+    if pattern is None:
+        return 1.0
+    (low, high) = pattern.region_m(rectangle)
+    along, across = (high - low) / (rectangle.length_m, rectangle.width_m)
+    net = 1 - across * pattern.width_m / pattern.pitch_across_m
+    cut = along * pattern.length_m / pattern.pitch_along_m
+    return float(1 / (1 - cut + cut / net))
+
+
+def mooney_ratio(law: Hyperelastic, strain: float) -> float:
+    """Nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
+    over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,
+    ch. 5."""
+    if strain <= 0.0:
+        return 1.0
+    stretch = 1 + strain
+    stress_Pa = 2 * (stretch - stretch**-2) * (law.c10_Pa + law.c01_Pa / stretch)
+    return stress_Pa / (law.youngs_modulus_Pa * strain)
+
+
+def loss_factor(law: Hyperelastic, speed_rad_s: float) -> float:
+    """Of the elastic spring with its Maxwell branches, at an angular frequency."""
+    turned = [(ratio, speed_rad_s * tau_s) for ratio, tau_s in law.branches]
+    stored = 1 + sum(ratio * x**2 / (1 + x**2) for ratio, x in turned)
+    return sum(ratio * x / (1 + x**2) for ratio, x in turned) / stored

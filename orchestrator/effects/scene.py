@@ -1,0 +1,164 @@
+"""The numbers of a scene that several effects need.
+
+They are of the machine as the case describes it, also where its level leaves something out: a
+rigid panel's would-be sag says what leaving its deformation out does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.bed.contact_times import impact_speed_m_s, smallest_diameters_m
+from orchestrator.bed.particle_sizes import mean_mass_kg
+from orchestrator.bed.size_distribution import classes, share_left_out
+from orchestrator.bed.sources import largest_diameter_m
+from orchestrator.bed.transport import stay_s
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.levels import LoadedCase
+from orchestrator.deck.panels import axes, single_panels
+from orchestrator.effects.moved_panel import MovedPanel
+from orchestrator.effects.shaking import PanelSpring, Shaking, shakings
+from orchestrator.planning import frames_plan, hyperelastic
+from orchestrator.plans import FramesPlan
+
+STANDARD_GRAVITY_M_S2 = 9.81
+ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
+
+
+@dataclass(frozen=True)
+class Scene:
+    """``shaken`` is the frames' steady motion with the panels as springs, ``springs``."""
+
+    case: Case
+    left_out: dict[str, str]
+    plan: FramesPlan
+    panels: tuple[MovedPanel, ...]
+    springs: tuple[PanelSpring, ...]
+    shaken: tuple[Shaking, ...]
+
+    @property
+    def speed_rad_s(self) -> float:
+        """The fastest excitation; 0 where nothing shakes."""
+        return max((one.speed_rad_s for one in self.shaken), default=0.0)
+
+    @property
+    def gravity_m_s2(self) -> float:
+        """Its size; the standard one where the case has none, as a unit."""
+        return float(np.linalg.norm(self.case.gravity_m_s2)) or STANDARD_GRAVITY_M_S2
+
+    @property
+    def frames_throw(self) -> float:
+        """Throw intensity w^2 a / g of the frame that moves most normal to the deck."""
+        normal = axes(self.case)[:, 2]
+        names = [body.name for body in self.plan.bodies]
+        found = [
+            sum(one.speed_rad_s**2 * abs(one.amplitude_m[name] @ normal) for one in self.shaken)
+            for name in names
+        ]
+        return float(max(found, default=0.0)) / self.gravity_m_s2
+
+    @property
+    def panels_throw(self) -> float:
+        """Throw intensity w^2 s / g of the middle of the panel that travels farthest."""
+        travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
+        return self.speed_rad_s**2 * travel_m / self.gravity_m_s2
+
+    @property
+    def throw(self) -> float:
+        """The larger of both."""
+        return max(self.frames_throw, self.panels_throw)
+
+    @property
+    def slope(self) -> float:
+        """Tangent of the flattest panel's slope against the horizontal; 0 without panels."""
+        sines = [min(1.0, abs(p.panel.rectangle.along[2])) for p in self.panels]
+        return math.tan(math.asin(min(sines, default=0.0)))
+
+    @property
+    def impact_m_s(self) -> float:
+        """The case's own (1 m/s, or the highest it gives), or the panels' middles' speed."""
+        travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
+        return max(impact_speed_m_s(self.case), self.speed_rad_s * travel_m)
+
+
+def scene(loaded: LoadedCase) -> Scene:
+    """Of a case whose tables fit together."""
+    case = loaded.case
+    plan = moving_plan(case)
+    panels, springs, shaken = _together(case, plan)
+    return Scene(case, loaded.left_out, plan, panels, springs, shaken)
+
+
+def moving_plan(case: Case) -> FramesPlan:
+    """Frames, bushings, exciters and drives, whatever the level solves of them."""
+    solver = case.frames.model_copy(update={"solver": "exudyn"})
+    case = case.model_copy(update={"frames": solver})
+    return frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
+
+
+def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
+    """Amplitude of a panel's ends against each other, along it; of several speeds the sum."""
+    return float(sum(abs(one.relative_m(spring.frames) @ spring.along) for one in shaken))
+
+
+def _together(
+    case: Case, plan: FramesPlan
+) -> tuple[tuple[MovedPanel, ...], tuple[PanelSpring, ...], tuple[Shaking, ...]]:
+    """Panels pull as the stroke lets them, the stroke is as the panels let it."""
+    panels = tuple(
+        MovedPanel(one, hyperelastic(case.materials[one.table.material]), 0.0)
+        for one in single_panels(case)
+    )
+    stiffness_N_m = np.array([panel.taut_stiffness_N_m / 2 for panel in panels])
+    for _ in range(ROUNDS):
+        springs = tuple(_spring(*row) for row in zip(panels, stiffness_N_m, strict=True))
+        shaken = shakings(plan, springs)
+        panels = tuple(
+            MovedPanel(panel.panel, panel.material, stroke_m(shaken, spring))
+            for panel, spring in zip(panels, springs, strict=True)
+        )
+        wanted_N_m = np.array([panel.spring_N_m for panel in panels])
+        if np.allclose(wanted_N_m, stiffness_N_m, rtol=1e-6, atol=0.0):
+            break
+        stiffness_N_m = (stiffness_N_m + wanted_N_m) / 2
+    return panels, springs, shaken
+
+
+def _spring(panel: MovedPanel, stiffness_N_m: float) -> PanelSpring:
+    at = panel.panel.rectangle
+    first_m = at.corner_m + at.across * at.width_m / 2
+    ends_m = np.stack([first_m, first_m + at.span_m * at.along])
+    return PanelSpring(
+        panel.panel.frames, ends_m, at.along, float(stiffness_N_m), panel.free_mass_kg
+    )
+
+
+def bed_kg_m2(case: Case) -> float:
+    """Mass of the particles per area of the deck, at most: what is there at the start, and what a
+    feed brings in the time that material stays.  At least that of the largest particle over the
+    square of its diameter: so much lies where it lies."""
+    if not has_particles(case):
+        return 0.0
+    area_m2 = sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
+    if area_m2 == 0.0:
+        return 0.0
+    largest_m = largest_diameter_m(case)
+    densest = max(case.materials[name].density_kg_m3 for name in smallest_diameters_m(case))
+    return max(sum(_masses_kg(case)) / area_m2, math.pi / 6 * densest * largest_m)
+
+
+def _masses_kg(case: Case) -> Iterator[float]:
+    for one in case.bed.particles.values():
+        yield math.pi / 6 * case.materials[one.material].density_kg_m3 * one.diameter_m**3
+    for block in case.bed.blocks.values():
+        density = case.materials[block.material].density_kg_m3
+        yield block.count * mean_mass_kg(classes(block), density)
+    for feed in case.bed.feeds.values():
+        stop_s = min(case.duration_s, feed.stop_s or math.inf)
+        fed_s = min(stay_s(case), max(0.0, stop_s - feed.start_s))
+        yield feed.rate_kg_s * (1 - share_left_out(feed)) * fed_s
