@@ -123,7 +123,7 @@ def _together(
             for panel, spring in zip(panels, springs, strict=True)
         )
         wanted_N_m = np.array([panel.spring_N_m for panel in panels])
-        if np.allclose(wanted_N_m, stiffness_N_m, rtol=1e-6, atol=0.0):
+        if np.allclose(wanted_N_m, stiffness_N_m, rtol=1e-9, atol=0.0):
             break
         stiffness_N_m = (stiffness_N_m + wanted_N_m) / 2
     return panels, springs, shaken

@@ -1,0 +1,95 @@
+"""All cases at all levels, the names of the effects, and the command."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.casefile.left_out import FRAMES, HAND_OVER, PANEL
+from orchestrator.casefile.levels import load
+from orchestrator.commands.cli import app
+from orchestrator.effects.explain import NAMES, explained
+from tests.case.cases import CASE, written
+
+CASES = Path(__file__).parents[2] / "cases"
+LEVELS = [
+    (case.parent.name, level.stem)
+    for case in sorted(CASES.glob("*/case.toml"))
+    for level in sorted((case.parent / "levels").glob("*.toml"))
+]
+NOT_JUDGED = {"frame-motion", "panel-motion"}  # hand-overs without which nothing is shaken
+CALL = CliRunner()
+
+
+@pytest.mark.parametrize(("case", "level"), LEVELS)
+def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
+    loaded = load(CASES / case, level)
+    verdicts = [one for rows in explained(loaded).values() for one in rows]
+    names = [one.effect for one in verdicts]
+    assert len(names) == len(set(names))
+    assert set(names) <= NAMES
+    present = {one.effect: one.present for one in verdicts}
+    assert not any(present.get(name, False) for name in loaded.left_out)
+    assert set(loaded.left_out) <= {*names, *NOT_JUDGED}
+    assert all(one.why and one.number and one.threshold for one in verdicts)
+
+
+def test_effects_have_the_names_by_which_levels_leave_them_out() -> None:
+    known = {name for table in (PANEL, FRAMES) for row in table.values() for name in row}
+    known |= {name.replace("_", "-") for name in HAND_OVER}
+    known |= {"rolling-friction", "adhesion", "single-particles", "full-width"}
+    assert known <= NAMES | NOT_JUDGED
+
+
+def test_the_command_says_what_matters_and_what_does_not() -> None:
+    done = CALL.invoke(app, ["explain", str(CASES / "ffs0827-slice"), "--level", "dry"])
+    assert done.exit_code == 0, done.output
+    lacking = done.output[done.output.index("matters, and the case does not have it:") :]
+    assert "  adhesion: the pull-off force is" in lacking
+    assert "  frame-rotation: " in lacking
+    assert "panels / bushings" in done.output
+    assert "docs/theory/effects.md" in done.output
+    sets = ["--set", "panel.solver=rigid", "--set", "hand_over.panel_motion=false"]
+    done = CALL.invoke(app, ["explain", str(CASES / "quickstart"), *sets])
+    assert "  panel-deformation: panels' middles are thrown with" in done.output
+    assert "may be left out, and the case has it:\n  frame-rotation: " in done.output
+    assert "not judged here: panel-motion" in done.output
+
+
+def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
+    done = CALL.invoke(app, ["explain", str(CASES / "bushing-hysteresis")])
+    assert done.exit_code == 0
+    assert "no particles: nothing to decide" in done.output
+    assert "no panels: nothing to decide" in done.output
+    assert "nothing that matters is lacking" in done.output
+
+
+def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
+    done = CALL.invoke(app, ["explain", str(written(tmp_path)), "--set", "duration_s=2e4"])
+    assert done.exit_code == 2
+    assert "looks like ms" in done.stderr
+    without = CASE.replace("[materials.PU]", "[materials.PI]")
+    done = CALL.invoke(app, ["explain", str(written(tmp_path, without))])
+    assert done.exit_code == 2
+    assert "Traceback" not in done.output
+
+
+def test_nothing_of_the_solvers_is_imported() -> None:
+    """In a process of its own: neither a solver nor its adapter nor MPI."""
+    say = (
+        "import sys\n"
+        "from orchestrator.commands.cli import app\n"
+        f"app(['explain', {str(CASES / 'ffs0827-slice')!r}], standalone_mode=False)\n"
+        "heads = {name.split('.')[0] for name in sys.modules}\n"
+        "bad = heads & {'adapters', 'dolfinx', 'ufl', 'petsc4py', 'exudyn', 'mpi4py'}\n"
+        "sys.exit(f'imported: {bad}' if bad or any('bridge' in n for n in sys.modules) else 0)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", say], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    assert "ffs0827-slice" in done.stdout

@@ -1,0 +1,94 @@
+"""Effects in the frames: each deciding number against a value worked out by hand, and what
+follows from it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from orchestrator.casefile.levels import load
+from tests.case.cases import CASE, written
+from tests.effects.verdicts import by_name, of_driven, verdict
+
+
+def test_panels_against_bushings_by_hand(tmp_path: Path) -> None:
+    """Two bushings of 20 kN/m along the deck; the panel has 56 kN/m while taut, and at least half
+    of that in the first harmonic."""
+    found = verdict(tmp_path, "panel-reaction")
+    assert 28 / 40 <= found.value <= 56 / 40
+    assert (found.present, found.matters) == (True, True)
+    assert verdict(tmp_path, "panel-reaction", "hand_over.panel_reaction=false").lacking
+
+
+def test_a_panel_always_taut_pulls_with_all_its_stiffness(tmp_path: Path) -> None:
+    found = verdict(tmp_path, "panel-reaction", "screen.panels.deck.tension_m=0.025")
+    assert found.value == pytest.approx(56 / 40, rel=1e-9)
+
+
+def test_driven_frames_feel_no_panels(tmp_path: Path) -> None:
+    assert of_driven(tmp_path, "panel-reaction").matters is False
+    dynamics = of_driven(tmp_path, "frame-dynamics")
+    assert (dynamics.present, dynamics.matters, dynamics.value) == (False, False, 0.0)
+
+
+def test_damping_of_one_mass_by_hand(tmp_path: Path) -> None:
+    """76 kg and half the panel's 0.276 kg, 40 kN/m along x besides the panel; the frame's stroke is
+    |F| / |k - m w^2 + i c w|."""
+    taut = "screen.panels.deck.tension_m=0.025"
+    damped = "screen.bushings.isolation.damping_N_s_m=[900.0, 900.0, 900.0]"
+    found = verdict(tmp_path, "bushing-damping", taut, damped)
+    dynamic = 96e3 - 76.138 * 78.5**2
+    with_it = abs(dynamic + 1j * 78.5 * 1800)
+    assert found.value == pytest.approx(with_it / abs(dynamic) - 1, rel=1e-6)
+    assert (found.present, found.matters) == (True, None)
+
+
+def test_without_damping_rubbers_is_tried(tmp_path: Path) -> None:
+    taut = "screen.panels.deck.tension_m=0.025"
+    found = verdict(tmp_path, "bushing-damping", taut)
+    dynamic = 96e3 - 76.138 * 78.5**2
+    assert found.value == pytest.approx(1 - abs(dynamic) / abs(dynamic + 4e3j), rel=1e-4)
+    assert not found.present
+
+
+def test_rotation_of_a_body_on_its_own_by_hand(tmp_path: Path) -> None:
+    """On bushings next to nothing, an exciter 0.2 m above the centre of mass: theta = u h / I
+    (w cancels), translation sqrt(2) u / m of a force that turns: 0.2 * 76 / 6 / sqrt(2) per m of
+    lever.  It holds no panel, so that the lever is 0.7 m, to the bushing at x = 0.4."""
+    soft = "screen.bushings.isolation.stiffness_N_m=[10.0, 10.0, 10.0]"
+    above = "screen.exciters.shaft.position_m=[-0.3, 0.1, 0.2]"
+    centre = "screen.frames.driving.center_of_mass_m=[-0.3, 0.1, 0.0]"
+    free = by_name(
+        load(
+            written(tmp_path, CASE.replace('["driving", "ground"]', '["ground", "ground"]')),
+            None,
+            [soft, above, centre],
+        )
+    )["frame-rotation"]
+    assert free.value == pytest.approx(0.7 * 0.2 * 76 / 6 / math.sqrt(2), rel=0.01)
+    assert (free.present, free.matters) == (True, True)
+
+
+def test_two_mass_frames_lack_the_rotation(tmp_path: Path) -> None:
+    above = "screen.exciters.shaft.position_m=[0.0, 0.1, 0.2]"
+    assert verdict(tmp_path, "frame-rotation", above, "frames.solver=two-mass").lacking
+
+
+def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
+    without = CASE.replace("inertia_kg_m2 = [2.0, 6.0, 6.0]", "")
+    found = by_name(load(written(tmp_path, without), None, ["frames.solver=two-mass"]))
+    assert found["frame-rotation"].matters is None
+
+
+@pytest.mark.parametrize(
+    ("run_up_s", "matters", "present"), [(0.0, True, False), (0.1, None, True), (0.5, True, True)]
+)
+def test_cycles_of_the_run_up(
+    tmp_path: Path, run_up_s: float, matters: bool | None, present: bool
+) -> None:
+    given = f"screen.frames.driving.drive.run_up_s={run_up_s}"
+    found = of_driven(tmp_path, "run-up", given)
+    assert found.value == pytest.approx(run_up_s * 80 / (2 * math.pi))
+    assert (found.matters, found.present) == (matters, present)

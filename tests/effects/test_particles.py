@@ -1,0 +1,157 @@
+"""Effects between particles: each deciding number against a value worked out by hand, and what
+follows from it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from orchestrator.casefile.levels import load
+from orchestrator.effects.softness import hertz_overlap_m
+from tests.case.cases import BLOCK, FEED, written
+from tests.effects.verdicts import (
+    APERTURES,
+    BARE,
+    STILL_CASE,
+    TILTED,
+    by_name,
+    of_driven,
+    set_contact,
+    verdict,
+)
+
+
+def test_friction_against_the_slope(tmp_path: Path) -> None:
+    """0.47 / tan 20 deg = 1.291."""
+    found = verdict(tmp_path, "sliding-friction", TILTED)
+    assert found.value == pytest.approx(0.47 / 0.363970, rel=1e-5)
+    assert (found.present, found.matters) == (True, True)
+
+
+@pytest.mark.parametrize(("friction", "matters"), [(0.09, True), (0.03, False)])
+def test_rolling_friction_against_the_slope(tmp_path: Path, friction: float, matters: bool) -> None:
+    row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
+    found = verdict(tmp_path, "rolling-friction", TILTED, row)
+    assert found.value == pytest.approx(friction / 0.363970, rel=1e-5)
+    assert (found.present, found.matters, found.spare) == (True, matters, not matters)
+
+
+def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
+    row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
+    found = verdict(tmp_path, "rolling-friction", TILTED, row, "particles.rolling=none")
+    assert found.lacking
+
+
+def test_bond_number_by_hand(tmp_path: Path) -> None:
+    """20 mm on the panel: 1.5 pi * 7.75 * 0.01 / (1430 * 4/3 pi * 1e-6 * 9.81) = 6.215 weights;
+    nothing shakes."""
+    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
+    found = by_name(load(written(tmp_path, STILL_CASE), None, [row]))["adhesion"]
+    assert found.value == pytest.approx(6.215, rel=1e-3)
+    assert (found.present, found.matters) == (True, True)
+
+
+def test_adhesion_is_measured_against_the_throw(tmp_path: Path) -> None:
+    """The driven panel's middle is thrown with 80^2 * 11.03 mm / g = 7.19."""
+    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
+    sag_m = 2 / math.pi * math.sqrt(0.3e-3)
+    found = of_driven(tmp_path, "adhesion", row)
+    assert found.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
+    assert of_driven(tmp_path, "adhesion", row, "particles.adhesion=none").lacking
+
+
+def test_dry_material_needs_no_adhesion(tmp_path: Path) -> None:
+    found = verdict(tmp_path, "adhesion")
+    assert (found.present, found.matters, found.value) == (False, False, 0.0)
+
+
+def test_coarse_particles_do_not_change_the_bond_number(tmp_path: Path) -> None:
+    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
+    given = [FEED, row]
+    fine = by_name(load(written(tmp_path, BARE), None, given))
+    coarse = by_name(load(written(tmp_path, BARE), None, [*given, "particles.coarse_graining=2"]))
+    assert coarse["adhesion"].value == pytest.approx(fine["adhesion"].value, rel=1e-9)
+    assert "single-particles" not in fine
+    assert not coarse["single-particles"].present
+
+
+def test_layers_of_coarse_particles_by_hand(tmp_path: Path) -> None:
+    """0.1 kg of feed on 0.0604 m2 is 1.656 kg/m2, less than one layer of 40 mm (29.95 kg/m2),
+    as which it counts: one layer."""
+    given = [FEED, "particles.coarse_graining=2"]
+    found = by_name(load(written(tmp_path, BARE), None, given))["single-particles"]
+    assert found.value == pytest.approx(1.0, rel=1e-9)
+    assert found.lacking
+    long = by_name(load(written(tmp_path, BARE), None, [*given, "duration_s=20"]))
+    assert long["single-particles"].value == pytest.approx(20 / 0.0604 / 29.95, rel=1e-3)
+    assert long["single-particles"].matters is False
+
+
+@pytest.mark.parametrize(
+    ("modulus_Pa", "poisson", "density", "overlap_m"),
+    [(48e9, 0.2, 2800.0, 274.11e-6), (20e9, 0.25, 2500.0, 368.30e-6)],
+)
+def test_overlap_of_two_spheres(
+    modulus_Pa: float, poisson: float, density: float, overlap_m: float
+) -> None:
+    """Chung and Ooi, Granular Matter 13, 2011, 643, test 1: r = 10 mm, 10 m/s each."""
+    mass_kg = 4 / 3 * math.pi * 1e-6 * density / 2
+    reduced_Pa = modulus_Pa / (2 * (1 - poisson**2))
+    found_m = hertz_overlap_m(mass_kg, 0.005, reduced_Pa, 20.0)
+    assert found_m == pytest.approx(overlap_m, rel=1e-4)
+
+
+def test_overlap_with_the_duration_of_the_contact() -> None:
+    """Duration 2.87 (m^2 / (R E*^2 v))^(1/5) = 2.943 overlap / v: Johnson 1985, section 11.4."""
+    overlap_m = hertz_overlap_m(0.01, 0.02, 1e7, 1.5)
+    scale = math.pow(0.01**2 * 1.5**4 / (0.02 * 1e7**2), 0.2)
+    assert overlap_m == pytest.approx(0.9745 * scale, rel=1e-4)
+    assert 2.9433 * overlap_m / scale == pytest.approx(2.87, rel=1e-3)
+
+
+def test_overlap_over_radius_by_hand(tmp_path: Path) -> None:
+    """Coal of 1e7 Pa on PU (21 MPa, nu 0.4983) at 80 * 11.03 mm = 0.88, so 1 m/s: 1 / E* =
+    0.91 / 1e7 + 0.7517 / 20.96e6, 15/16 * 4/3 pi * 1430 / E* to the power 0.4 = 0.0568."""
+    found = of_driven(tmp_path, "contact-stiffness")
+    reduced_Pa = 1 / (0.91 / 1e7 + (1 - 0.49825**2) / 20.963e6)
+    on_panel = (15 / 16 * 4 / 3 * math.pi * 1430 / reduced_Pa) ** 0.4
+    half = 1e7 / 1.82
+    pair = (15 / 16 * 2 / 3 * math.pi * 1430 / math.sqrt(0.5) / half) ** 0.4
+    assert found.value == pytest.approx(max(on_panel, pair), rel=1e-3)
+    assert (found.present, found.matters) == (True, False)
+
+
+def test_softened_too_much(tmp_path: Path) -> None:
+    """Overlaps go with E^-0.4: a hundredth of the stiffness, 6.3 times the overlap."""
+    found = of_driven(tmp_path, "contact-stiffness", "particles.largest_youngs_modulus_Pa=1e5")
+    assert found.value > 0.3
+    assert found.lacking
+
+
+def test_stiffness_counts_only_for_sizes_near_the_openings(tmp_path: Path) -> None:
+    """Openings of 12 mm: the ball of 20 mm is beyond 1.5 of them, one of 15 mm is not."""
+    ball = "bed.particles.ball.diameter_m="
+    assert verdict(tmp_path, "stiffness-at-openings", APERTURES).value == 0.0
+    near = verdict(tmp_path, "stiffness-at-openings", APERTURES, f"{ball}0.015")
+    radius = verdict(tmp_path, "contact-stiffness", APERTURES, f"{ball}0.015")
+    assert near.value == pytest.approx(radius.value / 2, rel=1e-9)
+    assert near.matters
+
+
+@pytest.mark.parametrize(
+    ("overrides", "ratio", "matters"),
+    [
+        ((), 1.0, None),
+        ((BLOCK,), 2.0, None),
+        ((BLOCK, "bed.particles.ball.diameter_m=0.14"), 14.0, True),
+        ((BLOCK, APERTURES), 2.0, True),
+    ],
+)
+def test_size_ratio(
+    tmp_path: Path, overrides: tuple[str, ...], ratio: float, matters: bool | None
+) -> None:
+    found = verdict(tmp_path, "size-distribution", *overrides)
+    assert found.value == pytest.approx(ratio)
+    assert found.matters is matters

@@ -1,0 +1,50 @@
+"""Verdicts on the small test case and on one whose frame is driven."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from orchestrator.casefile.levels import LoadedCase, load
+from orchestrator.effects.explain import explained
+from orchestrator.effects.verdict import Verdict
+from tests.case.cases import CASE, loaded, written
+
+APERTURES = (
+    "screen.panels.deck.apertures={length_m=0.02, width_m=0.012, pitch_along_m=0.025, "
+    "pitch_across_m=0.02}"
+)
+TILTED = "screen.inclination_deg=20"
+EXITS = 'screen.exits.under={product="undersize", box_m=[[-0.5, -0.5, -0.9], [0.5, 0.5, -0.3]]}'
+BARE = CASE[: CASE.index("[bed.particles.ball]")] + CASE[CASE.index("[probes.middle]") :]
+STILL_CASE = (
+    CASE[: CASE.index("[screen.exciters.shaft]")] + CASE[CASE.index("[screen.panels.deck]") :]
+)
+DRIVEN_CASE = (
+    BEFORE_EXCITER
+    + """
+[screen.frames.driving.drive]
+speed_rad_s = 80.0
+amplitude_m = [0.003, 0.0, 0.002]
+run_up_s = 0.1
+
+"""
+    + FROM_PANELS
+)
+
+
+def by_name(case: LoadedCase) -> dict[str, Verdict]:
+    return {one.effect: one for rows in explained(case).values() for one in rows}
+
+
+def verdict(folder: Path, effect: str, *overrides: str) -> Verdict:
+    return by_name(loaded(folder, overrides))[effect]
+
+
+def of_driven(folder: Path, effect: str, *overrides: str) -> Verdict:
+    return by_name(load(written(folder, DRIVEN_CASE), None, overrides))[effect]
+
+
+def set_contact(row: str) -> str:
+    """All contacts of the test case with other numbers for coal on PU."""
+    other = 'between=["coal", "coal"], restitution=0.13, sliding_friction=0.36, rolling_friction=0'
+    return f'contacts=[{{between=["coal", "PU"], restitution=0.34, {row}}}, {{{other}}}]'
