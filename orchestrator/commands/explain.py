@@ -13,9 +13,11 @@ from orchestrator.casefile.levels import LoadedCase
 from orchestrator.effects.explain import NAMES, explained
 from orchestrator.effects.verdict import Verdict
 
+NARROW = 130  # too narrow for all columns
 WIDTH = 180  # of the table where no terminal sets one
 NOTHING_BUT_ROUNDING = 1e-9
 COLUMNS = ("effect", "here", "number", "value", "threshold", "verdict", "change / cost")
+SHORT = ("effect", "here", "value")
 NOTHING = {
     "particles": "no particles: nothing to decide",
     "panels": "no panels: nothing to decide",
@@ -31,28 +33,37 @@ def show(loaded: LoadedCase) -> None:
     parts = explained(loaded)
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
-    console.print(table(parts))
+    narrow = console.width < NARROW
+    console.print(table(parts, COLUMNS[:-1] if narrow else COLUMNS))
+    if narrow:
+        console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
     for line in summary(loaded, [verdict for rows in parts.values() for verdict in rows]):
         console.print(line, soft_wrap=True)
 
 
-def table(parts: dict[str, list[Verdict]]) -> Table:
+def table(parts: dict[str, list[Verdict]], columns: tuple[str, ...]) -> Table:
     """One row for each effect, part by part."""
     found = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in COLUMNS:
-        narrow = column in ("effect", "here", "value")
-        found.add_column(column, no_wrap=narrow, overflow="fold")
+    for column in columns:
+        found.add_column(column, no_wrap=column in SHORT, overflow="fold")
     for part, verdicts in parts.items():
         found.add_row(f"[{part}]", *[""] * 4, "" if verdicts else NOTHING.get(part, ""))
         for one in verdicts:
-            here = "yes" if one.present else "no"
-            found.add_row(
-                *(one.effect, here, one.number, _shown(one.value), one.threshold),
-                f"{in_words(one)}: {one.why}",
-                "\n".join(text for text in (one.key, one.cost) if text),
-            )
+            found.add_row(*_row(one)[: len(columns)])
         found.add_section()
     return found
+
+
+def _row(verdict: Verdict) -> tuple[str, ...]:
+    return (
+        verdict.effect,
+        "yes" if verdict.present else "no",
+        verdict.number,
+        _shown(verdict.value),
+        verdict.threshold,
+        f"{in_words(verdict)}: {verdict.why}",
+        "\n".join(text for text in (verdict.key, verdict.cost) if text),
+    )
 
 
 def in_words(verdict: Verdict) -> str:

@@ -39,15 +39,17 @@ def frame_dynamics(scene: Scene) -> Verdict:
 
 def panel_reaction(scene: Scene) -> Verdict:
     """Panels' stiffness along the deck over that of the bushings between the same frames."""
-    ratio, change = _panels_share(scene), _stroke_without(scene, "panels")
     free = bool(free_frames(scene.plan))
-    why = "all frames move as prescribed: panels cannot change that"
-    if free:
-        why = _changes(scene, change, "without the panels")
+    ratio = _panels_share(scene)
+    change, why = _without(scene, shakings(scene.plan), "without the panels")
+    if not free:
+        why = "all frames move as prescribed: panels cannot change that"
+    if not scene.panels:
+        why = "there are no panels"
     off = {"panel-reaction", "frame-dynamics"} & set(scene.left_out)
     return Verdict(
         effect="panel-reaction",
-        present=free and not off,
+        present=free and bool(scene.panels) and not off,
         number="panels / bushings, stiffness along the deck",
         value=ratio if free else None,
         threshold="0.1, or the stroke by a tenth",
@@ -63,18 +65,19 @@ def bushing_damping(scene: Scene) -> Verdict | None:
     if not scene.plan.bushings or not free_frames(scene.plan):
         return None
     given = any(bushing.damping_N_s_m.any() for bushing in scene.plan.bushings)
-    change = _stroke_without(scene, "damping" if given else "rubber")
     what = "without damping" if given else f"with a loss factor of {RUBBER:g}, as rubber has"
-    matters = True if abs(change) > TENTH and scene.speed_rad_s else None
-    dies = "" if matters else "; but without damping the start's swinging never dies out"
+    other = shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
+    change, why = _without(scene, other, what)
+    matters = True if abs(change) > TENTH else None
+    swings = "" if matters else "; but without damping the start's swinging never dies out"
     return Verdict(
         effect="bushing-damping",
         present=given,
         number="change of the stroke",
-        value=abs(change),
+        value=abs(change) if scene.speed_rad_s else None,
         threshold="0.1",
         matters=matters,
-        why=_changes(scene, change, what) + dies,
+        why=why + swings,
         key="screen.bushings.<name>.damping_N_s_m",
         cost="nothing",
     )
@@ -143,18 +146,13 @@ def _panels_share(scene: Scene) -> float:
     return max(found)
 
 
-def _stroke_without(scene: Scene, what: str) -> float:
-    """Relative change of the largest stroke without the panels, without damping, or with rubber's
-    in the place of none; infinite if there is no stroke as the case has it."""
-    other = {
-        "panels": lambda: shakings(scene.plan),
-        "damping": lambda: shakings(scene.plan, scene.springs, 0.0),
-        "rubber": lambda: shakings(scene.plan, scene.springs, RUBBER),
-    }[what]()
+def _without(scene: Scene, other: tuple[Shaking, ...], what: str) -> tuple[float, str]:
+    """Relative change of the largest stroke in another motion, and words about it."""
     now_m, then_m = largest_stroke_m(scene, scene.shaken), largest_stroke_m(scene, other)
     if now_m == 0.0:
-        return math.inf if then_m else 0.0
-    return then_m / now_m - 1
+        return 0.0, "nothing shakes the frames"
+    words = f"{what} the stroke would be {then_m * 1e3:.3g} instead of {now_m * 1e3:.3g} mm"
+    return then_m / now_m - 1, words
 
 
 def largest_stroke_m(scene: Scene, shaken: tuple[Shaking, ...]) -> float:
@@ -164,11 +162,6 @@ def largest_stroke_m(scene: Scene, shaken: tuple[Shaking, ...]) -> float:
     names = [body.name for body in scene.plan.bodies]
     found = [sum(np.linalg.norm(one.amplitude_m[name]) for one in shaken) for name in names]
     return float(max(found, default=0.0))
-
-
-def _changes(scene: Scene, change: float, what: str) -> str:
-    now_mm = 1e3 * largest_stroke_m(scene, scene.shaken)
-    return f"{what} the stroke would be {now_mm * (1 + change):.3g} instead of {now_mm:.3g} mm"
 
 
 def _rotation(scene: Scene, name: str, turning: tuple[Shaking, ...]) -> float:

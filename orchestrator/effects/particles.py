@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from orchestrator.bed.adhesion import surface_materials
 from orchestrator.bed.contact_times import smallest_diameters_m
 from orchestrator.bed.sources import largest_diameter_m
 from orchestrator.casefile.case import Case, Contact
@@ -51,9 +52,9 @@ def rolling_friction(scene: Scene) -> Verdict:
 
 
 def _on_deck(case: Case) -> list[Contact]:
-    """Contacts of particles with panels."""
+    """Contacts of particles with panels or, without any, with other surfaces."""
     grains = set(smallest_diameters_m(case))
-    panels = {panel.material for panel in case.screen.panels.values()}
+    panels = {panel.material for panel in case.screen.panels.values()} or surface_materials(case)
     return [
         row
         for row in case.contacts
@@ -70,7 +71,7 @@ def _of_slope(friction: float, slope: float) -> float:
 
 def _takes(ratio: float, how: str) -> str:
     if math.isinf(ratio):
-        return "the deck is level: friction holds what lies on it"
+        return "on the level, friction holds what lies"
     if ratio >= 1:
         return f"what is {how} stops on the flattest panel"
     return f"takes {ratio:.0%} of the acceleration of what is {how} down the flattest panel"

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 from typer.testing import CliRunner
 
 from orchestrator.casefile.left_out import FRAMES, HAND_OVER, PANEL
 from orchestrator.casefile.levels import load
 from orchestrator.commands.cli import app
+from orchestrator.commands.explain import COLUMNS, table
 from orchestrator.effects.explain import NAMES, explained
 from tests.case.cases import CASE, written
+from tests.effects.verdicts import STILL_CASE
 
 CASES = Path(__file__).parents[2] / "cases"
 LEVELS = [
@@ -68,6 +72,40 @@ def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
     assert "nothing that matters is lacking" in done.output
 
 
+def test_a_scene_that_nothing_shakes_is_explained(tmp_path: Path) -> None:
+    found = {one.effect: one for one in explained(load(written(tmp_path, STILL_CASE)))["frames"]}
+    assert found["panel-reaction"].why == "nothing shakes the frames"
+    assert found["bushing-damping"].value is None
+    assert set(found) == {"frame-dynamics", "panel-reaction", "bushing-damping"}
+
+
+def test_particles_on_a_plate_without_panels_are_explained(tmp_path: Path) -> None:
+    plate = """
+[screen.surfaces.plate]
+corner_m = [0.0, 0.0, 0.0]
+edges_m = [[0.3, 0.0, 0.0], [0.0, 0.2, 0.0]]
+frame = "ground"
+material = "PU"
+
+"""
+    ball = CASE[CASE.index("[bed.particles") : CASE.index("[probes.middle]")]
+    case = CASE[: CASE.index("[screen.panels.deck]")] + plate + ball
+    done = CALL.invoke(app, ["explain", str(written(tmp_path, case))])
+    assert done.exit_code == 0, done.output
+    assert "no panels: nothing to decide" in done.output
+    assert "infinite" in done.output
+
+
+def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
+    parts = explained(load(written(tmp_path)))
+    assert len(table(parts, COLUMNS).columns) == 7
+    console = Console(width=100, record=True, file=StringIO())
+    console.print(table(parts, COLUMNS[:-1]))
+    said = console.export_text()
+    assert "frame-rotation" in said
+    assert "frames.solver" not in said
+
+
 def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
     done = CALL.invoke(app, ["explain", str(written(tmp_path)), "--set", "duration_s=2e4"])
     assert done.exit_code == 2
@@ -78,6 +116,7 @@ def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
     assert "Traceback" not in done.output
 
 
+@pytest.mark.process
 def test_nothing_of_the_solvers_is_imported() -> None:
     """In a process of its own: neither a solver nor its adapter nor MPI."""
     say = (

@@ -16,9 +16,9 @@ APERTURES = (
 TILTED = "screen.inclination_deg=20"
 EXITS = 'screen.exits.under={product="undersize", box_m=[[-0.5, -0.5, -0.9], [0.5, 0.5, -0.3]]}'
 BARE = CASE[: CASE.index("[bed.particles.ball]")] + CASE[CASE.index("[probes.middle]") :]
-STILL_CASE = (
-    CASE[: CASE.index("[screen.exciters.shaft]")] + CASE[CASE.index("[screen.panels.deck]") :]
-)
+BEFORE_EXCITER = CASE[: CASE.index("[screen.exciters.shaft]")]
+FROM_PANELS = CASE[CASE.index("[screen.panels.deck]") :]
+STILL_CASE = BEFORE_EXCITER + FROM_PANELS
 DRIVEN_CASE = (
     BEFORE_EXCITER
     + """
