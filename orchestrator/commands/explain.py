@@ -14,7 +14,7 @@ from orchestrator.effects.explain import NAMES, explained
 from orchestrator.effects.verdict import Verdict
 
 NARROW = 130  # too narrow for all columns
-WIDTH = 180  # of the table where no terminal sets one
+WIDTH = 196  # of the table where no terminal sets one
 NOTHING_BUT_ROUNDING = 1e-9
 COLUMNS = ("effect", "here", "number", "value", "threshold", "verdict", "change / cost")
 SHORT = ("effect", "here", "value")

@@ -69,7 +69,7 @@ def bushing_damping(scene: Scene) -> Verdict | None:
     other = shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
     change, why = _without(scene, other, what)
     matters = True if abs(change) > TENTH else None
-    swings = "" if matters else "; but without damping the start's swinging never dies out"
+    swings = "" if matters else "; yet the start's swinging would never die out"
     return Verdict(
         effect="bushing-damping",
         present=given,
@@ -113,23 +113,27 @@ def run_up(scene: Scene) -> Verdict | None:
     if not rows:
         return None
     cycles = min(run_up_s * speed / (2 * math.pi) for run_up_s, speed in rows)
-    over = f"at the start accelerations are up to {1 / (2 * cycles):.0%} higher" if cycles else ""
-    say: tuple[bool | None, str] = (None, f"{over}: matters if the start is looked at")
-    if cycles == 0:
-        say = (True, "the machine starts with a jump")
-    elif cycles >= CYCLES:
-        say = (True, f"{over}: smooth")
+    matters, why = _start(cycles)
     return Verdict(
         effect="run-up",
         present=cycles > 0,
         number="cycles of the run-up",
         value=cycles,
         threshold=f"{CYCLES:g} (a tenth more acceleration)",
-        matters=say[0],
-        why=say[1],
+        matters=matters,
+        why=why,
         key="run_up_s of exciters and drives",
         cost="that much machine time",
     )
+
+
+def _start(cycles: float) -> tuple[bool | None, str]:
+    if cycles == 0:
+        return True, "the machine starts with a jump"
+    over = f"at the start accelerations are up to {1 / (2 * cycles):.0%} higher"
+    if cycles >= CYCLES:
+        return True, f"{over}: smooth"
+    return None, f"{over}: matters if the start is looked at"
 
 
 def _panels_share(scene: Scene) -> float:

@@ -132,30 +132,31 @@ def panel_damping(scene: Scene) -> Verdict:
 
 def apertures(scene: Scene) -> Verdict:
     """Whether the smallest particles pass; if nothing can, what the openings take of the panel."""
-    openings_m = list(smaller_sides_m(scene.case))
     open_share = 1 - min(panel.material_share for panel in scene.panels)
-    known = f"{open_share:.1%} of the free panel is open"
-    number, threshold, value = "open share", "0.1 (of the panel's mass)", open_share
-    matters: bool | None = open_share > TENTH
-    if has_particles(scene.case) and openings_m:
-        k = scene.case.particles.coarse_graining
-        ratio = min(smallest_diameters_m(scene.case).values()) / k / max(openings_m)
-        if ratio < 1:
-            number, threshold, value = "smallest particle / opening", "below 1 (geometry)", ratio
-            matters = True
-    if not openings_m:
-        matters, known = None, "the case names no openings: which the deck has is not said"
+    passing, there = _smallest_over_opening(scene), open_share > 0
+    passes = passing is not None and passing < 1
     return Verdict(
         effect="apertures",
-        present=bool(openings_m),
-        number=number,
-        value=value if openings_m else None,
-        threshold=threshold,
-        matters=matters,
-        why=known,
+        present=there,
+        number="smallest particle / opening" if passes else "open share",
+        value=(passing if passes else open_share) if there else None,
+        threshold="below 1 (geometry)" if passes else "0.1 (of the panel's mass)",
+        matters=(passes or open_share > TENTH) if there else None,
+        why=f"{open_share:.1%} of the free panel is open"
+        if there
+        else "the case names no openings: which the deck has is not said",
         key="apertures of panels or decks",
         cost="thousands of triangles for the particles",
     )
+
+
+def _smallest_over_opening(scene: Scene) -> float | None:
+    """Of real particles, whatever coarse ones the case computes; None without either."""
+    openings_m = list(smaller_sides_m(scene.case))
+    if not has_particles(scene.case) or not openings_m:
+        return None
+    k = scene.case.particles.coarse_graining
+    return min(smallest_diameters_m(scene.case).values()) / k / max(openings_m)
 
 
 def variation_across(scene: Scene) -> Verdict:

@@ -121,20 +121,9 @@ def _would_matter(scene: Scene, apart: float) -> str:
 
 def size_distribution(scene: Scene) -> Verdict:
     """Sizes decide what passes; in a bed, small ones trickle through from a ratio of 6.46."""
-    k = scene.case.particles.coarse_graining
     low_m = min(smallest_diameters_m(scene.case).values())
-    high_m = largest_diameter_m(scene.case)
-    ratio = high_m / low_m
-    split = [a for a in smaller_sides_m(scene.case) if low_m / k < a <= high_m / k]
-    matters: bool | None = True
-    if split:
-        why = f"openings of {split[0] * 1e3:.3g} mm divide the sizes"
-    elif ratio >= PERCOLATION:
-        why = "small ones trickle through the gaps between large ones"
-    elif ratio == 1.0:
-        matters, why = None, "there is one size only; whether the material has more is not said"
-    else:
-        matters, why = None, "a shaken bed separates smaller ratios, too: only a run tells"
+    ratio = largest_diameter_m(scene.case) / low_m
+    matters, why = _sizes_matter(scene, low_m, ratio)
     return Verdict(
         effect="size-distribution",
         present=ratio > 1,
@@ -146,6 +135,18 @@ def size_distribution(scene: Scene) -> Verdict:
         key="bed: sizes, curve, smallest_fed_m",
         cost="number of particles with 1/d^3, step with d of the smallest",
     )
+
+
+def _sizes_matter(scene: Scene, low_m: float, ratio: float) -> tuple[bool | None, str]:
+    k = scene.case.particles.coarse_graining
+    for opening_m in smaller_sides_m(scene.case):
+        if low_m / k < opening_m <= ratio * low_m / k:
+            return True, f"openings of {opening_m * 1e3:.3g} mm divide the sizes"
+    if ratio >= PERCOLATION:
+        return True, "small ones trickle through the gaps between large ones"
+    if ratio == 1.0:
+        return None, "there is one size only; whether the material has more is not said"
+    return None, "a shaken bed separates smaller ratios, too: only a run tells"
 
 
 def single_particles(scene: Scene) -> Verdict | None:

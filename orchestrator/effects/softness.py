@@ -120,26 +120,25 @@ def _stiffness(
     where: str,
     threshold: str,
 ) -> Verdict:
-    """Overlaps go with E^(-2/5)."""
+    """Of a softness whose overlap over something is ``value``; overlaps go with E^(-2/5)."""
     factor = math.pow(value / limit, 2.5)
-    if found.softened:
-        why = f"softened to {found.cap_Pa:.2g} Pa, {where}"
-        why += f"; {factor:.2g} times as stiff would do" if factor > 1 else ""
-        matters = value > limit
-    elif factor < 1:
-        why = f"the materials' own stiffness, {where}; {factor:.1g} of it would do"
-        matters = False
-    else:
-        why = f"the materials' own stiffness, {where}: they are this soft in fact"
-        matters = True
     return Verdict(
         effect=effect,
         present=not found.softened,
         number=number,
         value=value,
         threshold=threshold,
-        matters=matters,
-        why=why,
+        matters=value > limit,
+        why=_words(found, factor, where),
         key="particles.largest_youngs_modulus_Pa",
         cost=STEP_COST,
     )
+
+
+def _words(found: Softness, factor: float, where: str) -> str:
+    if not found.softened and factor < 1:
+        return f"the materials' own stiffness, {where}; {factor:.1g} of it would do"
+    if not found.softened:
+        return f"the materials' own stiffness, {where}: they are this soft in fact"
+    stiffer = f"; {factor:.2g} times as stiff would do" if factor > 1 else ""
+    return f"softened to {found.cap_Pa:.2g} Pa, {where}{stiffer}"
