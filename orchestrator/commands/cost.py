@@ -29,7 +29,8 @@ class Bed:
 
 
 THICK = Bed(transport_m_s=TRANSPORT_M_S, particle_step_s=6e-7)
-"""Processor time: 50 000 wet particles at rest on the deck of cases/ffs0827-slice, on one of two busy cores."""
+"""Processor time: 50 000 wet particles at rest on the deck of cases/ffs0827-slice, on one of two
+busy cores."""
 THIN = Bed(transport_m_s=1.5, particle_step_s=2.8e-7)
 """Level dry of cases/ffs0827-slice: single dry particles, thrown."""
 TIMES = 2000  # places in time at which particles are counted
