@@ -13,7 +13,7 @@ import pytest
 
 from orchestrator.casefile.errors import CaseError
 from orchestrator.studies import paper, sweep
-from orchestrator.studies.quantities import Sweep
+from orchestrator.studies.quantities import Sweep, Unknown
 from tests.case.cases import CASE, written
 
 SPEED = "screen.exciters.shaft.speed_rad_s"
@@ -149,7 +149,7 @@ def test_a_run_that_failed_is_no_value(case: Path) -> None:
     [
         (('of = "speed"', 'of = "load"'), 'rows.0.of: no of "load"'),
         (("amplitude", "amplitudes"), 'no quantity "amplitudes"'),
-        (("band = [5.4, 6.6]", ""), "band: missing"),
+        (('what = "a"\n', ""), "what: missing"),
         (("what = ", "whut = "), 'did you mean "what"?'),
     ],
 )
@@ -172,9 +172,16 @@ def test_the_file_has_every_row(case: Path) -> None:
 def test_every_papers_table_is_right(case_folder: Path) -> None:
     """Its bands hold the paper's own values."""
     for row in paper.read(case_folder.parent).rows:
-        low, high = row.band
-        assert low < high
-        assert row.paper is None or low <= row.paper <= high
+        if row.band is not None:
+            low, high = row.band
+            assert low < high
+            assert row.paper is None or low <= row.paper <= high
+
+
+def test_what_cannot_be_compared_is_shown(case: Path) -> None:
+    (line,) = compared(case, ROW.replace("band = [5.4, 6.6]\n", ""))
+    assert line.ours == pytest.approx(sum(moved_mm(70)), rel=1e-3)
+    assert line.verdict == "not compared"
 
 
 def test_a_sweep_may_be_cut(case: Path) -> None:
@@ -182,6 +189,17 @@ def test_a_sweep_may_be_cut(case: Path) -> None:
     (whole,) = paper.runs(wanted, case, None, [], case.parent / "out").values()
     assert isinstance(whole, Sweep)
     assert whole.between((65, 85)).values.tolist() == [70.0, 80.0]
+
+
+def test_values_that_are_no_numbers(case: Path) -> None:
+    """Whole tables, in the order given; a range of them cannot be asked for."""
+    (runs,) = paper.runs(paper.read(case), case, None, [], case.parent / "out").values()
+    values = ["[0.0035, 0, 0]", "[0.0015, 0, 0]"]
+    points = [replace(runs.points[n], value=value) for n, value in enumerate(values)]
+    tables = Sweep(runs.vary, points)
+    assert [point.value for point in tables.between(None).points] == values
+    with pytest.raises(Unknown, match="is no number"):
+        tables.between((0, 1))
 
 
 def test_results_and_their_change_over_a_sweep(case: Path) -> None:

@@ -7,6 +7,7 @@ counts as met.  Rows that the case was fitted to say so: they prove nothing.
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,8 +56,8 @@ class Row(Table):
     """The paper's simulation; none where the paper has a figure only."""
     experiment: Number | None = None
     """The paper's experiment."""
-    band: tuple[Number, Number]
-    """Ours is met from the first to the second."""
+    band: tuple[Number, Number] | None = None
+    """Ours is met from the first to the second; none where there is nothing to compare it with."""
     fitted: Switch
     """Whether the case's values were chosen to meet it."""
 
@@ -82,13 +83,16 @@ class Line:
 
     @property
     def good(self) -> bool:
-        low, high = self.row.band
+        """There is a value, in the band if there is one."""
+        low, high = self.row.band or (-math.inf, math.inf)
         return self.ours is not None and low <= self.ours <= high
 
     @property
     def verdict(self) -> str:
         if self.ours is None:
             return self.why
+        if self.row.band is None:
+            return "not compared"
         return ("met" if self.good else "NOT MET") + (" (fitted)" if self.row.fitted else "")
 
     @property
@@ -174,5 +178,5 @@ def _words(line: Line) -> tuple[str, ...]:
     row = line.row
     numbers = ("" if x is None else f"{x:.3g}" for x in (row.paper, row.experiment, line.ours))
     error = "" if line.error is None else f"{100 * line.error:+.1f} %"
-    low, high = row.band
-    return (row.what, *numbers, row.unit, error, f"{low:g} to {high:g}", line.verdict)
+    band = "" if row.band is None else f"{row.band[0]:g} to {row.band[1]:g}"
+    return (row.what, *numbers, row.unit, error, band, line.verdict)

@@ -42,17 +42,32 @@ class Sweep:
         return Sweep(self.vary, found)
 
     def between(self, limits: tuple[float, float] | None) -> Sweep:
-        """The runs of values in a range, in order.  Raises Unknown if they are no numbers."""
+        """The runs of values in a range, in order of their values.  Those that are no numbers stay
+        as they are given; with limits they raise Unknown."""
+        if limits is None and not self._numbers:
+            return self
         low, high = limits or (-np.inf, np.inf)
-        try:
-            inside = [point for point in self.points if low <= float(point.value) <= high]
-        except ValueError:
-            raise Unknown(f"values of {self.vary.name} are no numbers") from None
-        return Sweep(self.vary, sorted(inside, key=lambda point: float(point.value)))
+        inside = [point for point in self.points if low <= _number_in(point) <= high]
+        return Sweep(self.vary, sorted(inside, key=_number_in))
 
     @property
     def values(self) -> Array:
-        return np.array([float(point.value) for point in self.points])
+        """Raises Unknown if they are no numbers."""
+        return np.array([_number_in(point) for point in self.points])
+
+    @property
+    def _numbers(self) -> bool:
+        try:
+            return bool(np.isfinite(self.values).all())
+        except Unknown:
+            return False
+
+
+def _number_in(point: Point) -> float:
+    try:
+        return float(point.value)
+    except ValueError:
+        raise Unknown(f'"{point.value}" is no number') from None
 
 
 def _done(runs: Sweep) -> Sequence[Point]:
