@@ -162,7 +162,10 @@ def bench(
     if not has_particles(loaded.case):
         _refuse("the case has no particles: there is nothing to compare", 2)
     try:
-        Console().print(timed(loaded, intervals, settling))
+        console = Console()
+        if not console.is_terminal:
+            console.width = 120  # into a file: as wide as the table
+        console.print(timed(loaded, intervals, settling))
     except SolverMissing as missing:
         _refuse(str(missing), 3)
     except SolverFailed as failed:
