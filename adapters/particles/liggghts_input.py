@@ -77,11 +77,14 @@ def contact_model(plan: ParticlesPlan) -> str:
 
 def smallest_box_m(plan: ParticlesPlan) -> Array:
     """Lowest and highest corner (2, 3) of what LIGGGHTS's bins cover at least: the surface and the
-    particles at the start (along y the whole domain where that is periodic)."""
+    particles at the start (along y the whole domain where that is periodic).  With more than two
+    ranks it is the domain: LIGGGHTS hands particles to a neighbouring rank only, so a box that
+    shrinks at once, when a far flier leaves, must not be cut into more than two parts."""
     points_m = plan.surface.position_m
     on_it = np.isin(np.arange(len(points_m)), plan.surface.triangles)  # not probes, nor frames
     places_m = np.vstack([points_m[on_it], plan.particles.position_m])
-    if not len(places_m):
+    ranks = 1 if plan.communicator is None else plan.communicator.size
+    if ranks > 2 or not len(places_m):
         places_m = plan.domain_m
     margin_m = plan.largest_diameter_m
     corners_m = np.array([places_m.min(axis=0) - margin_m, places_m.max(axis=0) + margin_m])

@@ -1,6 +1,7 @@
 """The generated LIGGGHTS input, word for word.  No solver needed."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -82,3 +83,11 @@ def test_bins_cover_what_is_there_and_not_the_domain():
     np.testing.assert_allclose(smallest_box_m(plan), corners_m, atol=1e-15)
     corners_m[:, 1] = [-50.0, 50.0]
     np.testing.assert_allclose(smallest_box_m(replace(plan, periodic_y=True)), corners_m)
+
+
+def test_on_more_than_two_ranks_the_box_does_not_shrink():
+    domain_m = np.array([[-50.0] * 3, [50.0] * 3])
+    plan = make_plan(flat(), spheres([0.0, 0.03, 0.05]), domain_m=domain_m)
+    on = {n: replace(plan, communicator=SimpleNamespace(size=n)) for n in (2, 3)}
+    np.testing.assert_array_equal(smallest_box_m(on[2]), smallest_box_m(plan))
+    np.testing.assert_allclose(smallest_box_m(on[3]), [[-50.005] * 3, [50.005] * 3])
