@@ -10,6 +10,7 @@ from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, tra
 from tests.particles.test_liggghts_balance import ranks
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")
+liggghts_start = pytest.importorskip("adapters.particles.liggghts_start")
 
 pytestmark = pytest.mark.solver
 
@@ -131,7 +132,7 @@ def test_a_feed_sees_what_is_across_the_boundary():
 
 
 def test_the_surface_is_joined_where_it_meets_itself():
-    joined = liggghts.joined_across(surface(bent_both, 0.0), PERIOD_M)
+    joined = liggghts_start.joined_across(surface(bent_both, 0.0), PERIOD_M)
     last, first = CELLS, 0  # numbers of the points at both sides of the first row
     assert first in joined
     assert last not in joined
