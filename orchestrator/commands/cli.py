@@ -66,6 +66,27 @@ Out = Annotated[
 ]
 
 
+def _say_versions(wanted: bool) -> None:
+    if not wanted:
+        return
+    from orchestrator.records.provenance import commit, versions
+
+    for name, number in versions().items():
+        typer.echo(f"{name} {number or 'not installed'}")
+    typer.echo(f"commit {commit() or 'unknown'}")
+    raise typer.Exit
+
+
+@app.callback(help=HELP)
+def program(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_say_versions, is_eager=True, help="say the versions"),
+    ] = False,
+) -> None:
+    """What all commands share."""
+
+
 @app.command()
 def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrides = None) -> None:
     """Run a case.

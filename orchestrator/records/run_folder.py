@@ -4,24 +4,17 @@ from __future__ import annotations
 
 import json
 import logging
-import os
-import platform
 import shutil
-import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from datetime import UTC, datetime
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import h5py
 import tomli_w
 
 from orchestrator.casefile.levels import LoadedCase
+from orchestrator.records.provenance import provenance
 
 LOG = logging.getLogger("flipflow")
 
@@ -116,26 +109,6 @@ def logging_to(folder: Path, first: bool) -> Iterator[None]:
         handler.close()
 
 
-def provenance(ranks: int) -> dict[str, Any]:
-    """Who ran what, where and with which versions."""
-    packages = ("flipflow", "numpy", "scipy", "pydantic", "exudyn", "fenics-dolfinx", "mpi4py")
-    return {
-        "command": sys.argv,
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "host": socket.gethostname(),
-        "machine": f"{platform.machine()}, {os.cpu_count()} processors",
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "ranks": ranks,
-        "versions": {
-            **{name: _version(name) for name in packages},
-            "h5py": h5py.__version__,
-            "libliggghts3": _debian_version("libliggghts3"),
-        },
-        "commit": _commit(),
-    }
-
-
 def write_json(path: Path, value: Any) -> None:
     """Whole or not at all."""
     write_text(path, json.dumps(value, indent=2, default=float) + "\n")
@@ -146,37 +119,3 @@ def write_text(path: Path, text: str) -> None:
     aside = path.with_name(f".{path.name}")
     aside.write_text(text, encoding="utf-8")
     aside.replace(path)
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
-
-
-def _debian_version(package: str) -> str | None:
-    """LIGGGHTS does not tell its own version; Debian knows it."""
-    try:
-        return _said("dpkg-query", "-W", "-f", "${Version}", package)
-    except (OSError, subprocess.CalledProcessError):
-        return None
-
-
-def _commit() -> str | None:
-    """The commit of the checkout that this program runs from, with "+" for local changes."""
-    here = Path(__file__).parent
-    try:
-        commit = _git(here, "rev-parse", "HEAD")
-        return commit + ("+" if _git(here, "status", "--porcelain", "-uno") else "")
-    except (OSError, subprocess.CalledProcessError):
-        return None
-
-
-def _git(folder: Path, *words: str) -> str:
-    return _said("git", "-C", str(folder), *words)
-
-
-def _said(*command: str) -> str:
-    """What a command prints.  Raises OSError or CalledProcessError."""
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

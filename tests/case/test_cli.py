@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy
 import pytest
 from typer.testing import CliRunner
 
@@ -132,3 +133,11 @@ def test_bench_wants_particles(tmp_path: Path) -> None:
     done = CALL.invoke(app, ["bench", str(written(tmp_path, without))])
     assert done.exit_code == 2, done.output
     assert "the case has no particles" in done.output
+
+
+def test_version_names_what_the_program_stands_on() -> None:
+    done = CALL.invoke(app, ["--version"])
+    assert done.exit_code == 0
+    said = dict(line.split(maxsplit=1) for line in done.output.splitlines())
+    assert said["numpy"] == numpy.__version__
+    assert {"flipflow", "exudyn", "libliggghts3", "commit"} <= set(said)
