@@ -10,6 +10,7 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from orchestrator.casefile.levels import load
 from orchestrator.checks import mistakes, warnings
 from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import run_folder, summary
+from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
 from orchestrator.watch import Interrupted
@@ -45,7 +47,8 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     except Exception as error:
         broken = f"a mistake in flipflow: {type(error).__name__}: {error}"
         return ranks.in_turn(world, lambda: _console().print(broken), BROKEN)
-    with run_folder.logging_to(folder, first):
+    alone = held(folder / OF_A_RUN) if first else nullcontext()
+    with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         console.print(f"running {loaded.name} {loaded.level} into {folder}")
         for line in [*warnings(loaded), *(f"left out: {why}" for why in loaded.left_out.values())]:

@@ -50,6 +50,7 @@ def sweep(
     to the deck (z) of frames, probes on them, and of the frames against each other; drift says how
     much they still changed.
     """
+    from orchestrator.records import folder_lock
     from orchestrator.studies import sweep as sweeps
     from orchestrator.studies import sweep_table
     from orchestrator.studies.points import parsed
@@ -58,7 +59,8 @@ def sweep(
         wanted = parsed(vary)
         folder = out or Path("runs") / f"{case.resolve().name}-{wanted.name}"
         points = sweeps.points(case, level, overrides or [], wanted, folder)
-        sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
+        with folder_lock.study(folder):
+            sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
     for file in sweep_table.write(sweep_table.rows(wanted, points), wanted, folder):
         CONSOLE.print(f"written: {file}")
     if any(point.status() != "done" for point in points):
@@ -80,6 +82,7 @@ def paper(
 
     Exit code 4: a run failed, or a value that was not fitted is out of its band.
     """
+    from orchestrator.records import folder_lock
     from orchestrator.studies import paper as papers
     from orchestrator.studies import sweep as sweeps
     from orchestrator.studies import sweep_table
@@ -89,7 +92,8 @@ def paper(
         wanted = papers.read(case)
         found = papers.runs(wanted, case, level, overrides or [], folder)
         points = [point for sweep in found.values() for point in sweep.points]
-        sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
+        with folder_lock.study(folder):
+            sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
         compared = papers.compared(wanted, found)
     if not CONSOLE.is_terminal:
         CONSOLE.width = 150  # into a file: as wide as the table

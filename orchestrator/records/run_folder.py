@@ -7,7 +7,8 @@ import logging
 import shutil
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
     """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
     that can be run again, with its surfaces beside it) and the provenance.  Raises
     FolderUnusable."""
-    folder = make(out or fresh_name(Path("runs"), loaded.name))
+    folder = make(out) if out else fresh(Path("runs"), loaded.name)
     try:
         _fill(folder, loaded, world.size if world else 1)
     except OSError as error:
@@ -40,7 +41,8 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
     for name, surface in loaded.case.whole.screen.surfaces.items():
         if surface.stl is not None:
             shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
-    (folder / "case.toml").write_text(tomli_w.dumps(resolved(loaded)))
+    text = tomli_w.dumps(resolved(loaded))
+    (folder / "case.toml").write_text(text, encoding="utf-8")
     write_json(folder / "provenance.json", provenance(ranks))
 
 
@@ -57,7 +59,7 @@ def claimed(path: Path, text: str, rank: int) -> bool:
     """Writes ``path`` if nobody did before; False for everybody but the first.  Where nobody can
     write, ranks that wait in turn for the lower ones to act are all first."""
     try:
-        with path.open("x") as file:
+        with path.open("x", encoding="utf-8") as file:
             file.write(text + "\n")
     except FileExistsError:
         return False
@@ -74,29 +76,42 @@ def discard(folder: Path) -> None:
 def make(folder: Path) -> Path:
     """A new folder; raises FolderUnusable if it is there already or cannot be made."""
     try:
-        folder.mkdir(parents=True)
+        return _made(folder)
     except FileExistsError:
         raise FolderUnusable(
             f"{folder}: exists already; nothing was written. "
             "Give another folder with --out, or remove this one."
         ) from None
+
+
+def _made(folder: Path) -> Path:
+    """Raises FileExistsError where it is there, FolderUnusable where it cannot be."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        raise
     except OSError as error:
         raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
     return folder
 
 
-def fresh_name(parent: Path, case: str) -> Path:
-    """``<parent>/<case>-<n>`` with the first free number."""
-    number = 1
-    while (parent / f"{case}-{number}").exists():
-        number += 1
-    return parent / f"{case}-{number}"
+def fresh(parent: Path, case: str) -> Path:
+    """A new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever
+    asks at the same time.  Raises FolderUnusable if it cannot be made."""
+    for number in count(1):
+        with suppress(FileExistsError):
+            return _made(parent / f"{case}-{number}")
+    raise AssertionError("numbers do not end")
 
 
 @contextmanager
 def logging_to(folder: Path, first: bool) -> Iterator[None]:
     """``run.log`` with times; of ranks other than the first it has errors only."""
-    handler = logging.FileHandler(folder / "run.log", delay=True)
+    handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
     handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO if first else logging.ERROR)

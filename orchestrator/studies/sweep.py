@@ -15,6 +15,7 @@ from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load, read_toml
 from orchestrator.casefile.overlays import changed
 from orchestrator.checks import mistakes
+from orchestrator.records.folder_lock import at_work
 from orchestrator.records.run_folder import FolderUnusable, resolved
 from orchestrator.studies.points import Vary
 
@@ -75,6 +76,8 @@ def run(todo: Sequence[Point], jobs: int, say: Callable[[str], None]) -> None:
     under another name.  Raises FolderUnusable before anything is run."""
     waiting = []
     for point in todo:
+        if at_work(point.folder):
+            raise FolderUnusable(f"{point.folder}: a run is at work there; wait for its end")
         if point.done():
             say(f"{point.folder.name}: done before")
         else:

@@ -48,11 +48,13 @@ def flipflow(*words: str, before: str = "", ranks: int = 1) -> subprocess.Comple
     )
 
 
-def started(*words: str, before: str = "", ranks: int = 1) -> subprocess.Popen[str]:
+def started(
+    *words: str, before: str = "", ranks: int = 1, cwd: Path = ROOT
+) -> subprocess.Popen[str]:
     """Starts and returns at once; what it says can be read at the end."""
     return subprocess.Popen(
         command(*words, before=before, ranks=ranks),
-        cwd=ROOT,
+        cwd=cwd,
         env=_environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -61,8 +63,9 @@ def started(*words: str, before: str = "", ranks: int = 1) -> subprocess.Popen[s
 
 
 def _environment() -> dict[str, str]:
-    """One thread for each process, and the width of a terminal that does not wrap."""
-    return os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "100"}
+    """One thread for each process, the width of a terminal that does not wrap, and this project
+    wherever it is started."""
+    return os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "100", "PYTHONPATH": str(ROOT)}
 
 
 def wait_until(true: Callable[[], bool]) -> None:
