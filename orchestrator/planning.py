@@ -17,7 +17,7 @@ from orchestrator.bed.contact_times import contact_moduli
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import combined_feed, initial_particles, largest_diameter_m
 from orchestrator.casefile.case import Case, Material
-from orchestrator.casefile.left_out import has_particles, left_out
+from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes, single_panels, to_world, unit
 from orchestrator.geometry import TriangleSurface
 from orchestrator.plans import (
@@ -241,6 +241,6 @@ def _pair_tables(case: Case, numbers: dict[str, int]) -> tuple[Array, Array, Arr
                 restitution[row, column] = contact.restitution
                 sliding[row, column] = contact.sliding_friction
                 rolling[row, column] = contact.rolling_friction
-    if "rolling-friction" in left_out(case):
+    if case.particles.rolling == "none":
         rolling[:] = 0.0
     return restitution, sliding, rolling

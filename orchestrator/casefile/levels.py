@@ -17,9 +17,9 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.coarse import coarsened
 from orchestrator.casefile.deck_layout import laid_out
 from orchestrator.casefile.errors import CaseError, Mistake, did_you_mean, from_validation, shown
-from orchestrator.casefile.left_out import dropped, left_out
 from orchestrator.casefile.overlays import Layers, changed, parsed
 from orchestrator.casefile.slice import sliced
+from orchestrator.scene.catalogue import dropped, left_out
 
 NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice", "watch")
 

@@ -20,6 +20,7 @@ from orchestrator.tables.quantities import Box
 from orchestrator.tables.screen import Bushing, Exciter, Frame, Panel, Screen
 
 Filled = TypeVar("Filled", Block, Feed)
+ENOUGH_DIAMETERS = 5.0  # of the largest particles in a slice, so that none bridges: own choice
 
 
 def share(case: Case) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 from orchestrator.bed.contact_times import contact_moduli, impact_speed_m_s, reduced_modulus_Pa
 from orchestrator.bed.size_distribution import classes
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.contents import has_particles
 from orchestrator.geometry import Apertures
 from orchestrator.ports import Array
 from orchestrator.tables.screen import Panel

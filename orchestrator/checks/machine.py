@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Key, Mistake
-from orchestrator.casefile.left_out import has_particles
 from orchestrator.deck.panels import axes
 from orchestrator.tables.quantities import GROUND
 from orchestrator.tables.screen import Panel

@@ -9,12 +9,12 @@ import numpy as np
 
 from orchestrator.bed.sources import largest_diameter_m
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Mistake
-from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.slice import ENOUGH_DIAMETERS
 from orchestrator.deck.panels import walls
 
 FEWEST_DIAMETERS = 3.0  # a particle must not meet itself, or a neighbour twice
-ENOUGH_DIAMETERS = 5.0
 
 
 def too_narrow(case: Case) -> Iterator[Mistake]:

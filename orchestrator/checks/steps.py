@@ -14,8 +14,8 @@ from orchestrator.bed.contact_times import (
 )
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Mistake
-from orchestrator.casefile.left_out import has_particles
 from orchestrator.planning import panel_plans
 from orchestrator.plans import SolverFailed, SolverMissing
 

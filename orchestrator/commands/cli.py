@@ -175,7 +175,7 @@ def bench(
     overrides: Overrides = None,
 ) -> None:
     """Time a case against its particles alone on a rigid, still surface (one process)."""
-    from orchestrator.casefile.left_out import has_particles
+    from orchestrator.casefile.contents import has_particles
     from orchestrator.commands.bench import bench as timed
     from orchestrator.plans import SolverFailed, SolverMissing
 

@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestrator.casefile.levels import LoadedCase
-from orchestrator.effects.explain import NAMES, explained
-from orchestrator.effects.verdict import Verdict
+from orchestrator.scene.catalogue import Judged, judged
+from orchestrator.scene.effect import Part
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
@@ -30,7 +30,7 @@ def show(loaded: LoadedCase) -> None:
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    parts = explained(loaded)
+    parts = judged(loaded.case)
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
@@ -41,7 +41,7 @@ def show(loaded: LoadedCase) -> None:
         console.print(line, soft_wrap=True)
 
 
-def table(parts: dict[str, list[Verdict]], columns: tuple[str, ...]) -> Table:
+def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
     """One row for each effect, part by part."""
     found = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
@@ -54,23 +54,24 @@ def table(parts: dict[str, list[Verdict]], columns: tuple[str, ...]) -> Table:
     return found
 
 
-def _row(verdict: Verdict) -> tuple[str, ...]:
+def _row(one: Judged) -> tuple[str, ...]:
+    verdict = one.verdict
     return (
-        verdict.effect,
-        "yes" if verdict.present else "no",
+        one.effect,
+        "yes" if one.present else "no",
         verdict.number,
         _shown(verdict.value),
         verdict.threshold,
-        f"{in_words(verdict)}: {verdict.why}",
-        "\n".join(text for text in (verdict.key, verdict.cost) if text),
+        f"{in_words(verdict.matters)}: {verdict.why}",
+        "\n".join(text for text in (one.key, verdict.cost) if text),
     )
 
 
-def in_words(verdict: Verdict) -> str:
+def in_words(matters: bool | None) -> str:
     """ "matters", "may be left out" or "cannot say"."""
-    if verdict.matters is None:
+    if matters is None:
         return "cannot say"
-    return "matters" if verdict.matters else "may be left out"
+    return "matters" if matters else "may be left out"
 
 
 def _shown(value: float | None) -> str:
@@ -81,16 +82,17 @@ def _shown(value: float | None) -> str:
     return "0" if abs(value) < NOTHING_BUT_ROUNDING else f"{value:.3g}"
 
 
-def summary(loaded: LoadedCase, verdicts: list[Verdict]) -> Iterator[str]:
+def summary(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
     """What the case lacks, and what it could do without."""
     lacking = [one for one in verdicts if one.lacking]
     spare = [one for one in verdicts if one.spare]
     yield (
         "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
     )
-    yield from (f"  {one.effect}: {one.why}; {one.key}" for one in lacking)
+    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}" for one in lacking)
     yield "may be left out, and the case has it:" if spare else "nothing could be left out"
-    yield from (f"  {one.effect}: {one.why}; {one.key}; it costs {one.cost}" for one in spare)
-    if others := sorted(set(loaded.left_out) - NAMES):
-        yield f"also left out, and not judged here: {', '.join(others)}"
+    yield from (
+        f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}"
+        for one in spare
+    )
     yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

@@ -13,8 +13,8 @@ from orchestrator.bed.contact_times import (
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.left_out import has_particles
 from orchestrator.casefile.levels import LoadedCase, level_names, load, read_toml
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers

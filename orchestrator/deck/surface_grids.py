@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import single_panels
 from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.mapping import Grid, grid

@@ -1,1 +1,5 @@
-"""Which effects a scene calls for, by dimensionless numbers (docs/theory/effects.md)."""
+"""One file for each effect that a scene may call for (docs/theory/effects.md).
+
+The file's name is the effect's, and its ``EFFECT`` is all there is to say of it;
+``scene/catalogue.py`` finds them.
+"""

@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from orchestrator.casefile.left_out import has_particles
+from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.slice import share
 from orchestrator.deck.line import DeckLine, deck_line
 from orchestrator.deck.opening_places import openings_m

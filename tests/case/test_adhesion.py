@@ -12,9 +12,9 @@ from orchestrator.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_
 from orchestrator.bed.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.left_out import left_out
 from orchestrator.planning import material_numbers
 from orchestrator.plans import Jkr, Sjkr
+from orchestrator.scene.catalogue import left_out
 from tests.case.cases import complaints, loaded, only_complaint
 
 WET = ("contacts.0.work_of_adhesion_J_m2=0.1", "contacts.1.work_of_adhesion_J_m2=0.2")

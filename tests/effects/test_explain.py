@@ -11,11 +11,11 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from orchestrator.casefile.left_out import FRAMES, HAND_OVER, PANEL
+from orchestrator import effects
 from orchestrator.casefile.levels import load
 from orchestrator.commands.cli import app
 from orchestrator.commands.explain import COLUMNS, table
-from orchestrator.effects.explain import NAMES, explained
+from orchestrator.scene.catalogue import EFFECTS, judged
 from tests.case.cases import CASE, written
 from tests.effects.verdicts import STILL_CASE
 
@@ -25,28 +25,26 @@ LEVELS = [
     for case in sorted(CASES.glob("*/case.toml"))
     for level in sorted((case.parent / "levels").glob("*.toml"))
 ]
-NOT_JUDGED = {"frame-motion", "panel-motion"}  # hand-overs without which nothing is shaken
 CALL = CliRunner()
 
 
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
     loaded = load(CASES / case, level)
-    verdicts = [one for rows in explained(loaded).values() for one in rows]
+    verdicts = [one for rows in judged(loaded.case).values() for one in rows]
     names = [one.effect for one in verdicts]
     assert len(names) == len(set(names))
-    assert set(names) <= NAMES
     present = {one.effect: one.present for one in verdicts}
     assert not any(present.get(name, False) for name in loaded.left_out)
-    assert set(loaded.left_out) <= {*names, *NOT_JUDGED}
-    assert all(one.why and one.number and one.threshold for one in verdicts)
+    assert set(loaded.left_out) <= set(names)
+    assert all(one.verdict.why and one.verdict.number and one.verdict.threshold for one in verdicts)
 
 
-def test_effects_have_the_names_by_which_levels_leave_them_out() -> None:
-    known = {name for table in (PANEL, FRAMES) for row in table.values() for name in row}
-    known |= {name.replace("_", "-") for name in HAND_OVER}
-    known |= {"rolling-friction", "adhesion", "single-particles", "full-width"}
-    assert known <= NAMES | NOT_JUDGED
+def test_every_file_is_an_effect_and_needs_only_those_there_are() -> None:
+    files = {file.stem for file in Path(effects.__path__[0]).glob("*.py")} - {"__init__"}
+    assert {name.replace("_", "-") for name in files} == set(EFFECTS)
+    assert all(need in EFFECTS for effect in EFFECTS.values() for need in effect.needs)
+    assert not set(EFFECTS) & {law for effect in EFFECTS.values() for law in effect.laws}
 
 
 def test_the_command_says_what_matters_and_what_does_not() -> None:
@@ -61,7 +59,7 @@ def test_the_command_says_what_matters_and_what_does_not() -> None:
     done = CALL.invoke(app, ["explain", str(CASES / "quickstart"), *sets])
     assert "  panel-deformation: panels' middles are thrown with" in done.output
     assert "may be left out, and the case has it:\n  frame-rotation: " in done.output
-    assert "not judged here: panel-motion" in done.output
+    assert "panel-motion: particles are thrown with" in done.output
 
 
 def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
@@ -73,10 +71,10 @@ def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
 
 
 def test_a_scene_that_nothing_shakes_is_explained(tmp_path: Path) -> None:
-    found = {one.effect: one for one in explained(load(written(tmp_path, STILL_CASE)))["frames"]}
-    assert found["panel-reaction"].why == "nothing shakes the frames"
-    assert found["bushing-damping"].value is None
-    assert set(found) == {"frame-dynamics", "panel-reaction", "bushing-damping"}
+    found = {one.effect: one for one in judged(load(written(tmp_path, STILL_CASE)).case)["frames"]}
+    assert found["panel-reaction"].verdict.why == "nothing shakes the frames"
+    assert found["bushing-damping"].verdict.value is None
+    assert set(found) == {"frame-dynamics", "frame-motion", "panel-reaction", "bushing-damping"}
 
 
 def test_particles_on_a_plate_without_panels_are_explained(tmp_path: Path) -> None:
@@ -97,7 +95,7 @@ material = "PU"
 
 
 def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
-    parts = explained(load(written(tmp_path)))
+    parts = judged(load(written(tmp_path)).case)
     assert len(table(parts, COLUMNS).columns) == 7
     console = Console(width=100, record=True, file=StringIO())
     console.print(table(parts, COLUMNS[:-1]))

@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from orchestrator.effects.moved_panel import (
+from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.plans import Hyperelastic
+from orchestrator.scene.moved_panel import (
     MovedPanel,
     loss_factor,
     mooney_ratio,
@@ -17,9 +19,7 @@ from orchestrator.effects.moved_panel import (
     sine_arch_m,
     stiffness_share,
 )
-from orchestrator.effects.scene import scene
-from orchestrator.geometry import Apertures, Rectangle
-from orchestrator.plans import Hyperelastic
+from orchestrator.scene.scene import scene
 from tests.case.cases import loaded
 
 LAW = Hyperelastic(1150.0, 0.7e6, 2.8e6, 2e9)
@@ -94,7 +94,7 @@ def test_slots_take_their_part_of_the_stiffness() -> None:
 
 def panel(folder: Path, *overrides: str) -> MovedPanel:
     """0.3 x 0.2 m, 4 mm, E = 21 MPa, 1150 kg/m3."""
-    return scene(loaded(folder, overrides)).panels[0]
+    return scene(loaded(folder, overrides).case).panels[0]
 
 
 def test_slack_frequency_by_hand(tmp_path: Path) -> None:

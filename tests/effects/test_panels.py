@@ -15,8 +15,8 @@ from tests.effects.verdicts import APERTURES, of_driven, verdict
 def test_load_by_hand(tmp_path: Path) -> None:
     """14.97 kg/m2 under the ball on 4.6 kg/m2."""
     found = verdict(tmp_path, "particle-load")
-    assert found.value == pytest.approx(14.97 / 4.6, rel=1e-3)
-    assert (found.present, found.matters) == (True, True)
+    assert found.verdict.value == pytest.approx(14.97 / 4.6, rel=1e-3)
+    assert (found.present, found.verdict.matters) == (True, True)
     assert verdict(tmp_path, "particle-load", "hand_over.particle_load=false").lacking
     assert verdict(tmp_path, "particle-load", "panel.solver=rigid").lacking
 
@@ -25,16 +25,17 @@ def test_deformation_and_deflection_by_hand(tmp_path: Path) -> None:
     """Sag 11.03 mm against 2 mm of the frame normal to the deck, and 4 mm of thickness."""
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
     found = of_driven(tmp_path, "panel-deformation")
-    assert found.value == pytest.approx(sag_m / 0.002, rel=1e-9)
+    assert found.verdict.value == pytest.approx(sag_m / 0.002, rel=1e-9)
     assert of_driven(tmp_path, "panel-deformation", "panel.solver=rigid").lacking
-    assert of_driven(tmp_path, "large-deflection").value == pytest.approx(sag_m / 0.004, rel=1e-9)
+    large = of_driven(tmp_path, "large-deflection").verdict
+    assert large.value == pytest.approx(sag_m / 0.004, rel=1e-9)
 
 
 def test_inertia_by_hand(tmp_path: Path) -> None:
     """80 rad/s against 123.9 rad/s."""
     found = of_driven(tmp_path, "panel-inertia")
-    assert found.value == pytest.approx((80 / 123.9) ** 2, rel=2e-3)
-    assert found.matters
+    assert found.verdict.value == pytest.approx((80 / 123.9) ** 2, rel=2e-3)
+    assert found.verdict.matters
 
 
 def test_hyperelasticity_by_hand(tmp_path: Path) -> None:
@@ -42,38 +43,38 @@ def test_hyperelasticity_by_hand(tmp_path: Path) -> None:
     stretch = 1 + 0.005 / 0.3
     stress = 2 * (stretch - stretch**-2) * (0.7 + 2.8 / stretch)
     found = of_driven(tmp_path, "hyperelasticity")
-    assert found.value == pytest.approx(1 - stress / (21 * 0.005 / 0.3), rel=1e-9)
-    assert found.value == pytest.approx(0.0293, rel=0.01)
-    assert found.matters is False
+    assert found.verdict.value == pytest.approx(1 - stress / (21 * 0.005 / 0.3), rel=1e-9)
+    assert found.verdict.value == pytest.approx(0.0293, rel=0.01)
+    assert found.verdict.matters is False
     assert not found.spare, "no key takes it out"
 
 
 def test_damping_needs_branches_to_be_judged(tmp_path: Path) -> None:
-    assert of_driven(tmp_path, "panel-damping").matters is None
+    assert of_driven(tmp_path, "panel-damping").verdict.matters is None
     branch = "materials.PU.hyperelastic.maxwell=[{ratio=0.2, relaxation_s=0.0125}]"
     found = of_driven(tmp_path, "panel-damping", branch)
-    assert found.value == pytest.approx(2 * math.pi * 0.2 / 2.2, rel=1e-9)  # w tau = 1
-    assert (found.present, found.matters) == (True, True)
+    assert found.verdict.value == pytest.approx(2 * math.pi * 0.2 / 2.2, rel=1e-9)  # w tau = 1
+    assert (found.present, found.verdict.matters) == (True, True)
 
 
 def test_openings_against_the_smallest_particle(tmp_path: Path) -> None:
-    assert verdict(tmp_path, "apertures").matters is None
+    assert verdict(tmp_path, "apertures").verdict.matters is None
     found = verdict(tmp_path, "apertures", APERTURES, BLOCK)
-    assert found.value == pytest.approx(0.010 / 0.012)
-    assert found.matters
+    assert found.verdict.value == pytest.approx(0.010 / 0.012)
+    assert found.verdict.matters
 
 
 def test_openings_that_nothing_passes_still_take_mass(tmp_path: Path) -> None:
     """12 x 10 openings of 20 x 12 mm in 300 x 200 mm: 48 %."""
     found = verdict(tmp_path, "apertures", APERTURES)
-    assert found.value == pytest.approx(0.48, rel=1e-9)
-    assert found.matters
+    assert found.verdict.value == pytest.approx(0.48, rel=1e-9)
+    assert found.verdict.matters
 
 
 def test_width_over_length(tmp_path: Path) -> None:
     narrow = verdict(tmp_path, "variation-across", "panel.solver=strip")
-    assert narrow.value == pytest.approx(0.2 / 0.3)
-    assert (narrow.present, narrow.matters) == (False, None)
+    assert narrow.verdict.value == pytest.approx(0.2 / 0.3)
+    assert (narrow.present, narrow.verdict.matters) == (False, None)
     wide = verdict(
         tmp_path, "variation-across", "panel.solver=strip", "screen.panels.deck.width_m=0.8"
     )

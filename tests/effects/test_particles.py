@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.casefile.levels import load
-from orchestrator.effects.softness import hertz_overlap_m
+from orchestrator.scene.softness import hertz_overlap_m
 from tests.case.cases import BLOCK, FEED, written
 from tests.effects.verdicts import (
     APERTURES,
@@ -26,16 +26,16 @@ from tests.effects.verdicts import (
 def test_friction_against_the_slope(tmp_path: Path) -> None:
     """0.47 / tan 20 deg = 1.291."""
     found = verdict(tmp_path, "sliding-friction", TILTED)
-    assert found.value == pytest.approx(0.47 / 0.363970, rel=1e-5)
-    assert (found.present, found.matters) == (True, True)
+    assert found.verdict.value == pytest.approx(0.47 / 0.363970, rel=1e-5)
+    assert (found.present, found.verdict.matters) == (True, True)
 
 
 @pytest.mark.parametrize(("friction", "matters"), [(0.09, True), (0.03, False)])
 def test_rolling_friction_against_the_slope(tmp_path: Path, friction: float, matters: bool) -> None:
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
     found = verdict(tmp_path, "rolling-friction", TILTED, row)
-    assert found.value == pytest.approx(friction / 0.363970, rel=1e-5)
-    assert (found.present, found.matters, found.spare) == (True, matters, not matters)
+    assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
+    assert (found.present, found.verdict.matters, found.spare) == (True, matters, not matters)
 
 
 def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
@@ -49,8 +49,8 @@ def test_bond_number_by_hand(tmp_path: Path) -> None:
     nothing shakes."""
     row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
     found = by_name(load(written(tmp_path, STILL_CASE), None, [row]))["adhesion"]
-    assert found.value == pytest.approx(6.215, rel=1e-3)
-    assert (found.present, found.matters) == (True, True)
+    assert found.verdict.value == pytest.approx(6.215, rel=1e-3)
+    assert (found.present, found.verdict.matters) == (True, True)
 
 
 def test_adhesion_is_measured_against_the_throw(tmp_path: Path) -> None:
@@ -58,13 +58,13 @@ def test_adhesion_is_measured_against_the_throw(tmp_path: Path) -> None:
     row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
     found = of_driven(tmp_path, "adhesion", row)
-    assert found.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
+    assert found.verdict.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
     assert of_driven(tmp_path, "adhesion", row, "particles.adhesion=none").lacking
 
 
 def test_dry_material_needs_no_adhesion(tmp_path: Path) -> None:
     found = verdict(tmp_path, "adhesion")
-    assert (found.present, found.matters, found.value) == (False, False, 0.0)
+    assert (found.present, found.verdict.matters, found.verdict.value) == (False, False, 0.0)
 
 
 def test_coarse_particles_do_not_change_the_bond_number(tmp_path: Path) -> None:
@@ -72,7 +72,8 @@ def test_coarse_particles_do_not_change_the_bond_number(tmp_path: Path) -> None:
     given = [FEED, row]
     fine = by_name(load(written(tmp_path, BARE), None, given))
     coarse = by_name(load(written(tmp_path, BARE), None, [*given, "particles.coarse_graining=2"]))
-    assert coarse["adhesion"].value == pytest.approx(fine["adhesion"].value, rel=1e-9)
+    bond = fine["adhesion"].verdict.value
+    assert coarse["adhesion"].verdict.value == pytest.approx(bond, rel=1e-9)
     assert "single-particles" not in fine
     assert not coarse["single-particles"].present
 
@@ -82,11 +83,11 @@ def test_layers_of_coarse_particles_by_hand(tmp_path: Path) -> None:
     as which it counts: one layer."""
     given = [FEED, "particles.coarse_graining=2"]
     found = by_name(load(written(tmp_path, BARE), None, given))["single-particles"]
-    assert found.value == pytest.approx(1.0, rel=1e-9)
+    assert found.verdict.value == pytest.approx(1.0, rel=1e-9)
     assert found.lacking
     long = by_name(load(written(tmp_path, BARE), None, [*given, "duration_s=20"]))
-    assert long["single-particles"].value == pytest.approx(20 / 0.0604 / 29.95, rel=1e-3)
-    assert long["single-particles"].matters is False
+    assert long["single-particles"].verdict.value == pytest.approx(20 / 0.0604 / 29.95, rel=1e-3)
+    assert long["single-particles"].verdict.matters is False
 
 
 @pytest.mark.parametrize(
@@ -119,25 +120,25 @@ def test_overlap_over_radius_by_hand(tmp_path: Path) -> None:
     on_panel = (15 / 16 * 4 / 3 * math.pi * 1430 / reduced_Pa) ** 0.4
     half = 1e7 / 1.82
     pair = (15 / 16 * 2 / 3 * math.pi * 1430 / math.sqrt(0.5) / half) ** 0.4
-    assert found.value == pytest.approx(max(on_panel, pair), rel=1e-3)
-    assert (found.present, found.matters) == (True, False)
+    assert found.verdict.value == pytest.approx(max(on_panel, pair), rel=1e-3)
+    assert (found.present, found.verdict.matters) == (True, False)
 
 
 def test_softened_too_much(tmp_path: Path) -> None:
     """Overlaps go with E^-0.4: a hundredth of the stiffness, 6.3 times the overlap."""
     found = of_driven(tmp_path, "contact-stiffness", "particles.largest_youngs_modulus_Pa=1e5")
-    assert found.value > 0.3
+    assert found.verdict.value > 0.3
     assert found.lacking
 
 
 def test_stiffness_counts_only_for_sizes_near_the_openings(tmp_path: Path) -> None:
     """Openings of 12 mm: the ball of 20 mm is beyond 1.5 of them, one of 15 mm is not."""
     ball = "bed.particles.ball.diameter_m="
-    assert verdict(tmp_path, "stiffness-at-openings", APERTURES).value == 0.0
+    assert verdict(tmp_path, "stiffness-at-openings", APERTURES).verdict.value == 0.0
     near = verdict(tmp_path, "stiffness-at-openings", APERTURES, f"{ball}0.015")
     radius = verdict(tmp_path, "contact-stiffness", APERTURES, f"{ball}0.015")
-    assert near.value == pytest.approx(radius.value / 2, rel=1e-9)
-    assert near.matters
+    assert near.verdict.value == pytest.approx(radius.verdict.value / 2, rel=1e-9)
+    assert near.verdict.matters
 
 
 @pytest.mark.parametrize(
@@ -153,5 +154,5 @@ def test_size_ratio(
     tmp_path: Path, overrides: tuple[str, ...], ratio: float, matters: bool | None
 ) -> None:
     found = verdict(tmp_path, "size-distribution", *overrides)
-    assert found.value == pytest.approx(ratio)
-    assert found.matters is matters
+    assert found.verdict.value == pytest.approx(ratio)
+    assert found.verdict.matters is matters

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.effects.explain import explained
-from orchestrator.effects.verdict import Verdict
+from orchestrator.scene.catalogue import Judged, judged
 from tests.case.cases import CASE, loaded, written
 
 APERTURES = (
@@ -32,15 +31,15 @@ run_up_s = 0.1
 )
 
 
-def by_name(case: LoadedCase) -> dict[str, Verdict]:
-    return {one.effect: one for rows in explained(case).values() for one in rows}
+def by_name(case: LoadedCase) -> dict[str, Judged]:
+    return {one.effect: one for rows in judged(case.case).values() for one in rows}
 
 
-def verdict(folder: Path, effect: str, *overrides: str) -> Verdict:
+def verdict(folder: Path, effect: str, *overrides: str) -> Judged:
     return by_name(loaded(folder, overrides))[effect]
 
 
-def of_driven(folder: Path, effect: str, *overrides: str) -> Verdict:
+def of_driven(folder: Path, effect: str, *overrides: str) -> Judged:
     return by_name(load(written(folder, DRIVEN_CASE), None, overrides))[effect]
 
 

@@ -18,16 +18,17 @@ from orchestrator.bed.size_distribution import classes, share_left_out
 from orchestrator.bed.sources import largest_diameter_m
 from orchestrator.bed.transport import stay_s
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.left_out import has_particles
-from orchestrator.casefile.levels import LoadedCase
+from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes, single_panels
-from orchestrator.effects.moved_panel import MovedPanel
-from orchestrator.effects.shaking import PanelSpring, Shaking, shakings
 from orchestrator.planning import frames_plan, hyperelastic
 from orchestrator.plans import FramesPlan
+from orchestrator.scene.moved_panel import MovedPanel
+from orchestrator.scene.shaking import PanelSpring, Shaking, shakings
 
 STANDARD_GRAVITY_M_S2 = 9.81
 ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
+NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
+ELASTIC = "every panel.solver but rigid has it"
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,6 @@ class Scene:
     """``shaken`` is the frames' steady motion with the panels as springs, ``springs``."""
 
     case: Case
-    left_out: dict[str, str]
     plan: FramesPlan
     panels: tuple[MovedPanel, ...]
     springs: tuple[PanelSpring, ...]
@@ -86,12 +86,11 @@ class Scene:
         return max(impact_speed_m_s(self.case), self.speed_rad_s * travel_m)
 
 
-def scene(loaded: LoadedCase) -> Scene:
+def scene(case: Case) -> Scene:
     """Of a case whose tables fit together."""
-    case = loaded.case
     plan = moving_plan(case)
     panels, springs, shaken = _together(case, plan)
-    return Scene(case, loaded.left_out, plan, panels, springs, shaken)
+    return Scene(case, plan, panels, springs, shaken)
 
 
 def moving_plan(case: Case) -> FramesPlan:

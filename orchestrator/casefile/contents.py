@@ -1,0 +1,23 @@
+"""What a case has at all."""
+
+from __future__ import annotations
+
+from orchestrator.casefile.case import Case
+
+
+def has_particles(case: Case) -> bool:
+    """Whether there are or will be any."""
+    return bool(case.bed.particles or case.bed.blocks or case.bed.feeds)
+
+
+def absent(case: Case) -> dict[str, str]:
+    """What this case does not have at all, and another might: name -> why."""
+    screen = case.screen
+    there = {
+        "particles": (has_particles(case), "the bed is empty"),
+        "exciters": (bool(screen.exciters), "there are none"),
+        "bushings": (bool(screen.bushings), "there are none"),
+        "surfaces": (bool(screen.surfaces), "there are none"),
+        "gravity": (any(case.gravity_m_s2), "gravity_m_s2 is zero"),
+    }
+    return {name: why for name, (is_there, why) in there.items() if not is_there}

@@ -1,0 +1,24 @@
+"""A feed: the share of the bed that is replaced in the run."""
+
+from __future__ import annotations
+
+from orchestrator.casefile.contents import has_particles
+from orchestrator.scene.effect import Effect, Verdict
+from orchestrator.scene.passage import passage
+from orchestrator.scene.scene import Scene
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without particles."""
+    if not has_particles(scene.case):
+        return None
+    return passage(scene, cost="a deck that fills for as long as material stays on it")
+
+
+EFFECT = Effect(
+    part="machine",
+    judge=judge,
+    described=lambda case: bool(case.bed.feeds),
+    overlay=lambda case: {"bed": {"feeds": None}} if case.bed.feeds else {},
+    key="bed.feeds.<name>",
+)

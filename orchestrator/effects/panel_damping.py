@@ -1,0 +1,52 @@
+"""Damping in the panels' material: energy lost per cycle over energy stored, 2 pi times the loss
+factor."""
+
+from __future__ import annotations
+
+import math
+
+from orchestrator.casefile.case import Case
+from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.scene.moved_panel import loss_factor
+from orchestrator.scene.scene import Scene
+
+
+def judge(scene: Scene) -> Verdict:
+    if scene.speed_rad_s == 0:
+        speed, where = min(panel.frequency_rad_s for panel in scene.panels), "its own frequency"
+    else:
+        speed, where = scene.speed_rad_s, "the excitation's frequency"
+    factor = max(loss_factor(panel.material, speed) for panel in scene.panels)
+    lost = 2 * math.pi * factor
+    given = any(panel.material.branches for panel in scene.panels)
+    unknown = "no Maxwell branches are given: measure the loss factor (0.02 would matter)"
+    return Verdict(
+        number="energy lost / stored, per cycle",
+        value=lost if given else None,
+        threshold="0.1 (loss factor 0.016)",
+        matters=lost > TENTH if given else None,
+        why=f"loss factor {factor:.2g} at {where}" if given else unknown,
+        cost="a twentieth of a strip's time, a fifth of a sheet's",
+    )
+
+
+def overlay(case: Case) -> Overlay:
+    return {"materials": {name: {"hyperelastic": {"maxwell": None}} for name in _damped(case)}}
+
+
+def _damped(case: Case) -> list[str]:
+    return [
+        name
+        for name, material in case.materials.items()
+        if material.hyperelastic and material.hyperelastic.maxwell
+    ]
+
+
+EFFECT = Effect(
+    part="panels",
+    judge=judge,
+    described=lambda case: bool(case.screen.panels) and bool(_damped(case)),
+    overlay=overlay,
+    needs=("panel-deformation",),
+    key="materials.<name>.hyperelastic.maxwell",
+)

@@ -1,0 +1,44 @@
+"""Particles load the panels: mass of the bed over mass of the panel."""
+
+from __future__ import annotations
+
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
+from orchestrator.scene.effect import TENTH, Effect, Verdict
+from orchestrator.scene.scene import Scene, bed_kg_m2
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without particles."""
+    if not has_particles(scene.case):
+        return None
+    bed = bed_kg_m2(scene.case)
+    ratio = bed / min(panel.mass_kg_m2 for panel in scene.panels)
+    return Verdict(
+        number="bed / panel, mass per area",
+        value=ratio,
+        threshold="0.1 (a tenth of the inertia)",
+        matters=ratio > TENTH,
+        why=f"the bed has up to {bed:.3g} kg/m2",
+        cost="a sync interval below a tenth of the shortest impact",
+    )
+
+
+def described(case: Case) -> bool:
+    return has_particles(case) and bool(case.screen.panels)
+
+
+def left_out(case: Case) -> str:
+    off = "hand_over.particle_load is off: panels do not feel the particles"
+    return "" if case.hand_over.particle_load else off
+
+
+EFFECT = Effect(
+    part="panels",
+    judge=judge,
+    described=described,
+    left_out=left_out,
+    overlay=lambda case: {"hand_over": {"particle_load": False}},
+    needs=("panel-deformation",),
+    key="hand_over.particle_load",
+)

@@ -1,0 +1,88 @@
+"""All effects that there are: every file in ``orchestrator/effects`` is one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import get_args
+
+from orchestrator import effects
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import absent, has_particles
+from orchestrator.scene.effect import Effect, Part, Verdict
+from orchestrator.scene.scene import scene
+
+
+def _found() -> dict[str, Effect]:
+    found: dict[str, Effect] = {}
+    for module in iter_modules(effects.__path__):
+        effect = import_module(f"{effects.__name__}.{module.name}").EFFECT
+        assert isinstance(effect, Effect)
+        found[module.name.replace("_", "-")] = effect
+    return found
+
+
+EFFECTS = _found()
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An effect in one scene.  ``present``: whether the case has it."""
+
+    effect: str
+    key: str
+    present: bool
+    verdict: Verdict
+
+    @property
+    def lacking(self) -> bool:
+        """It matters, and the case does not have it."""
+        return self.verdict.matters is True and not self.present
+
+    @property
+    def spare(self) -> bool:
+        """The case has it, could do without, and a key takes it out."""
+        return self.verdict.matters is False and self.present and bool(self.key)
+
+
+def judged(case: Case) -> dict[Part, list[Judged]]:
+    """By part; a part that the case does not have is empty.  For a case whose tables fit together
+    (``checks.table_mistakes``)."""
+    there: dict[Part, bool] = {
+        "particles": has_particles(case),
+        "panels": bool(case.screen.panels),
+        "frames": bool(case.screen.frames),
+        "machine": True,
+    }
+    seen = scene(case)
+    found: dict[Part, list[Judged]] = {part: [] for part in get_args(Part)}
+    for name, effect in EFFECTS.items():
+        verdict = effect.judge(seen) if there[effect.part] else None
+        if verdict is not None:
+            one = Judged(name, effect.key, present(case, name), verdict)
+            found[effect.part].append(one)
+    return found
+
+
+def present(case: Case, name: str) -> bool:
+    """Whether the case describes it and nothing leaves it out, nor what it needs."""
+    effect = EFFECTS[name]
+    there = effect.described(case) and not effect.left_out(case)
+    return there and all(present(case, one) for one in effect.needs)
+
+
+def left_out(case: Case) -> dict[str, str]:
+    """What solvers and other settings leave out of this case: name -> why."""
+    found = {name: effect.left_out(case) for name, effect in EFFECTS.items()}
+    return {name: why for name, why in found.items() if why}
+
+
+def dropped(bare: Case, at_level: Case) -> dict[str, str]:
+    """What the level leaves out of the bare case."""
+    before, after = absent(bare) | left_out(bare), absent(at_level) | left_out(at_level)
+    found = {name: why for name, why in after.items() if name not in before}
+    for name, effect in EFFECTS.items():
+        if effect.overlay(bare) and effect.described(bare) and not effect.described(at_level):
+            found.setdefault(name, "nothing in the case describes it any more")
+    return found

@@ -1,0 +1,64 @@
+"""What an effect is, and what is said of one in a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from orchestrator.casefile.case import Case
+from orchestrator.scene.scene import Scene
+
+Part = Literal["particles", "panels", "frames", "machine"]
+Overlay = Mapping[str, Any]
+TENTH = 0.1
+"""What changes a result by less than a tenth may be left out: the project's own choice, as the
+amplitudes of cases/ffs0827-empty meet the published ones to about a tenth."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether an effect matters in a scene.
+
+    ``number`` names the dimensionless number that decides, ``value`` is its value (None: there is
+    none), ``threshold`` what it is compared with; ``matters`` is None where the scene does not
+    tell; ``why`` says so in words, ``cost`` what the effect costs.
+    """
+
+    number: str
+    value: float | None
+    threshold: str
+    matters: bool | None
+    why: str
+    cost: str = ""
+
+
+def _nothing(case: Case) -> Overlay:
+    return {}
+
+
+def _never(case: Case) -> str:
+    return ""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One effect: a file in ``orchestrator/effects`` named after it.
+
+    ``part``: what it belongs to.  ``judge``: None where the scene has no such question.
+    ``described``: whether the case's data describe it.  ``left_out``: what settings leave it out
+    nevertheless, in words ("": none do).  ``overlay``: keys of the case that leave it out, laid
+    over it before it is read (None takes a key away); empty where only a number could be changed,
+    or where this case cannot do without.  ``needs``: effects without which it is nothing.
+    ``laws``: names by which it can be called for with one of several laws, and the keys that choose
+    it; two of them exclude each other.  ``key``: what a user changes to have it or not.
+    """
+
+    part: Part
+    judge: Callable[[Scene], Verdict | None]
+    described: Callable[[Case], bool]
+    left_out: Callable[[Case], str] = _never
+    overlay: Callable[[Case], Overlay] = _nothing
+    needs: tuple[str, ...] = ()
+    laws: Mapping[str, Overlay] = field(default_factory=dict)
+    key: str = ""
