@@ -2,10 +2,15 @@
 
 Optimised code halves the time of an assembly (measured, docs/theory/panel_sheet.md).  It must not
 run on another kind of processor, so each kind has a cache folder of its own.
+
+The cache is shared by all processes.  FFCx marks what is being compiled by its C file alone: a
+process that is killed meanwhile would leave a mark on which all later ones wait in vain.  So one
+process at a time compiles, under a lock that ends with it, and what it finds half made is removed.
 """
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import logging
 import os
@@ -17,11 +22,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from cffi import VerificationError
 from dolfinx import fem
 
+from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
 
-COMPILE_TIMEOUT_S = 120
+COMPILE_TIMEOUT_S = 120  # for others to compile, on a file system without locks
 
 
 def _processor() -> str:
@@ -48,14 +55,34 @@ def _options() -> dict[str, Any]:
 @contextmanager
 def _compiling() -> Iterator[None]:
     """Quietly: the compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python
-    reports, and logs its command lines."""
+    reports, and logs its command lines.  Raises SolverFailed where nothing can be compiled."""
+    cache: Path = _options()["cache_dir"]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ResourceWarning)
         logging.disable(logging.INFO)
         try:
-            yield
+            with _alone(cache):
+                yield
+        except (OSError, ImportError, VerificationError) as error:
+            raise SolverFailed(f"a panel's form cannot be compiled in {cache}: {error}") from error
         finally:
             logging.disable(logging.NOTSET)
+
+
+@contextmanager
+def _alone(cache: Path) -> Iterator[None]:
+    """No other process works on the cache meanwhile, and nothing in it is half made."""
+    cache.mkdir(parents=True, exist_ok=True)
+    with (cache / "lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        except OSError:  # no locks on this file system: FFCx waits by its own means
+            yield
+            return
+        for source in cache.glob("*.c"):
+            if not source.with_suffix(".c.cached").exists():
+                source.unlink()
+        yield
 
 
 def form(integral: Any) -> Any:

@@ -1,0 +1,94 @@
+"""The cache of compiled forms: shared by processes that start together, and none the worse for one
+that is killed while it compiles."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = [pytest.mark.solver, pytest.mark.process, pytest.mark.slow]
+ROOT = Path(__file__).parents[2]
+TOGETHER_S = 90  # FFCx's own waiting would take 120
+# the integral of x^2 y over the unit square, 1/6, and a form whose code takes some seconds
+PROGRAM = """
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+from adapters.panel.compiled import form, function_space
+square = mesh.create_unit_square(MPI.COMM_SELF, 2, 2)
+space = function_space(square, ufl.VectorElement("Lagrange", "triangle", 3))
+u, v, w = fem.Function(space), ufl.TestFunction(space), ufl.TrialFunction(space)
+gradient = ufl.Identity(2) + ufl.grad(u)
+energy = ufl.exp(ufl.inner(gradient, gradient)) * ufl.det(gradient)
+form(ufl.derivative(ufl.derivative(energy * ufl.dx, u, v), u, w))
+x = ufl.SpatialCoordinate(square)
+print(fem.assemble_scalar(form(x[0] ** 2 * x[1] * ufl.dx)))
+"""
+
+
+def started(cache: Path) -> subprocess.Popen[str]:
+    """The program, in a process group of its own, which the compiler belongs to."""
+    own = {"XDG_CACHE_HOME": str(cache), "OMP_NUM_THREADS": "1"}
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM],
+        cwd=ROOT,
+        env=os.environ | own,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def compiled(program: subprocess.Popen[str]) -> None:
+    said, errors = program.communicate(timeout=TOGETHER_S)
+    assert program.returncode == 0, errors
+    assert float(said) == pytest.approx(1 / 6, rel=1e-12)
+
+
+def files(cache: Path, pattern: str) -> list[Path]:
+    return sorted((cache / "fenics").glob(f"*/{pattern}"))
+
+
+def all_ready(cache: Path) -> bool:
+    """At least the elements and two forms; UFL may name one form differently in two processes."""
+    sources, ready = files(cache, "*.c"), files(cache, "*.c.cached")
+    return len(sources) >= 3 and [f.stem for f in ready] == [f.name for f in sources]
+
+
+def wait_for(cache: Path, pattern: str) -> None:
+    end = time.monotonic() + TOGETHER_S
+    while not files(cache, pattern):
+        assert time.monotonic() < end, f"no {pattern}"
+        time.sleep(0.01)
+
+
+def test_two_processes_compile_into_a_cold_cache(tmp_path: Path) -> None:
+    for program in [started(tmp_path), started(tmp_path)]:
+        compiled(program)
+    assert all_ready(tmp_path)
+
+
+@pytest.mark.parametrize("moment", ["libffcx_forms_*.c", "libffcx_forms_*.o"])
+def test_one_that_is_killed_while_it_compiles(tmp_path: Path, moment: str) -> None:
+    """Killed when its C file appears, empty, and when the compiler has written its object."""
+    killed = started(tmp_path)
+    wait_for(tmp_path, moment)
+    os.killpg(killed.pid, signal.SIGKILL)
+    killed.communicate()
+    assert not all_ready(tmp_path)
+    compiled(started(tmp_path))
+    assert all_ready(tmp_path)
+
+
+def test_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "fenics").write_text("in the way")
+    program = started(tmp_path)
+    errors = program.communicate(timeout=TOGETHER_S)[1]
+    assert "SolverFailed: a panel's form cannot be compiled in" in errors.splitlines()[-1]
