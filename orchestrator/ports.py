@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -256,3 +256,24 @@ class Particles(Protocol):
         ...
 
     def close(self) -> None: ...
+
+
+Saved = dict[str, Any]
+"""Arrays by name, or more of the same: what ``state.py`` makes of a solver's state."""
+
+
+class Restorable(Protocol):
+    """A solver that can be taken back to a sync point, or another one brought there.
+
+    A run that goes on from there is, bit for bit, the one that never stopped.  Both calls are
+    collective under MPI; what each rank saves is its own.
+    """
+
+    def save(self) -> Saved:
+        """All that decides how it goes on: copies, so that it may go on meanwhile.  Changes
+        nothing."""
+        ...
+
+    def restore(self, saved: Saved) -> None:
+        """Of this solver, or of another one opened with the same plan."""
+        ...

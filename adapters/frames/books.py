@@ -12,7 +12,10 @@ from adapters.frames import linear
 from adapters.frames.poses import Attached, Poses, turned
 from adapters.frames.trapezoidal import Forces, Instant
 from orchestrator.plans import FramesPlan
-from orchestrator.ports import Account, Array
+from orchestrator.ports import Account, Array, Saved
+from orchestrator.state import put_back, taken
+
+_SUMS = ("_outside_N_s", "_lost_J", "_exciter_J", "_received_J")
 
 
 class Books:
@@ -71,6 +74,15 @@ class Books:
             supplied_J=supplied_J,
             received_J={"reaction": self._received_J},
         )
+
+    def save(self) -> Saved:
+        drives_J = np.array([drive.work_J for drive in self._drives])
+        return taken(self, *_SUMS) | {"drives_J": drives_J}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_SUMS)
+        for drive, work_J in zip(self._drives, saved["drives_J"], strict=True):
+            drive.work_J = float(work_J)
 
     def _kinetic_J(self, poses: Poses) -> Array:
         """(bodies,)"""

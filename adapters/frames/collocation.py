@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BarycentricInterpolator
 from scipy.special import roots_sh_legendre
 
 from orchestrator.ports import Array
@@ -58,6 +57,13 @@ def gauss(mass: Array, damping: Array, stiffness: Array, step_s: float) -> Gauss
 def _tableau() -> tuple[Array, Array, Array]:
     """Nodes and weights on (0, 1), and a_ij = the integral of basis polynomial j up to node i."""
     node, weight = roots_sh_legendre(STAGES)
-    basis = BarycentricInterpolator(node, np.eye(STAGES))
-    integral = np.array([end * (weight @ basis(end * node)) for end in node])
+    integral = np.array([end * (weight @ _basis(node, end * node)) for end in node])
     return node, weight, integral
+
+
+def _basis(node: Array, at: Array) -> Array:
+    """Lagrange's basis polynomials of the nodes (n,) at ``at`` (m,), (m, n).  By their definition:
+    SciPy's interpolator shuffles its nodes at random, and no two runs would be alike."""
+    others = ~np.eye(len(node), dtype=bool)
+    apart = np.where(others, node[:, None] - node, 1.0)
+    return np.asarray(np.prod((at[:, None, None] - node) / apart, axis=2, where=others))

@@ -26,15 +26,17 @@ from adapters.frames.driven import Driven
 from adapters.frames.poses import Attached, Poses, cross
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan, SolverFailed, SolverMissing
-from orchestrator.ports import Account, Array, Load, Motion, counted
+from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
+from orchestrator.state import put_back, taken
 
 try:
     import exudyn
 
-    from adapters.frames import multibody
+    from adapters.frames import multibody, newmark
 except ImportError as missing:
     raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
 
+_STATE = ("_wrench", "_instant", "_couple_N_m", "_points")
 LARGEST_TILT_RAD = 1.4
 """The rotation angles are singular at a tilt of pi/2 about y; frames on bushings tilt by 0.01."""
 
@@ -90,7 +92,7 @@ class ExudynFrames:
         self._apply(self._wrench_of(reaction, interval.length_s))
         steps = interval.steps(self._largest_step_s)
         step_s = interval.length_s / steps
-        self._solver.it.currentStepSize = step_s
+        newmark.start_interval(self._solver, step_s)
         for step in range(1, steps + 1):
             self._step(interval.start_s + step * step_s, step_s)
         before, self._points = self._points, self._moved()
@@ -101,25 +103,26 @@ class ExudynFrames:
     def account(self) -> Account:
         return self._books.account(self._instant)
 
+    def save(self) -> Saved:
+        system = newmark.save(self._bodies.system, self._solver)
+        return taken(self, *_STATE) | {"system": system, "books": self._books.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        newmark.restore(self._bodies.system, self._solver, saved["system"])
+        self._books.restore(saved["books"])
+
     def close(self) -> None:
         if self._solver is not None:
             self._solver.FinalizeSolver(self._bodies.system, self._settings)
             self._solver = None
 
     def _open(self) -> None:
-        self._settings = settings = exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        time = settings.timeIntegration
-        time.endTime, time.numberOfSteps = 1e9, 10**12  # steps are made by hand, without end
-        time.adaptiveStep = False
-        time.generalizedAlpha.useNewmark = True
-        time.newton.relativeTolerance = 1e-13
-        # a machine at rest has no larger residual than the rounding of its bushings' forces
         stiffness_N_m = sum(float(bushing.stiffness_N_m.sum()) for bushing in self._plan.bushings)
-        time.newton.absoluteTolerance = max(1e-10, 1e-15 * stiffness_N_m)
+        self._settings = newmark.settings(stiffness_N_m)
         self._place_driven()
         self._solver = exudyn.MainSolverImplicitSecondOrder()
-        if not self._solver.InitializeSolver(self._bodies.system, settings):
+        if not self._solver.InitializeSolver(self._bodies.system, self._settings):
             raise SolverFailed(f"exudyn at 0 s: no start: {self._solver.GetErrorString()}")
 
     def _place_driven(self) -> None:

@@ -12,7 +12,10 @@ from adapters.frames import linear
 from adapters.frames.drive import moved
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan
-from orchestrator.ports import Account, Load, Motion, counted
+from orchestrator.ports import Account, Load, Motion, Saved, counted
+from orchestrator.state import put_back, taken
+
+_STATE = ("_now", "_impulse_N_s", "_received_J")
 
 
 def build(plan: FramesPlan) -> PrescribedFrames:
@@ -51,6 +54,12 @@ class PrescribedFrames:
             supplied_J={"drive": -self._received_J},
             received_J={"reaction": self._received_J},
         )
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

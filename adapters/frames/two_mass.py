@@ -23,7 +23,11 @@ from adapters.frames.collocation import Gauss, gauss
 from adapters.frames.unbalance import Unbalance
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan
-from orchestrator.ports import Account, Array, Load, Motion, counted
+from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
+from orchestrator.state import put_back, taken
+
+_SUMS = ("_outside_N_s", "_lost_J", "_supplied_J", "_received_J")
+_STATE = ("_displacement_m", "_velocity_m_s", *_SUMS)
 
 
 def build(plan: FramesPlan) -> TwoMassFrames:
@@ -93,6 +97,12 @@ class TwoMassFrames:
             supplied_J={"exciter": self._supplied_J},
             received_J={"reaction": self._received_J},
         )
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

@@ -80,6 +80,12 @@ class Engine:
         steps: int,
     ) -> None: ...
     def run(self, steps: int, step_s: float) -> None: ...
+    def save(self) -> dict[str, npt.NDArray[Any]]:
+        """Between runs: this rank's part of all that the next ones depend on, to the last bit."""
+
+    def restore(self, arrays: dict[str, npt.NDArray[Any]]) -> None:
+        """Back to there, also in another instance with the same input, surface and ranks."""
+
     def particles(self) -> dict[str, npt.NDArray[Any]]:
         """Views of LIGGGHTS's memory: x, v, omega, f, torque (n, 3), radius, rmass, density, type,
         tag (n,); valid until the next call that moves particles."""

@@ -27,8 +27,10 @@ from orchestrator.ports import (
     Load,
     ParticleSnapshot,
     Removed,
+    Saved,
     in_order,
 )
+from orchestrator.state import as_arrays, like
 
 try:
     from mpi4py import MPI
@@ -146,6 +148,22 @@ class Liggghts:
         """Exact but for ``contact_dissipation``, which is what is left of the energy balance."""
         self._prepare()
         return self._ledger.account(self._engine)
+
+    def save(self) -> Saved:
+        self._prepare()
+        return {
+            "engine": self._engine.save(),
+            "ledger": self._ledger.save(),
+            "created": np.array(self._created),
+            "removed": as_arrays(in_order(self._removed)),
+        }
+
+    def restore(self, saved: Saved) -> None:
+        self._engine.restore(saved["engine"])
+        self._ledger.restore(saved["ledger"])
+        self._created = int(saved["created"])
+        self._removed = [like(in_order([]), saved["removed"])]
+        self._unprepared = False
 
     def close(self) -> None:
         del self._engine

@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orchestrator.plans import ParticleList, ParticlesPlan
-from orchestrator.ports import Account, Array
+from orchestrator.ports import Account, Array, Saved
+from orchestrator.state import put_back, taken
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
+
+
+_SUMS = ("_mass_kg", "_impulse_N_s", "_fed_J", "_removed_J", "_first_J", "removed_count")
 
 
 class Ledger:
@@ -70,6 +74,12 @@ class Ledger:
             supplied_J={"feed": self._fed_J, "removal": -self._removed_J},
             received_J={"surface": work_J},
         )
+
+    def save(self) -> Saved:
+        return taken(self, *_SUMS)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_SUMS)
 
     def _stored(self, engine: Engine) -> dict[str, float]:
         mine = engine.particles()

@@ -26,11 +26,16 @@ from orchestrator.ports import (
     Motion,
     ParticleSnapshot,
     Removed,
+    Saved,
     counted,
     in_order,
 )
+from orchestrator.state import as_arrays, like, put_back, taken
 
 DEEPEST_OVERLAP = 0.5  # of a radius: deeper means that the step is too long for the contact
+
+_SUMS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "fed")
+_STATE = ("_spheres", "_surface_m", "_near", "_now", *_SUMS)
 
 
 def build(plan: ParticlesPlan) -> SpheresSolver:
@@ -101,6 +106,13 @@ class SpheresSolver:
             supplied_J=dict(self._supplied_J),
             received_J={"surface": self._received_J},
         )
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE) | {"removed": as_arrays(in_order(self._removed))}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        self._removed = [like(in_order([]), saved["removed"])]
 
     def close(self) -> None:
         pass

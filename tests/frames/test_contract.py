@@ -10,8 +10,10 @@ import pytest
 
 from orchestrator.clock import Interval
 from orchestrator.ports import BrokenRecord, Load
+from orchestrator.state import as_arrays
 from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
 from tests.frames.machines import POINTS_M
+from tests.saved_states import differences
 
 marked = [
     pytest.param(case, id=name, marks=[pytest.mark.solver] if case.solver == "exudyn" else [])
@@ -97,6 +99,26 @@ def test_velocity_is_the_rate_of_position(case: Case) -> None:
         moved = after.position_m - before.position_m
         assert moved == pytest.approx(INTERVAL_S * mean, abs=2.4e-7)
         before = after
+
+
+@every_adapter
+def test_a_restored_solver_goes_on_bit_for_bit(case: Case) -> None:
+    """A whole run, and one that another solver, freshly opened, takes over."""
+    whole, first, second = (case.open(case.moving(0.0)) for _ in range(3))
+    reactions = loads(120)
+    for frames in (whole, first):
+        accounts(frames, reactions[:70])
+    saved = first.save()
+    second.restore(saved)
+    assert differences(saved, second.save()) == []
+    assert differences(as_arrays(whole.account()), as_arrays(second.account())) == []
+    for index in range(70, 120):
+        motions = [
+            one.advance(Interval(index, INTERVAL_S), Load(reactions[index]))
+            for one in (whole, second)
+        ]
+        assert differences(as_arrays(motions[0]), as_arrays(motions[1])) == []
+    assert differences(whole.save(), second.save()) == []
 
 
 @every_adapter

@@ -49,6 +49,24 @@ int ContactHistory::pack(int i, double *buffer) const {
   return 1 + static_cast<int>(records_[i].size());
 }
 
+void ContactHistory::save(int particles, SavedState &saved) const {
+  auto &sizes = saved.wholes["surface_history_size"];
+  auto &values = saved.reals["surface_history"];
+  for (int i = 0; i < particles; ++i) {
+    sizes.push_back(static_cast<std::int64_t>(records_[i].size()));
+    values.insert(values.end(), records_[i].begin(), records_[i].end());
+  }
+}
+
+void ContactHistory::restore(const SavedState &saved) {
+  auto from = saved.real("surface_history").begin();
+  int i = 0;
+  for (const std::int64_t size : saved.whole("surface_history_size")) {
+    records_[i++].assign(from, from + size);
+    from += size;
+  }
+}
+
 int ContactHistory::unpack(int i, const double *buffer) {
   const int size = static_cast<int>(buffer[0]);
   records_[i].assign(buffer + 1, buffer + 1 + size);

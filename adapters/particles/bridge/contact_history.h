@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "saved_state.h"
 #include "smooth_patches.h"
 
 namespace flipflow {
@@ -23,6 +24,8 @@ class ContactHistory {
   void forget(int i) { records_[i].clear(); }
   int pack(int i, double *buffer) const;  // both return how many numbers they used
   int unpack(int i, const double *buffer);
+  void save(int particles, SavedState &saved) const;
+  void restore(const SavedState &saved);
   int packed_size(int contacts) const { return 1 + contacts * record_; }
 
  private:

@@ -86,6 +86,34 @@ void ContactSearch::share(const SurfacePath &surface, std::vector<Touch> &touche
   share_smooth_patches(touches, surface, triangles_);
 }
 
+void ContactSearch::save(SavedState &saved) const {
+  auto &near = saved.wholes["near"], &candidate = saved.wholes["candidate"];
+  auto &position = saved.reals["near_m"], &distance = saved.reals["candidate_m"];
+  for (const Near &one : near_) {
+    near.insert(near.end(), {one.sphere, one.first, one.end});
+    position.insert(position.end(), {one.position_m.x, one.position_m.y, one.position_m.z});
+  }
+  for (const Candidate &one : candidates_) {
+    candidate.insert(candidate.end(), {one.triangle, one.image});
+    distance.push_back(one.distance_m);
+  }
+  saved.reals["since_search_m"] = {since_search_};
+}
+
+void ContactSearch::restore(const SavedState &saved) {
+  const auto &near = saved.whole("near"), &candidate = saved.whole("candidate");
+  const auto &position = saved.real("near_m"), &distance = saved.real("candidate_m");
+  const auto number = [](std::int64_t value) { return static_cast<int>(value); };
+  near_.clear();
+  candidates_.clear();
+  for (size_t k = 0; k < near.size(); k += 3)
+    near_.push_back({number(near[k]), number(near[k + 1]), number(near[k + 2]), from(&position[k])});
+  for (size_t k = 0; k < distance.size(); ++k)
+    candidates_.push_back({number(candidate[2 * k]), number(candidate[2 * k + 1]), distance[k]});
+  since_search_ = saved.real("since_search_m")[0];
+  no_grid_ = true;
+}
+
 bool ContactSearch::reached(const SurfacePath &surface, Vec3 place, double reach_m) const {
   const int most = period_ > 0 ? 1 : 0;
   for (int periods = -most; periods <= most; ++periods)

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "saved_state.h"
 #include "smooth_patches.h"
 #include "surface_path.h"
 #include "triangle_grid.h"
@@ -46,6 +47,10 @@ class ContactSearch {
   bool reached(const SurfacePath &surface, Vec3 place, double reach_m) const;
 
   const std::vector<Near> &near() const { return near_; }
+
+  void save(SavedState &saved) const;
+  // A new grid is made at the next search: any that holds finds the same triangles.
+  void restore(const SavedState &saved);
 
   // The places nearest to a sphere at `position_m`, nearest first, up to `reach_m` away.
   void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,

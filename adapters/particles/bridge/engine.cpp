@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "atom.h"
-#include "atom_vec.h"
 #include "comm.h"
 #include "domain.h"
 #include "fix.h"
@@ -16,6 +15,7 @@
 #include "modify.h"
 #include "neighbor.h"
 #include "register_models.h"
+#include "saved_particles.h"
 #include "update.h"
 
 namespace flipflow {
@@ -55,22 +55,6 @@ class QuietErrors {
  private:
   std::streambuf *buffer_;
 };
-
-void place(Atom &atom, Modify &modify, const Engine::Particles &p, int k, int id) {
-  double x[3];
-  std::copy_n(p.position_m + 3 * k, 3, x);
-  atom.avec->create_atom(p.type[k], x);
-  const int i = atom.nlocal - 1;
-  const double radius = 0.5 * p.diameter_m[k];
-  atom.tag[i] = id;
-  atom.radius[i] = radius;
-  atom.density[i] = p.density_kg_m3[k];
-  atom.rmass[i] = 4.0 / 3.0 * M_PI * radius * radius * radius * p.density_kg_m3[k];
-  std::copy_n(p.velocity_m_s + 3 * k, 3, atom.v[i]);
-  std::copy_n(p.spin_rad_s + 3 * k, 3, atom.omega[i]);
-  for (int f = 0; f < modify.nfix; ++f)
-    if (modify.fix[f]->create_attribute) modify.fix[f]->set_arrays(i);
-}
 
 }  // namespace
 
@@ -134,9 +118,14 @@ bool Engine::is_mine(const double *place_m) const {
 
 void Engine::create(const Particles &particles, int first_id) {
   Atom &atom = *lammps_->atom;
-  for (int k = 0; k < particles.count; ++k)
-    if (is_mine(particles.position_m + 3 * k))
-      place(atom, *lammps_->modify, particles, k, first_id + k);
+  for (int k = 0; k < particles.count; ++k) {
+    if (!is_mine(particles.position_m + 3 * k)) continue;
+    const int i = add_particle(*lammps_, first_id + k, particles.type[k],
+                               particles.position_m + 3 * k, 0.5 * particles.diameter_m[k],
+                               particles.density_kg_m3[k]);
+    std::copy_n(particles.velocity_m_s + 3 * k, 3, atom.v[i]);
+    std::copy_n(particles.spin_rad_s + 3 * k, 3, atom.omega[i]);
+  }
   atom.natoms += particles.count;
 }
 
@@ -165,6 +154,23 @@ void Engine::prepare() {
   lammps_->update->whichflag = 1;  // as inside of a run: fixes are asked for their forces, too
   guarded([&] { lammps_->update->integrate->setup_minimal(1); });
   lammps_->update->whichflag = 0;
+}
+
+SavedState Engine::save() {
+  SavedState saved;
+  save_particles(*lammps_, saved);
+  surface().save(saved);
+  return saved;
+}
+
+void Engine::restore(const SavedState &saved) {
+  store_history();  // of who goes: or LIGGGHTS would look for it when it lists those who come
+  guarded([&] { place_as_listed(*lammps_, saved); });
+  prepare();
+  guarded([&] {
+    go_on_as_saved(*lammps_, saved);
+    surface().restore(saved);
+  });
 }
 
 void Engine::run(int steps, double step_s) {

@@ -8,6 +8,7 @@
 
 #include "fix_exits.h"
 #include "fix_surface.h"
+#include "saved_state.h"
 
 namespace LAMMPS_NS {
 class LAMMPS;
@@ -44,6 +45,10 @@ class Engine {
   // Sorts particles, rebuilds neighbour lists and evaluates all forces: after create.
   void prepare();
   void run(int steps, double step_s);
+
+  // Between runs: what the next ones depend on, and back to there, bit for bit, from anywhere.
+  SavedState save();
+  void restore(const SavedState &saved);
 
   LAMMPS_NS::LAMMPS &lammps() { return *lammps_; }
   FixSurface &surface();

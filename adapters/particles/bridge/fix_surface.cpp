@@ -50,6 +50,25 @@ void FixSurface::begin_path(const double *start_m, const double *start_m_s, cons
   last_step_ = first_step_ + steps;
 }
 
+void FixSurface::save(SavedState &saved) const {
+  saved.reals["surface_m"] = surface_.positions();
+  search_.save(saved);
+  history_.save(atom->nlocal, saved);
+  load_.save(saved);
+  saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
+  saved.wholes["surface_contacts"] = {contacts_};
+}
+
+void FixSurface::restore(const SavedState &saved) {
+  surface_.place(saved.real("surface_m"));
+  search_.restore(saved);
+  history_.restore(saved);
+  load_.restore(saved);
+  const auto &energy = saved.real("surface_energy_J");
+  energy_ = {energy[0], energy[1]};
+  contacts_ = static_cast<int>(saved.whole("surface_contacts")[0]);
+}
+
 void FixSurface::setup(int flag) {
   neighbours_listed_now_ = true;
   post_force(flag);

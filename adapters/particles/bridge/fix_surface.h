@@ -48,6 +48,9 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
     return search_.reached(surface_, place, reach_m);
   }
 
+  void save(SavedState &saved) const;
+  void restore(const SavedState &saved);  // after the particles
+
   const SurfaceLoad &load() const { return load_; }
   ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
   int contacts() const { return contacts_; }        // last evaluation

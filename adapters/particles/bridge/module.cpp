@@ -8,7 +8,7 @@
 #include "contact_energy.h"
 #include "engine.h"
 #include "lammps.h"
-#include "neighbor.h"
+#include "state_arrays.h"
 
 namespace py = pybind11;
 using flipflow::Engine;
@@ -187,6 +187,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("prepare", &Engine::prepare)
       .def("begin_path", &begin_path)
       .def("run", &run)
+      .def("save", &flipflow::save)
+      .def("restore", &flipflow::restore)
       .def("particles", &particles)
       .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().load().impulse_N_s()); })
       .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })

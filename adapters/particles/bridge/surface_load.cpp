@@ -40,6 +40,16 @@ void SurfaceLoad::add(const Triangle &corner, const double *weight, Vec3 force_o
   }
 }
 
+void SurfaceLoad::save(SavedState &saved) const {
+  saved.reals["surface_force_N"] = force_;
+  saved.reals["surface_work_J"] = {work_};
+}
+
+void SurfaceLoad::restore(const SavedState &saved) {
+  force_ = saved.real("surface_force_N");
+  work_ = saved.real("surface_work_J")[0];
+}
+
 void SurfaceLoad::end(double step_s) {
   const double half = 0.5 * step_s;
   for (size_t k = 0; k < impulse_.size(); ++k) impulse_[k] -= half * force_[k];

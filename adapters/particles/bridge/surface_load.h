@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "saved_state.h"
 #include "surface_path.h"
 #include "triangle_grid.h"
 
@@ -23,6 +24,9 @@ class SurfaceLoad {
   void add(const Triangle &corner, const double *weight, Vec3 force_on_particle, Vec3 velocity,
            double step_s);
   void end(double step_s);
+
+  void save(SavedState &saved) const;
+  void restore(const SavedState &saved);
 
   const std::vector<double> &impulse_N_s() const { return impulse_; }  // begin ... end
   const std::vector<double> &force_N() const { return force_; }        // last evaluation

@@ -14,6 +14,9 @@ class SurfacePath {
 
   int points() const { return static_cast<int>(position_.size()) / 3; }
 
+  // The points are somewhere else, between two paths.
+  void place(const std::vector<double> &position_m) { position_ = position_m; }
+
   // Arrays of 3 * points values.  The points go to the start; returns the longest such jump, m.
   double begin(const double *start_m, const double *start_m_s, const double *end_m,
              const double *end_m_s, double length_s);

@@ -1,0 +1,97 @@
+"""A solver that is restored goes on, bit for bit, as the one that was saved."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from adapters.particles import spheres
+from orchestrator.plans import Exit
+from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
+from tests.particles.liggghts_plans import travel
+from tests.particles.restored_bed import resumed
+from tests.saved_states import differences
+
+SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
+OPEN_END = Exit(
+    "end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1])
+)
+
+
+@pytest.mark.solver
+@pytest.mark.parametrize("save_at", [1, 37, 70])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, PERIODIC, WET, SMOOTH, {"rolling": "cdt"}, {"exits": (OPEN_END,)}],
+    ids=["dry", "periodic", "wet", "smooth", "cdt", "exit"],
+)
+def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
+    """To interval 110: particles are fed (at 5, 25, …) and leave, LIGGGHTS lists neighbours some
+    fifty times and sorts its particles twice; at all three points a dozen contacts are open."""
+    assert resumed("liggghts", bed_plan(**changes), save_at, 110) == []
+
+
+@pytest.mark.parametrize("save_at", [1, 12])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, WET, {"rolling": "cdt"}, {"exits": (OPEN_END,)}],
+    ids=["dry", "wet", "cdt", "exit"],
+)
+def test_spheres_go_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
+    """To interval 30; particles are fed at 5 and 25."""
+    assert resumed("spheres", bed_plan(layers=1, **changes), save_at, 30) == []
+
+
+@pytest.mark.solver
+def test_liggghts_is_taken_back_in_place() -> None:
+    from adapters.particles import liggghts
+
+    solver = liggghts.build(bed_plan())
+    travel(solver, wave, range(30))
+    saved = solver.save()
+    once = travel(solver, wave, range(30, 60))
+    end = solver.save()
+    solver.restore(saved)
+    again = travel(solver, wave, range(30, 60))
+    np.testing.assert_array_equal(once, again)
+    assert differences(end, solver.save()) == []
+    solver.close()
+
+
+@pytest.mark.solver
+def test_a_state_without_its_arrays_is_refused(tmp_path: Path) -> None:
+    from adapters.particles import liggghts
+
+    solver = liggghts.build(bed_plan(folder=tmp_path))
+    saved = solver.save()
+    del saved["engine"]["torque_N_m"]
+    with pytest.raises(RuntimeError, match="no torque_N_m"):
+        solver.restore(saved)
+
+
+def test_a_save_is_a_copy() -> None:
+    solver = spheres.build(bed_plan(layers=1))
+    saved = solver.save()
+    before = {name: np.array(value) for name, value in saved["spheres"].items()}
+    travel(solver, wave, range(2))
+    for name, value in before.items():
+        np.testing.assert_array_equal(saved["spheres"][name], value)
+
+
+@pytest.mark.solver
+def test_two_ranks_go_on_bit_for_bit() -> None:
+    command = ["mpirun", "-n", "2", "--oversubscribe", "--allow-run-as-root", sys.executable]
+    command += ["-m", "tests.particles.restored_bed"]
+    # this process has started MPI itself; mpirun must not take it for one of its own
+    own = ("OMPI_", "PMIX_", "ORTE_", "PMI_")
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(own)}
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == [[], []]
