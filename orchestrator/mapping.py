@@ -13,7 +13,18 @@ from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle
-from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, Panel, PanelState
+from orchestrator.ports import (
+    Account,
+    Array,
+    Indices,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Saved,
+)
+from orchestrator.state import restorable
 
 
 @dataclass(frozen=True)
@@ -71,6 +82,12 @@ class Mapped:
         surface = state.surface
         seen = Motion(self._H @ surface.position_m, self._H @ surface.velocity_m_s)
         return PanelState(seen, state.reaction)
+
+    def save(self) -> Saved:
+        return {"panel": restorable(self._panel).save()}
+
+    def restore(self, saved: Saved) -> None:
+        restorable(self._panel).restore(saved["panel"])
 
     def account(self) -> Account:
         return self._panel.account()

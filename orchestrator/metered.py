@@ -26,7 +26,9 @@ from orchestrator.ports import (
     Particles,
     ParticleSnapshot,
     Removed,
+    Saved,
 )
+from orchestrator.state import put_back, restorable, taken
 from orchestrator.stopwatch import Stopwatch
 
 
@@ -79,6 +81,13 @@ class MeteredFrames:
     def account(self) -> Account:
         return self._frames.account()
 
+    def save(self) -> Saved:
+        return taken(self, "received_N_s") | {"inner": restorable(self._frames).save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "received_N_s")
+        restorable(self._frames).restore(saved["inner"])
+
     def close(self) -> None:
         self._frames.close()
 
@@ -105,6 +114,13 @@ class MeteredPanel:
 
     def account(self) -> Account:
         return self._panel.account()
+
+    def save(self) -> Saved:
+        return taken(self, "received_N_s", "given_N_s") | {"inner": restorable(self._panel).save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "received_N_s", "given_N_s")
+        restorable(self._panel).restore(saved["inner"])
 
     def close(self) -> None:
         self._panel.close()
@@ -135,6 +151,13 @@ class MeteredParticles:
 
     def account(self) -> Account:
         return self._particles.account()
+
+    def save(self) -> Saved:
+        return taken(self, "given_N_s") | {"inner": restorable(self._particles).save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "given_N_s")
+        restorable(self._particles).restore(saved["inner"])
 
     def close(self) -> None:
         self._particles.close()

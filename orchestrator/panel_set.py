@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from orchestrator.clock import Interval
-from orchestrator.ports import Account, Load, Motion, Mount, Panel, PanelState
+from orchestrator.ports import Account, Load, Motion, Mount, Panel, PanelState, Saved
+from orchestrator.state import restorable
 
 
 class PanelSet:
@@ -54,6 +55,14 @@ class PanelSet:
 
     def account(self) -> Account:
         return total(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
+
+    def save(self) -> Saved:
+        """Of the panels on this rank."""
+        return {str(i): restorable(panel).save() for i, panel in self._own.items()}
+
+    def restore(self, saved: Saved) -> None:
+        for i, panel in self._own.items():
+            restorable(panel).restore(saved[str(i)])
 
     def close(self) -> None:
         for panel in self._own.values():

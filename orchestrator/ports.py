@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -262,6 +262,7 @@ Saved = dict[str, Any]
 """Arrays by name, or more of the same: what ``state.py`` makes of a solver's state."""
 
 
+@runtime_checkable
 class Restorable(Protocol):
     """A solver that can be taken back to a sync point, or another one brought there.
 

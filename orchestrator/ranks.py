@@ -14,7 +14,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from orchestrator.clock import Interval
-from orchestrator.ports import Account, Frames, Load, Motion
+from orchestrator.ports import Account, Frames, Load, Motion, Saved
+from orchestrator.state import restorable
 
 Shared = TypeVar("Shared")
 _LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
@@ -82,6 +83,14 @@ class FramesOnFirstRank:
 
     def account(self) -> Account:
         return self._shared(lambda frames: frames.account())
+
+    def save(self) -> Saved:
+        """Nothing on ranks that have no frames."""
+        return restorable(self._frames).save() if self._frames is not None else {}
+
+    def restore(self, saved: Saved) -> None:
+        if self._frames is not None:
+            restorable(self._frames).restore(saved)
 
     def close(self) -> None:
         if self._frames is not None:

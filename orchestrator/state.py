@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.ports import Saved
+from orchestrator.ports import Restorable, Saved
 
 
 def taken(owner: object, *names: str) -> Saved:
@@ -24,6 +24,13 @@ def put_back(owner: object, saved: Saved, *names: str) -> None:
     """The reverse; the attributes' present values tell what they are made of."""
     for name in names:
         setattr(owner, name, like(getattr(owner, name), saved[name.lstrip("_")]))
+
+
+def restorable(solver: object) -> Restorable:
+    """The solver, as one that can be saved; TypeError names one that cannot."""
+    if not isinstance(solver, Restorable):
+        raise TypeError(f"{type(solver).__name__} can be neither saved nor restored")
+    return solver
 
 
 def as_arrays(value: Any) -> Any:

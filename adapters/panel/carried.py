@@ -10,7 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.clock import Interval
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, counted
+from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.state import put_back, taken
+
+_STATE = ("_position_m", "_received_J")
 
 
 def build(points_m: Array, frame: str) -> CarriedSurface:
@@ -41,6 +44,12 @@ class CarriedSurface:
     def account(self) -> Account:
         received_J = {"load": self._received_J, "clamps": -self._received_J}
         return Account(np.zeros(3), np.zeros(3), received_J=received_J)
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

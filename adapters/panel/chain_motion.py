@@ -14,7 +14,10 @@ import numpy as np
 from adapters.panel.chain import Chain
 from adapters.panel.maxwell import Branches
 from orchestrator.hermite import Path
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import put_back, taken
+
+_STATE = ("position_m", "velocity_m_s", "internal_N", "_strain")
 
 
 class ChainMotion:
@@ -71,6 +74,13 @@ class ChainMotion:
         impulse_N_s -= self._mass_kg * (self.velocity_m_s - start_m_s)
         work_J -= self._gain_J(start_m_s)
         return self.onto_held(impulse_N_s), work_J
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE) | {"branches": self._branches.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        self._branches.restore(saved["branches"])
 
     def stretches(self) -> tuple[float, float]:
         """The smallest and the largest of the springs."""

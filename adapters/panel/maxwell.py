@@ -11,7 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import put_back, taken
+
+_STATE = ("_stress", "energy_J", "lost_J")
 
 
 class Branches:
@@ -55,6 +58,12 @@ class Branches:
             stress *= decay
             np.multiply(stress_change, gain, out=self._change)
             stress += self._change
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
 
     def _book(self, cross: Array, square: float) -> None:
         """Work of each branch on the linear path, less what it stores, is lost."""

@@ -19,7 +19,10 @@ from scipy.sparse import csr_array
 from adapters.panel import bilinear
 from orchestrator.clock import Interval
 from orchestrator.plans import PanelPlan
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, counted
+from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.state import put_back, taken
+
+_STATE = ("_now", "_elapsed_s", "_received_J")
 
 
 def build(plan: PanelPlan) -> RigidPanel:
@@ -75,6 +78,12 @@ class RigidPanel:
             },
             received_J=dict(self._received_J),
         )
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

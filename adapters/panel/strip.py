@@ -24,8 +24,10 @@ from adapters.panel.perforated_strip import left
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, counted
+from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.state import put_back, taken
 
+_STATE = ("_clamps", "_surface", "_elapsed_s", "_received_J")
 SANE_STRETCH = (0.2, 5.0)
 MARGIN = 0.8  # of the largest stable step, for compression, which stiffens the chain
 
@@ -134,6 +136,13 @@ class Strip:
             lost_J={"panel_damping": motion.lost_J()},
             received_J=dict(self._received_J),
         )
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE) | {"motion": self._motion.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        self._motion.restore(saved["motion"])
 
     def close(self) -> None:
         pass

@@ -98,10 +98,10 @@ class Run:
     loads: list[Load]
 
 
-def driven(panel: Panel, intervals: int, interval_s: float = INTERVAL_S) -> Run:
-    """Clamp swung, surface loaded."""
+def driven(panel: Panel, intervals: int, interval_s: float = INTERVAL_S, first: int = 0) -> Run:
+    """Clamp swung, surface loaded, from interval ``first`` on."""
     states, accounts, given = [panel.initial()], [panel.account()], []
-    for index in range(intervals):
+    for index in range(first, first + intervals):
         load = loads(len(states[0].surface), (index + 0.5) * interval_s)
         end = swung(panel, (index + 1) * interval_s)
         states.append(panel.advance(Interval(index, interval_s), end, load))

@@ -9,6 +9,7 @@ from adapters.panel.carried import build
 from orchestrator.clock import Interval
 from orchestrator.ports import BrokenRecord, Load, Motion
 from tests.panel.contract import INTERVAL_S, held
+from tests.saved_states import differences
 
 POINTS_M = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
 LIFTED_M = POINTS_M + np.array([0.0, 0.0, 0.1])
@@ -45,3 +46,14 @@ def test_wrong_numbers_of_points_are_refused() -> None:
         wall.advance(Interval(0, INTERVAL_S), held(wall).part(slice(2)), Load.zero(3))
     wall.close()
     wall.close()
+
+
+def test_a_restored_wall_goes_on_as_the_saved_one() -> None:
+    wall, other = build(POINTS_M, "driving"), build(POINTS_M, "driving")
+    load = Load(np.arange(9.0).reshape(3, 3))
+    wall.advance(Interval(0, INTERVAL_S), Motion(LIFTED_M, np.ones((3, 3))), load)
+    other.restore(wall.save())
+    for one in (wall, other):
+        one.advance(Interval(1, INTERVAL_S), Motion(2 * LIFTED_M, np.ones((3, 3))), load)
+    assert differences(wall.save(), other.save()) == []
+    assert wall.account().received_J["load"] == pytest.approx(1.5 + 18.5)

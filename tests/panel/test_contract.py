@@ -10,6 +10,7 @@ import pytest
 
 from orchestrator.clock import Interval
 from orchestrator.ports import Array, BrokenRecord, Load
+from orchestrator.state import as_arrays, restorable
 from tests.panel.contract import (
     CASES,
     INTERVAL_S,
@@ -20,6 +21,7 @@ from tests.panel.contract import (
     held,
     shifted,
 )
+from tests.saved_states import differences
 
 marked = [
     pytest.param(case, id=name, marks=[pytest.mark.solver] if name in NEEDS_SOLVER else [])
@@ -159,6 +161,21 @@ def test_a_constant_load_comes_out_as_reaction(case: Case) -> None:
     mean_N: Array = np.mean(reactions[2000:], axis=0)
     expected = load.force_N.sum(axis=0) + mass_kg(case) * GRAVITY_M_S2
     assert mean_N == pytest.approx(expected, abs=1e-3 * 3.0)
+
+
+@pytest.mark.parametrize("name", ["rigid", "strip", "rigid-openings", "strip-openings"])
+def test_a_restored_panel_goes_on_bit_for_bit(name: str) -> None:
+    """A whole run, and one that another panel, freshly opened, takes over."""
+    whole, first, second = (CASES[name].open() for _ in range(3))
+    for panel in (whole, first):
+        driven(panel, 40)
+    saved = restorable(first).save()
+    restorable(second).restore(saved)
+    assert differences(saved, restorable(second).save()) == []
+    runs = [driven(panel, 40, first=40) for panel in (whole, second)]
+    for one, other in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
+        assert differences(as_arrays(one), as_arrays(other)) == []
+    assert differences(restorable(whole).save(), restorable(second).save()) == []
 
 
 @every_adapter
