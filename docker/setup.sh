@@ -13,7 +13,7 @@ say() { echo "setup.sh: $*"; }
     fail "needs Debian 12 (bookworm); this is ${PRETTY_NAME:-unknown}"
 
 packages=(
-    python3-venv python3-dev g++ git ca-certificates          # Python, and compilers for the bridge and the forms
+    python3-venv python3-dev g++ git ca-certificates          # Python, and compilers for what is in C++ and for the forms
     libopenmpi-dev openmpi-bin python3-mpi4py                  # MPI
     python3-dolfinx libopenblas0-serial                        # panels; OpenBLAS is 4 times faster in MUMPS
     liggghts libliggghts-dev                                   # particles
@@ -48,9 +48,9 @@ if [ ! -x .venv/bin/python ]; then
     /usr/bin/python3 -m venv --system-site-packages .venv || fail "cannot make .venv"
 fi
 
-stamp=$(cat pyproject.toml docker/constraints.txt adapters/particles/bridge/* | sha256sum | cut -d' ' -f1)
+stamp=$(cat pyproject.toml docker/constraints.txt CMakeLists.txt adapters/panel/kernel/* adapters/particles/bridge/* | sha256sum | cut -d' ' -f1)
 if [ "$(cat .venv/flipflow.stamp 2>/dev/null)" != "$stamp" ]; then
-    say "installing flipflow and its pinned dependencies into .venv, building the LIGGGHTS bridge"
+    say "installing flipflow and its pinned dependencies into .venv, building what is compiled"
     log=$(mktemp)
     .venv/bin/pip install --disable-pip-version-check -q -c docker/constraints.txt -e '.[test]' >"$log" 2>&1 ||
         fail "pip failed: $(grep -m1 -E 'Could not|No matching|fatal error|Connection|^ERROR' "$log" || tail -n1 "$log") (whole log: $log)"

@@ -119,7 +119,7 @@ class Bending:
     ) -> None:
         self.matrix = matrix
         self._multiply = Product(matrix)
-        self._flat_m = flat_m
+        self.flat_m = flat_m
         nodes = matrix.shape[0]
         self.branches = Branches(branches, 3 * nodes)
         self._position_m = np.zeros((nodes, 3))
@@ -129,13 +129,13 @@ class Bending:
     def rest(self, position_m: Array) -> None:
         """Take ``position_m`` (nodes, 3) as relaxed."""
         self._position_m[:] = position_m
-        self._elastic_N[:] = self._multiply(position_m - self._flat_m)
+        self._elastic_N[:] = self._multiply(position_m - self.flat_m)
 
     def begin_step(self, step_s: float) -> None:
         self.branches.begin(step_s, self._elastic_N.reshape(-1))
 
     def add_force(self, position_m: Array, force_N: Array) -> None:
-        self._trial_N = self._multiply(position_m - self._flat_m)
+        self._trial_N = self._multiply(position_m - self.flat_m)
         force_N += (1.0 + self.branches.share) * self._trial_N
         force_N += self.branches.history.reshape(-1, 3)
 
@@ -152,4 +152,4 @@ class Bending:
         self._multiply.close()
 
     def stored_J(self) -> float:
-        return 0.5 * float(np.vdot(self._position_m - self._flat_m, self._elastic_N))
+        return 0.5 * float(np.vdot(self._position_m - self.flat_m, self._elastic_N))

@@ -7,13 +7,25 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.grid import Surface
+from adapters.panel.grid import Grid
 from adapters.panel.state import Action, HeldForce, State
-from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, counted
+from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, PanelState, counted
+
+
+class Body(Protocol):
+    """What moves: mass (nodes,), which nodes are held, and what it stores and loses."""
+
+    mass_kg: Array
+    held: Indices
+
+    def stored_J(self) -> dict[str, float]: ...
+
+    def lost_J(self) -> float: ...
+
+    def close(self) -> None: ...
 
 
 class Integrator(Protocol):
@@ -25,34 +37,35 @@ class Integrator(Protocol):
 
 
 class ElasticPanel:
-    """A structure at rest at ``resting_m`` (nodes, 3) when t = 0, moved by an integrator.
+    """A body that is at rest, in ``state``, when t = 0, moved by an integrator.
 
-    The surface points are the nodes of ``surface`` in its order, the clamp points the structure's
-    held nodes.
+    The surface points are those nodes of the body that ``surface`` says, in the order of the
+    ``grid``; the clamp points are its held nodes.
     """
 
     def __init__(
         self,
         plan: PanelPlan,
-        structure: Structure,
+        body: Body,
         integrator: Integrator,
-        surface: Surface,
-        resting_m: Array,
+        state: State,
+        grid: Grid,
+        surface: Indices | slice,
     ) -> None:
-        self.mount = _mount(plan, resting_m[structure.held])
+        self.mount = _mount(plan, state.position_m[body.held])
         self._plan = plan
-        self._structure = structure
+        self._body = body
         self._integrator = integrator
-        self._grid = surface.grid
-        self._surface = surface.nodes
-        self._weight_N = structure.mass_kg[:, None] * plan.gravity_m_s2
-        structure.rest(resting_m)
-        internal = structure.force_N(resting_m)
-        self._state = State(resting_m.copy(), np.zeros_like(resting_m), internal)
+        self._grid = grid
+        self._surface = surface
+        self._weight_N = body.mass_kg[:, None] * plan.gravity_m_s2
+        self._held_kg = body.mass_kg[body.held, None]
+        self._all_weight_N = self._weight_N.sum(axis=0)
+        self._state = state
         self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
         self._impulse_N_s = np.zeros(3)
         self._load_J = self._clamps_J = 0.0
-        static_N = self._weight_N[structure.held] - internal[structure.held]
+        static_N = (self._weight_N - state.internal_N)[body.held]
         self._initial = PanelState(self._surface_motion(), Load(static_N))
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
@@ -62,33 +75,32 @@ class ElasticPanel:
         return self._initial
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        state, held = self._state, self._structure.held
+        state, held = self._state, self._body.held
         counted(f"panel {self._plan.name}: clamps", clamps, len(held))
-        counted(f"panel {self._plan.name}: load", load, len(self._surface))
+        counted(f"panel {self._plan.name}: load", load, len(self._initial.surface))
         outside = self._weight_N.copy()
         outside[self._surface] += load.force_N
-        started_m, started_m_s = state.position_m.copy(), state.velocity_m_s[held]
+        started_m, started_m_s = state.position_m.copy(), state.velocity_m_s.take(held, axis=0)
         action = Action(Path(self._clamps, clamps, interval.length_s), outside)
-        with np.errstate(over="ignore", invalid="ignore"):  # _check reports a blow-up
-            on_held = self._integrator.advance(state, action, interval)
+        on_held = self._integrator.advance(state, action, interval)
         self._check(interval)
         self._clamps = clamps
         moved = state.position_m - started_m
-        self._impulse_N_s += interval.length_s * self._weight_N.sum(axis=0)
+        self._impulse_N_s += interval.length_s * self._all_weight_N
         self._load_J += float(np.vdot(load.force_N, moved[self._surface]))
-        mass, ended_m_s = self._structure.mass_kg[held, None], state.velocity_m_s[held]
+        ended_m_s, on_clamps_N = state.velocity_m_s.take(held, axis=0), outside.take(held, axis=0)
+        gained_N_s = self._held_kg * (ended_m_s - started_m_s)
         self._clamps_J += (
-            0.5 * float((mass * (ended_m_s**2 - started_m_s**2)).sum())
+            0.5 * float(np.vdot(gained_N_s, ended_m_s + started_m_s))
             + on_held.work_J
-            - float(np.vdot(outside[held], moved[held]))
+            - float(np.vdot(on_clamps_N, moved.take(held, axis=0)))
         )
-        inertia_N_s = mass * (ended_m_s - started_m_s) + on_held.impulse_N_s
-        reaction = outside[held] - inertia_N_s / interval.length_s
+        reaction = on_clamps_N - (gained_N_s + on_held.impulse_N_s) / interval.length_s
         return PanelState(self._surface_motion(), Load(reaction))
 
     def account(self) -> Account:
-        state, mass = self._state, self._structure.mass_kg[:, None]
-        stored = self._structure.stored_J() | {
+        state, mass = self._state, self._body.mass_kg[:, None]
+        stored = self._body.stored_J() | {
             "kinetic": 0.5 * float((mass * state.velocity_m_s**2).sum()),
             "gravitational": -float(np.vdot(self._weight_N, state.position_m)),
         }
@@ -96,17 +108,19 @@ class ElasticPanel:
             momentum_kg_m_s=(mass * state.velocity_m_s).sum(axis=0),
             outside_impulse_N_s=self._impulse_N_s.copy(),
             stored_J=stored,
-            lost_J={"panel_damping": self._structure.lost_J()},
+            lost_J={"panel_damping": self._body.lost_J()},
             received_J={"load": self._load_J, "clamps": self._clamps_J},
         )
 
     def close(self) -> None:
         self._integrator.close()
-        self._structure.close()
+        self._body.close()
 
     def _surface_motion(self) -> Motion:
         state = self._state
-        return Motion(state.position_m[self._surface], state.velocity_m_s[self._surface])
+        return Motion(
+            np.array(state.position_m[self._surface]), np.array(state.velocity_m_s[self._surface])
+        )
 
     def _check(self, interval: Interval) -> None:
         """Free nodes do not outrun elastic waves in the material unless the solution blew up."""

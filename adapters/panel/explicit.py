@@ -6,6 +6,8 @@ the central difference method.  Second order, stable below  2 / (highest angular
 
 from __future__ import annotations
 
+import numpy as np
+
 from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
@@ -18,6 +20,7 @@ class Explicit:
         self._structure = structure
         self._largest_step_s = largest_step_s
 
+    @np.errstate(over="ignore", invalid="ignore")  # the panel reports a blow-up
     def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
         """Move ``state`` to the interval's end under ``action``."""
         body, held = self._structure, self._structure.held

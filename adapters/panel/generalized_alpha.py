@@ -52,6 +52,7 @@ class GeneralizedAlpha:
         self._negligible_m = NEGLIGIBLE_MOVE * float(np.ptp(structure.material_m, axis=0).max())
         self._mass_kg = structure.mass_kg[:, None]
 
+    @np.errstate(over="ignore", invalid="ignore")  # the panel reports a blow-up
     def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
         """Move ``state`` to the interval's end under ``action``."""
         steps = interval.steps(self._largest_step_s)

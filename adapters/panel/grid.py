@@ -106,7 +106,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Surface:
-    """What particles touch: a grid, and which node of a structure stands at each of its nodes."""
+    """What particles touch: a grid, and which node of a body stands at each of its nodes."""
 
     grid: Grid
     nodes: Indices

@@ -1,11 +1,7 @@
-"""Which time integrator a plan asks for, and the largest step it takes."""
+"""Which step a plan's time integrator takes, and the largest that it may."""
 
 from __future__ import annotations
 
-from adapters.panel.elastic_panel import Integrator
-from adapters.panel.explicit import Explicit
-from adapters.panel.generalized_alpha import GeneralizedAlpha
-from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
 from orchestrator.plans import PanelPlan
 
@@ -18,9 +14,8 @@ COARSEST_STEP_S = 1e-3
 USUAL_STEP_S = 2e-4
 
 
-def choose(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Integrator:
-    """The integrator of ``plan`` for a structure that stands in its resting shape; it takes over
-    ``tangent``, which an explicit one closes as it has no use for it.
+def step_s(plan: PanelPlan, tangent: Tangent) -> float:
+    """The step of ``plan``'s integrator for a structure that stands in its resting shape.
 
     ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
     """
@@ -30,11 +25,7 @@ def choose(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Integrato
             f"panel {plan.name}: step_s = {plan.step_s} is above the limit of {largest:.3g} s; "
             f"use {usual:.2g} or 0 (the solver's own choice)"
         )
-    step_s = plan.step_s or usual
-    if plan.integrator == "explicit":
-        tangent.close()
-        return Explicit(structure, step_s)
-    return GeneralizedAlpha(structure, tangent, step_s, plan.name)
+    return plan.step_s or usual
 
 
 def largest_step_s(plan: PanelPlan, tangent: Tangent) -> float:

@@ -17,6 +17,14 @@ from orchestrator.state import put_back, taken
 _STATE = ("_stress", "energy_J", "lost_J")
 
 
+def checked(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
+    """Ratios and relaxation times in s, (branches,) each; ValueError if one is not positive."""
+    if any(ratio <= 0.0 or time_s <= 0.0 for ratio, time_s in branches):
+        raise ValueError(f"Maxwell branches need positive pairs (ratio, s), got {branches}")
+    ratio, time_s = np.array(branches, dtype=float).reshape(-1, 2).T.copy()
+    return ratio, time_s
+
+
 class Branches:
     """All branches on one field of ``size`` strain components.
 
@@ -26,10 +34,7 @@ class Branches:
     """
 
     def __init__(self, branches: tuple[tuple[float, float], ...], size: int) -> None:
-        if any(ratio <= 0.0 or time_s <= 0.0 for ratio, time_s in branches):
-            raise ValueError(f"Maxwell branches need positive pairs (ratio, s), got {branches}")
-        self.ratio = np.array([ratio for ratio, _ in branches])
-        self.time_s = np.array([time_s for _, time_s in branches])
+        self.ratio, self.time_s = checked(branches)
         self.history = np.zeros(size)
         self.share = 0.0
         self.energy_J = np.zeros(len(branches))

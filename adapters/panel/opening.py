@@ -2,20 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 
 from adapters.panel import integrators
 from adapters.panel.elastic_panel import ElasticPanel
+from adapters.panel.explicit import Explicit
+from adapters.panel.generalized_alpha import GeneralizedAlpha
 from adapters.panel.grid import Surface
 from adapters.panel.resting_shape import first_guess_m, settle
+from adapters.panel.state import State
 from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
 from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array
 
+# From plan, structure, surface, resting shape (nodes, 3) and step in s; owns the structure.
+Explicitly = Callable[[PanelPlan, Structure, Surface, Array, float], ElasticPanel]
 
-def open_panel(plan: PanelPlan, structure: Structure, surface: Surface) -> ElasticPanel:
-    """The panel at rest between its clamps.
+
+def explicit(
+    plan: PanelPlan, structure: Structure, surface: Surface, resting_m: Array, step_s: float
+) -> ElasticPanel:
+    """Explicit steps in Python, for any structure."""
+    state = _at_rest(structure, resting_m)
+    integrator = Explicit(structure, step_s)
+    return ElasticPanel(plan, structure, integrator, state, surface.grid, surface.nodes)
+
+
+def open_panel(
+    plan: PanelPlan, structure: Structure, surface: Surface, explicitly: Explicitly = explicit
+) -> ElasticPanel:
+    """The panel at rest between its clamps; ``explicitly`` makes the one with explicit steps.
 
     ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
@@ -23,8 +41,15 @@ def open_panel(plan: PanelPlan, structure: Structure, surface: Surface) -> Elast
         failed.callback(structure.close)
         tangent = failed.enter_context(closing(Tangent(structure)))
         resting_m = _resting_m(plan, structure, tangent)
-        integrator = integrators.choose(plan, structure, tangent)
-        panel = ElasticPanel(plan, structure, integrator, surface, resting_m)
+        step_s = integrators.step_s(plan, tangent)
+        if plan.integrator == "explicit":
+            panel = explicitly(plan, structure, surface, resting_m, step_s)
+            tangent.close()
+        else:
+            integrator = GeneralizedAlpha(structure, tangent, step_s, plan.name)
+            state = _at_rest(structure, resting_m)
+            grid, nodes = surface.grid, surface.nodes
+            panel = ElasticPanel(plan, structure, integrator, state, grid, nodes)
         failed.pop_all()
     return panel
 
@@ -34,6 +59,11 @@ def largest_step_s(plan: PanelPlan, structure: Structure) -> float:
     with closing(structure), closing(Tangent(structure)) as tangent:
         _resting_m(plan, structure, tangent)
         return integrators.largest_step_s(plan, tangent)
+
+
+def _at_rest(structure: Structure, resting_m: Array) -> State:
+    structure.rest(resting_m)
+    return State.at_rest(resting_m, structure.force_N(resting_m))
 
 
 def _resting_m(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Array:

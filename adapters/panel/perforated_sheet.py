@@ -45,8 +45,7 @@ class Perforated:
         positive, and that rest on the strain (C - 1/C) / 4, which agrees with the logarithmic
         one to second order (Bazant, J. Eng. Mater. Technol. 120 (1998) 131-136).
         """
-        factor = float(eigh(self.cell.membrane, SOLID, eigvals_only=True)[0])
-        rest = stiffness_N_m * (self.cell.membrane - factor * SOLID)
+        factor, rest = self.split(stiffness_N_m)
         flat = self.share.function_space.mesh
         share_of_solid, stiffer = fem.Constant(flat, factor), fem.Constant(flat, rest)
         H = (C - ufl.inv(C)) / 4
@@ -54,17 +53,25 @@ class Perforated:
         soft = share_of_solid * solid + 0.5 * ufl.inner(h, stiffer * h)
         return (1.0 - self.share) * solid + self.share * soft
 
-    def scaled_strain(self, stiffness_N_m: float, C: Any) -> Any:
-        """Vector whose half square is the small-strain energy per area."""
-        E = 0.5 * (C - ufl.Identity(2))
-        roots = self._per_cell(lambda share: _root(stiffness_N_m * self._membrane(share)))
-        return ufl.as_vector(
-            [
-                roots[0] * E[0, 0] + roots[1] * E[1, 1],
-                roots[2] * E[1, 1],
-                2 * roots[3] * E[0, 1],
-            ]
-        )
+    def split(self, stiffness_N_m: float) -> tuple[float, Array]:
+        """The factor of the solid law, and the stiffness (3, 3) on top of it, in N/m."""
+        factor = float(eigh(self.cell.membrane, SOLID, eigvals_only=True)[0])
+        return factor, stiffness_N_m * (self.cell.membrane - factor * SOLID)
+
+    def strain_entries(self, stiffness_N_m: float) -> Array:
+        """(cells, 5) of the ``sheet_forms.scaled_strain`` whose half square is the small-strain
+        energy per area."""
+        shares = self.share.x.array
+        return np.array([_root(stiffness_N_m * self._membrane(share)) for share in shares])
+
+    def strain_field(self, stiffness_N_m: float) -> Any:
+        """``strain_entries`` as a field, constant in each cell."""
+        table = self.strain_entries(stiffness_N_m)
+        flat = self.share.function_space.mesh
+        element = ufl.VectorElement("DG", flat.ufl_cell(), 0, dim=table.shape[1])
+        field = fem.Function(function_space(flat, element))
+        field.x.array[:] = table.ravel()
+        return field
 
     def moment(self, plate_N_m: float) -> Callable[[Any], Any]:
         """Bending moment of a curvature (2 x 2), for E t^3 / 12 = ``plate_N_m``."""
@@ -83,15 +90,6 @@ class Perforated:
     def _membrane(self, share: float) -> Array:
         return np.asarray((1.0 - share) * SOLID + share * self.cell.membrane)
 
-    def _per_cell(self, values: Callable[[float], Array]) -> Any:
-        """A field of vectors, constant in each cell, from the cell's share."""
-        flat = self.share.function_space.mesh
-        table = np.array([values(share) for share in self.share.x.array])
-        element = ufl.VectorElement("DG", flat.ufl_cell(), 0, dim=table.shape[1])
-        field = fem.Function(function_space(flat, element))
-        field.x.array[:] = table.ravel()
-        return field
-
 
 def perforated(plan: PanelPlan, apertures: Apertures, flat: Any) -> Perforated:
     """On the mesh ``flat`` in material coordinates."""
@@ -107,6 +105,6 @@ def perforated(plan: PanelPlan, apertures: Apertures, flat: Any) -> Perforated:
 
 
 def _root(stiffness: Array) -> Array:
-    """The four entries of an upper root R with R^T R = ``stiffness``."""
+    """The entries of an upper root R with R^T R = ``stiffness``: R11, R12, R21 = 0, R22, R33."""
     upper = np.linalg.cholesky(stiffness).T
-    return np.array([upper[0, 0], upper[0, 1], upper[1, 1], upper[2, 2]])
+    return np.array([upper[0, 0], upper[0, 1], 0.0, upper[1, 1], upper[2, 2]])

@@ -17,6 +17,12 @@ except ImportError as missing:
     raise SolverMissing(
         f"panel solver 'sheet' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"
     ) from missing
+try:
+    from adapters.panel import compiled_sheet
+except ImportError as missing:
+    raise SolverMissing(
+        f"panel solver 'sheet' needs its compiled part, which docker/setup.sh builds: {missing}"
+    ) from missing
 
 
 def build(plan: PanelPlan) -> ElasticPanel:
@@ -24,7 +30,7 @@ def build(plan: PanelPlan) -> ElasticPanel:
 
     ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
-    return opening.open_panel(plan, *sheet(plan))
+    return opening.open_panel(plan, *sheet(plan), compiled_sheet.panel)
 
 
 def largest_step_s(plan: PanelPlan) -> float:

@@ -49,15 +49,22 @@ def _membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
     )
 
 
-def _scaled_strain(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
-    """Vector whose half square is the small-strain plane-stress energy  mu t (E:E + (tr E)^2)."""
-    E = 0.5 * (C - ufl.Identity(2))
+def strain_entries(material: Hyperelastic, thickness_m: float) -> tuple[float, ...]:
+    """The entries of ``scaled_strain`` with which half its square is the small-strain plane-stress
+    energy  mu t (E:E + (tr E)^2)."""
     root = (2.0 * material.shear_modulus_Pa * thickness_m) ** 0.5
+    isochoric = root * 0.5**0.5
+    return (root * 1.5**0.5, root * 1.5**0.5, isochoric, -isochoric, isochoric)
+
+
+def scaled_strain(entries: Any, C: Any) -> Any:
+    """The vector (s0 E11 + s1 E22, s2 E11 + s3 E22, s4 2 E12) for five ``entries``."""
+    E = 0.5 * (C - ufl.Identity(2))
     return ufl.as_vector(
         [
-            root * 1.5**0.5 * (E[0, 0] + E[1, 1]),
-            root * 0.5**0.5 * (E[0, 0] - E[1, 1]),
-            root * 2.0**0.5 * E[0, 1],
+            entries[0] * E[0, 0] + entries[1] * E[1, 1],
+            entries[2] * E[0, 0] + entries[3] * E[1, 1],
+            2.0 * entries[4] * E[0, 1],
         ]
     )
 
@@ -68,7 +75,7 @@ def sheet(plan: PanelPlan) -> tuple[Structure, Surface]:
     region_m = pattern.region_m(plan.rectangle) if pattern else None
     grid = Grid.of(plan.rectangle, plan.cells, region_m)
     flat = flat_mesh(grid)
-    holes = _holes(plan, flat)
+    holes = openings(plan, flat)
     space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
     scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()
@@ -82,8 +89,8 @@ def sheet(plan: PanelPlan) -> tuple[Structure, Surface]:
     return Structure(membrane, areal_mass_kg_m2, held, bent), Surface(grid, nodes)
 
 
-def _holes(plan: PanelPlan, flat: Any) -> Perforated | None:
-    """The openings of ``plan`` on its mesh."""
+def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
+    """Those of ``plan`` on its mesh."""
     if plan.apertures is None:
         return None
     from adapters.panel.perforated_sheet import perforated
@@ -97,15 +104,15 @@ def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
     C = ufl.transpose(gradient) * gradient
     measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
     energy = _membrane_energy(plan.material, plan.thickness_m, C)
-    strain = _scaled_strain(plan.material, plan.thickness_m, C)
+    entries: Any = strain_entries(plan.material, plan.thickness_m)
     if holes:
         stiffness_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m
         energy = holes.membrane_energy(energy, stiffness_N_m, C)
-        strain = holes.scaled_strain(stiffness_N_m, C)
+        entries = holes.strain_field(stiffness_N_m)
     return Law(
         position,
         {"membrane": energy * measure},
-        strain,
+        scaled_strain(entries, C),
         QUADRATURE_DEGREE,
         plan.material.branches,
     )

@@ -25,6 +25,14 @@ class State:
     def __post_init__(self) -> None:
         self.filtered_N = self.internal_N.copy()
 
+    def moved(self) -> list[Array]:
+        """What an explicit step changes, in the order of the fields."""
+        return [self.position_m, self.velocity_m_s, self.internal_N]
+
+    @staticmethod
+    def at_rest(position_m: Array, internal_N: Array) -> State:
+        return State(position_m.copy(), np.zeros_like(position_m), internal_N)
+
 
 @dataclass(frozen=True)
 class Action:

@@ -9,6 +9,7 @@ import pytest
 from tests.runs.outside import QUICK, flipflow, run_words, said_plainly
 
 BRIDGE, DOLFINX, EXUDYN = "adapters.particles._liggghts", "dolfinx", "exudyn"
+KERNEL = "adapters.panel._kernel"
 
 
 def without(*packages: str) -> str:
@@ -21,6 +22,7 @@ def without(*packages: str) -> str:
         (EXUDYN, "frames.solver=exudyn", "pip install exudyn==1.13.6"),
         (DOLFINX, "panel.solver=sheet", "python3-dolfinx"),
         (DOLFINX, "panel.solver=solid", "python3-dolfinx"),
+        (KERNEL, "panel.solver=sheet", "docker/setup.sh"),
         (BRIDGE, "particles.solver=liggghts", "libliggghts-dev"),
     ],
 )
@@ -52,7 +54,7 @@ def test_check_warns_of_a_missing_solver() -> None:
     ],
 )
 def test_a_run_imports_only_what_it_calls_for(tmp_path: Path, case: str, sets: list[str]) -> None:
-    blocked = without(BRIDGE, DOLFINX, EXUDYN, "petsc4py", "mpi4py")
+    blocked = without(BRIDGE, DOLFINX, KERNEL, EXUDYN, "petsc4py", "mpi4py")
     done = flipflow(
         *run_words(case, tmp_path / "run", [*QUICK, "duration_s=0.002", *sets]), before=blocked
     )

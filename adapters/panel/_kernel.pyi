@@ -1,0 +1,59 @@
+"""The sheet's explicit loop in C++ (``kernel/module.cpp``); see ``compiled_sheet``."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports import Array
+
+Ints = npt.NDArray[np.int32]
+
+LANES: int
+"""How many cells stand side by side in the arrays of Gauss points."""
+
+class Sheet:
+    """Arrays have to be contiguous, of the dtype given; ValueError for one of a wrong size."""
+
+    def __init__(
+        self,
+        *,
+        along_m: Array,
+        across_m: Array,
+        c10_N_m: float,
+        c01_N_m: float,
+        solid: Array,
+        rest: Array,
+        strain: Array,
+        offset: Ints,
+        entry: Array,
+        flat_m: Array,
+        mobility_1_kg: Array,
+        held: Ints,
+        ratio: Array,
+        time_s: Array,
+        state: Sequence[Array],
+    ) -> None:
+        """Cell sizes; the membrane's law by cell (``kernel/membrane.h``); the bending matrix by
+        diagonals and the positions without bending; mobility (nodes,), zero where ``held``;
+        Maxwell branches; and the arrays that it works on: position, velocity, internal force, and
+        those of ``compiled_sheet.Memory``."""
+
+    def rest(self) -> None:
+        """Take the positions as the shape in which every branch is relaxed; finds the force."""
+
+    def membrane_J(self) -> float: ...
+    def advance(
+        self,
+        start_m: Array,
+        start_m_s: Array,
+        end_m: Array,
+        end_m_s: Array,
+        outside_N: Array,
+        length_s: float,
+        steps: int,
+        impulse_N_s: Array,
+    ) -> float:
+        """Move to the end of an interval in equal steps: the held nodes from start to end, the
+        others under a constant force (nodes, 3).  Adds the internal force's impulse (held, 3) and
+        returns its work on the held nodes, in J.  Other threads run meanwhile."""

@@ -1,0 +1,112 @@
+"""The compiled explicit sheet against the DOLFINx forms with explicit steps in Python."""
+
+from __future__ import annotations
+
+from contextlib import closing
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from orchestrator.clock import Interval
+from orchestrator.geometry import Apertures
+from orchestrator.plans import SolverFailed
+from orchestrator.ports import Load
+from tests.panel.elastic_plans import BRANCHES, difference, plan, shaken
+
+pytestmark = pytest.mark.solver
+
+SLOTS = Apertures("rectangle", 0.009, 0.003, 0.012, 0.006, 0.0, 0.03, 0.012)
+PATTERNS = pytest.mark.parametrize("pattern", [None, SLOTS], ids=["plain", "perforated"])
+ROUNDING = 1e-12  # of sums over cells in another order, with products fused
+
+
+def given(pattern, branches=BRANCHES, **more):
+    """Cells of several sizes; their number no multiple of those that stand side by side."""
+    sheet = plan(width_m=0.06, span_m=0.328, cells=(11, 3), branches=branches, **more)
+    return replace(sheet, apertures=pattern)
+
+
+@PATTERNS
+def test_force_and_energy_of_deformed_shapes(pattern):
+    """Stretched, turned and crumpled at random: force and energies to rounding.  Stretch and turn
+    cancel out of the energy of bending, so its rounding is that of the sum of absolute terms."""
+    from adapters.panel.compiled_sheet import CompiledSheet
+    from adapters.panel.sheet_forms import sheet
+
+    structure, surface = sheet(given(pattern))
+    with closing(structure):
+        compiled = CompiledSheet(given(pattern), structure, surface, 1e-5)
+        rng = np.random.default_rng(1)
+        flat_m, matrix = structure.bending.flat_m, abs(structure.bending.matrix)
+        for crumple_m in (1e-5, 1e-4, 1e-3):
+            turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+            stretch = np.eye(3) + 0.1 * rng.uniform(-1.0, 1.0, size=(3, 3))
+            shape_m = flat_m @ stretch @ turn + rng.normal(scale=crumple_m, size=flat_m.shape)
+            structure.rest(shape_m)
+            force_N = structure.force_N(shape_m)[surface.nodes]
+            compiled.rest(shape_m[surface.nodes])
+            assert difference(compiled.state.internal_N, force_N) < ROUNDING
+            stored_J, expected_J = compiled.stored_J(), structure.stored_J()
+            terms_J = np.vdot(abs(shape_m - flat_m), matrix @ abs(shape_m - flat_m))
+            assert stored_J["membrane"] == pytest.approx(expected_J["membrane"], rel=ROUNDING)
+            assert abs(stored_J["bending"] - expected_J["bending"]) < 1e-3 * ROUNDING * terms_J
+
+
+@PATTERNS
+@pytest.mark.parametrize("branches", [(), BRANCHES], ids=["undamped", "damped"])
+def test_a_shaken_and_loaded_panel(pattern, branches):
+    """One cycle and a half of a slack panel under a load that jumps.  1e-9 of the surface's
+    motion, the reaction and every entry of the account: the shape at rest, of 1e-7 N out of
+    balance, and rounding are all that differs."""
+    from adapters.panel import opening, sheet
+    from adapters.panel.sheet_forms import sheet as forms
+
+    wanted = given(pattern, branches)
+    panels = opening.open_panel(wanted, *forms(wanted)), sheet.build(wanted)
+    rest_m, length_s = panels[0].initial().surface.position_m, 1e-4
+    rng = np.random.default_rng(2)
+    for k in range(1200):
+        load = Load(rng.normal(scale=0.05, size=rest_m.shape))
+        python, compiled = (
+            panel.advance(Interval(k, length_s), shaken(panel, (k + 1) * length_s), load)
+            for panel in panels
+        )
+        if k % 100 == 0:
+            reached = compiled.surface.position_m - rest_m
+            assert difference(reached, python.surface.position_m - rest_m) < 1e-9
+            assert difference(compiled.surface.velocity_m_s, python.surface.velocity_m_s) < 1e-9
+            assert difference(compiled.reaction.force_N, python.reaction.force_N) < 1e-9
+    expected, found = (panel.account() for panel in panels)
+    assert found.momentum_kg_m_s == pytest.approx(expected.momentum_kg_m_s, rel=1e-9, abs=1e-12)
+    for books in ("stored_J", "lost_J", "received_J"):
+        assert getattr(found, books) == pytest.approx(getattr(expected, books), rel=1e-9)
+    assert bool(found.lost_J["panel_damping"]) == bool(branches)
+    for panel in panels:
+        panel.close()
+
+
+def test_a_blow_up_is_reported_also_when_nothing_is_a_number():
+    from adapters.panel import sheet
+
+    panel = sheet.build(given(SLOTS))
+    load = Load.zero(len(panel.initial().surface))
+    panel._body.memory.strain_stress[0, 0, 0, 0, 0] = np.nan
+    with pytest.raises(SolverFailed, match=r"panel panel 1, t = 0.0001 s: unstable"):
+        panel.advance(Interval(0, 1e-4), shaken(panel, 1e-4), load)
+    panel.close()
+
+
+def test_arrays_of_a_wrong_size_or_type_are_refused():
+    """They are never converted: what is written to a copy would be lost."""
+    from adapters.panel import sheet
+
+    panel = sheet.build(given(None))
+    kernel = panel._body._kernel
+    held = np.zeros((len(panel.mount.frame), 3))
+    outside = np.zeros((len(panel.initial().surface), 3))
+    with pytest.raises(ValueError, match=f"outside_N: {outside.size} numbers wanted, got 3"):
+        kernel.advance(held, held, held, held, np.zeros(3), 1e-4, 5, held)
+    with pytest.raises(TypeError):
+        kernel.advance(held, held, held, held, outside, 1e-4, 5, held.astype(np.float32))
+    panel.close()
