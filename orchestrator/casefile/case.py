@@ -6,7 +6,7 @@ and merges them.  docs/case-format.md lists every key.
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, PrivateAttr, Strict
@@ -110,6 +110,9 @@ class Case(Table):
     """The level taken when none is asked for."""
     duration_s: Positive
     """Time to simulate."""
+    effects: Literal["auto"] | tuple[str, ...] | None = None
+    """Which effects the case has, of those that can be left out: without, what it describes; a list
+    of names, exactly these; "auto", all but what `flipflow explain` says may be left out."""
     gravity_m_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box

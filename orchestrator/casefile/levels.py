@@ -14,14 +14,14 @@ from typing import Any
 from pydantic import ValidationError
 
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.coarse import coarsened
 from orchestrator.casefile.deck_layout import laid_out
+from orchestrator.casefile.effect_choice import Choice, chosen, shaped
 from orchestrator.casefile.errors import CaseError, Mistake, did_you_mean, from_validation, shown
 from orchestrator.casefile.overlays import Layers, changed, parsed
-from orchestrator.casefile.slice import sliced
 from orchestrator.scene.catalogue import dropped, left_out
 
 NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice", "watch")
+NO_PHYSICS = (*NUMERICS, "effects")
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ class LoadedCase:
     """A case as it will be run.
 
     ``level`` is "" for the bare case; ``changed`` lists the physics keys (dotted) to which the
-    level or --set gave another value; ``left_out`` names the physics that solvers and hand-overs
-    leave out, with the reason; ``layers`` knows which file gave a key.
+    level, --set or ``effects`` gave another value; ``left_out`` names the physics that solvers,
+    hand-overs and ``effects`` leave out, with the reason; ``layers`` knows which file gave a key.
     """
 
     name: str
@@ -40,6 +40,12 @@ class LoadedCase:
     changed: tuple[str, ...]
     left_out: dict[str, str]
     layers: Layers
+    choice: Choice
+
+    @property
+    def described(self) -> Case:
+        """The case with all that it describes, before ``effects`` left out some of it."""
+        return self.choice.described or self.case
 
 
 def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> LoadedCase:
@@ -54,21 +60,22 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     folder = file.resolve().parent
     given = read_toml(file)
     layers = Layers(given, file.name)
-    chosen = chosen_level(folder, given, level)
-    if chosen:
-        _lay_level(layers, folder, chosen)
+    at_level = chosen_level(folder, given, level)
+    without = _lay_level(layers, folder, at_level) if at_level else ()
     for override in overrides:
         layers.lay(parsed(override), "--set")
-    case = validated(layers)
-    physics = (key for key in changed(given, layers.merged) if key[0] not in NUMERICS)
+    choice = chosen(layers, without)
+    case = validated(layers, choice.mistakes)
+    physics = (key for key in changed(given, layers.merged) if key[0] not in NO_PHYSICS)
     return LoadedCase(
         name=folder.name,
         folder=folder,
-        level=chosen,
+        level=at_level,
         case=case,
         changed=tuple(".".join(key) for key in physics),
-        left_out=left_out(case),
+        left_out=_why_left_out(case, choice),
         layers=layers,
+        choice=choice,
     )
 
 
@@ -106,19 +113,27 @@ def read_toml(file: Path) -> dict[str, Any]:
     raise CaseError([Mistake((), what, file=str(file))])
 
 
-def validated(layers: Layers) -> Case:
-    """With decks laid out, particles as coarse as wanted, and cut to its slice.  Raises CaseError
-    with every mistake found."""
+def validated(layers: Layers, besides: Sequence[Mistake] = ()) -> Case:
+    """As ``shaped``.  Raises CaseError with every mistake found, and those ``besides``."""
     try:
-        return sliced(coarsened(laid_out(Case.model_validate(layers.merged))))
+        return shaped(Case.model_validate(layers.merged))
     except ValidationError as error:
-        raise CaseError(layers.named(from_validation(error, Case))) from None
+        found = from_validation(error, Case)
     except CaseError as error:
-        raise CaseError(layers.named(error.mistakes)) from None
+        found = [*error.mistakes]
+    raise CaseError(layers.named([*found, *besides]))
 
 
-def _lay_level(layers: Layers, folder: Path, level: str) -> None:
-    """Lays the level over the case and checks that it names what it leaves out."""
+def _why_left_out(case: Case, choice: Choice) -> dict[str, str]:
+    """By settings, by ``effects``, or by the one because of the other."""
+    found = left_out(case)
+    for name, why in choice.left_out.items():
+        found[name] = f"{found[name]}; {why}" if name in found else why
+    return found
+
+
+def _lay_level(layers: Layers, folder: Path, level: str) -> tuple[str, ...]:
+    """Lays the level over the case and checks that it names what it leaves out; the names."""
     bare = dict(layers.merged)
     source = f"levels/{level}.toml"
     overlay = read_toml(folder / source)
@@ -131,7 +146,7 @@ def _lay_level(layers: Layers, folder: Path, level: str) -> None:
     try:
         needed = dropped(*(laid_out(Case.model_validate(c)) for c in (bare, layers.merged)))
     except (ValidationError, CaseError):
-        return  # load validates again and says what is wrong
+        return ()  # load validates again and says what is wrong
     mistakes = [
         Mistake(("without",), f'"{name}" must be named: the level leaves it out', why, source)
         for name, why in needed.items()
@@ -144,3 +159,4 @@ def _lay_level(layers: Layers, folder: Path, level: str) -> None:
     ]
     if mistakes:
         raise CaseError(mistakes)
+    return tuple(without)

@@ -23,7 +23,8 @@ class Layers:
         self.merged: dict[str, Any] = dict(given)
 
     def lay(self, overlay: Mapping[str, Any], source: str) -> None:
-        """Raises CaseError when it reaches for an element that a list does not have."""
+        """None takes a key away.  Raises CaseError when it reaches for an element that a list does
+        not have."""
         self.merged = self._over(self.merged, overlay, (), source)
 
     def source(self, key: Key) -> str:
@@ -55,6 +56,8 @@ class Layers:
         merged = dict(below)
         for word, value in overlay.items():
             merged[word] = self._over(below.get(word), value, (*key, word), source)
+            if value is None:
+                del merged[word]
         return merged
 
 

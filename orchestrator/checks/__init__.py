@@ -6,9 +6,10 @@ together, then files, then what is computed from both.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from orchestrator.casefile.deck_layout import as_given
 from orchestrator.casefile.errors import Mistake
-from orchestrator.casefile.levels import LoadedCase
 from orchestrator.checks import (
     adhesion,
     apertures,
@@ -24,6 +25,9 @@ from orchestrator.checks import (
     steps,
     surfaces,
 )
+
+if TYPE_CHECKING:
+    from orchestrator.casefile.levels import LoadedCase
 
 OF_TABLES = (
     names.unknown_names,
@@ -50,7 +54,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
     """All that must be put right before the case can run; empty if nothing."""
     case, folder = loaded.case, loaded.folder
     whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
-    found = [mistake for rule in OF_TABLES for mistake in rule(whole)]
+    found = [*loaded.choice.mistakes, *(m for rule in OF_TABLES for m in rule(whole))]
     if not found:
         found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
         found += [*machine.possible_inertia(whole), *machine.held_frames(whole)]
@@ -69,7 +73,8 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
 
 def table_mistakes(loaded: LoadedCase) -> list[Mistake]:
     """The first round alone, which reads no files and places no particles."""
-    return _as_given(loaded, [found for rule in OF_TABLES for found in rule(loaded.case.whole)])
+    found = [mistake for rule in OF_TABLES for mistake in rule(loaded.case.whole)]
+    return _as_given(loaded, [*loaded.choice.mistakes, *found])
 
 
 def _as_given(loaded: LoadedCase, found: list[Mistake]) -> list[Mistake]:
@@ -86,4 +91,5 @@ def warnings(loaded: LoadedCase) -> list[str]:
         *light_nodes.light_nodes(case),
         *materials.fines(case),
         *slices.doubtful_slice(case, loaded.folder),
+        *loaded.choice.lacking,
     ]

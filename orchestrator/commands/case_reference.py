@@ -15,6 +15,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from orchestrator.casefile.case import Case
+from orchestrator.scene.catalogue import EFFECTS
+from orchestrator.scene.effect import Part
 
 # by the end of a key; the longest that fits counts
 UNITS = {
@@ -92,11 +94,11 @@ of the case's physics:
 | `panel-deformation` | `panel.solver = "rigid"` |
 | `variation-across` | `panel.solver = "strip"` |
 | `frame-rotation` | `frames.solver = "two-mass"` |
-| `frame-dynamics` | `frames.solver = "prescribed"` in a case with bushings or exciters |
+| `frame-dynamics` | `frames.solver = "prescribed"` in a case with frames that forces move |
 | `rolling-friction` | `particles.rolling = "none"` in a case with rolling friction |
 | `adhesion` | `particles.adhesion = "none"` in a case with works of adhesion |
 | `frame-motion`, `panel-motion`, `particle-load`, `panel-reaction` | `hand_over.*` turned off |
-| `particles`, `panel-damping`, `exciters`, `bushings`, `surfaces`, `gravity` | taking all away |
+| `particles`, `exciters`, `bushings`, `surfaces`, `gravity`, effects below | taking all away |
 
 A level that leaves out what it does not name is refused, and so is one that names what it does not
 leave out. Without `--level`, the case's `default_level` is taken, else its only level.
@@ -108,11 +110,43 @@ leave out. Without `--level`, the case's `default_level` is taken, else its only
 TOML; what is not TOML is taken as text. Elements of lists go by number:
 `--set contacts.0.restitution=0.5`.
 """
+EFFECTS_HEAD = """\
+## Effects
+
+`effects` says which effects the case has, of those that can be left out (docs/theory/effects.md):
+
+- absent: what the case describes.
+- `effects = ["frame-dynamics", "frame-motion", "panel-deformation"]`: exactly these; everything
+  else that can be left out is. An effect that needs another wants it named, too. Of an effect with
+  several laws a law may be named instead, which chooses it; two laws of one effect exclude each
+  other. What is named must be in the case, and in its solvers unless the level says `without`.
+- `effects = "auto"`: what `flipflow explain` says may be left out is left out; what matters, and
+  where it cannot say, stays. What matters and the case does not have is a warning: no data are
+  invented.
+
+It may stand in the case, in a level, or be given by `--set effects=auto`. It acts by changing other
+keys before the case is read; the case in a run's folder has those, and no `effects`. What is left
+out, and why, is said when a run starts and in `run.log`, `summary.json` and the report.
+
+| effect | part | can be left out | laws | what else has it or not |
+| --- | --- | --- | --- | --- |"""
 
 
 def reference() -> str:
     """The whole page."""
-    return "\n".join([HEAD, *_sections(Case, "", set())]).rstrip() + "\n"
+    return "\n".join([HEAD, *_effects(), *_sections(Case, "", set())]).rstrip() + "\n"
+
+
+def _effects() -> Iterator[str]:
+    """All that there are, by part."""
+    yield EFFECTS_HEAD
+    for part in get_args(Part):
+        for name, effect in EFFECTS.items():
+            if effect.part == part:
+                left_out = "yes" if effect.optional else "no"
+                laws = ", ".join(f"`{law}`" for law in effect.laws)
+                yield f"| `{name}` | {part} | {left_out} | {laws} | {effect.key} |"
+    yield ""
 
 
 def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]]) -> Iterator[str]:
@@ -181,7 +215,7 @@ def _kind(kind: Any) -> str:
             return f"list of [{_kind(arguments[0])}]"
         return f"{len(arguments)} x {_kind(arguments[0])}"
     if NoneType in arguments:
-        return _kind(arguments[0])
+        return " or ".join(_kind(one) for one in arguments if one is not NoneType)
     return {float: "number", int: "whole number", bool: "true or false", str: "text"}[kind]
 
 

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from orchestrator.casefile.levels import LoadedCase
-from orchestrator.scene.catalogue import Judged, judged
-from orchestrator.scene.effect import Part
+from orchestrator.scene.catalogue import Judged, judged, spared, with_dependents
+from orchestrator.scene.effect import Part, in_words
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
-NOTHING_BUT_ROUNDING = 1e-9
-COLUMNS = ("effect", "here", "number", "value", "threshold", "verdict", "change / cost")
-SHORT = ("effect", "here", "value")
+COLUMNS = ("effect", "here", "number", "value", "threshold", "auto", "verdict", "change / cost")
+SHORT = ("effect", "here", "value", "auto")
 NOTHING = {
     "particles": "no particles: nothing to decide",
     "panels": "no panels: nothing to decide",
-    "frames": "no frames but the ground: nothing to decide",
 }
 
 
@@ -46,40 +43,36 @@ def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
     found = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
         found.add_column(column, no_wrap=column in SHORT, overflow="fold")
-    for part, verdicts in parts.items():
-        found.add_row(f"[{part}]", *[""] * 4, "" if verdicts else NOTHING.get(part, ""))
-        for one in verdicts:
-            found.add_row(*_row(one)[: len(columns)])
+    going = with_dependents(spared(one for rows in parts.values() for one in rows), "")
+    for part, rows in parts.items():
+        found.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
+        for one in rows:
+            found.add_row(*_row(one, going)[: len(columns)])
         found.add_section()
     return found
 
 
-def _row(one: Judged) -> tuple[str, ...]:
+def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:
     verdict = one.verdict
     return (
         one.effect,
         "yes" if one.present else "no",
         verdict.number,
-        _shown(verdict.value),
+        verdict.value_in_words,
         verdict.threshold,
+        _by_auto(one, going),
         f"{in_words(verdict.matters)}: {verdict.why}",
         "\n".join(text for text in (one.key, verdict.cost) if text),
     )
 
 
-def in_words(matters: bool | None) -> str:
-    """ "matters", "may be left out" or "cannot say"."""
-    if matters is None:
-        return "cannot say"
-    return "matters" if matters else "may be left out"
-
-
-def _shown(value: float | None) -> str:
-    if value is None:
+def _by_auto(one: Judged, going: Collection[str]) -> str:
+    """What ``effects = "auto"`` does with it."""
+    if one.lacking:
+        return "warns"
+    if not one.present:
         return "-"
-    if math.isinf(value):
-        return "infinite"
-    return "0" if abs(value) < NOTHING_BUT_ROUNDING else f"{value:.3g}"
+    return "leaves out" if one.effect in going else "keeps"
 
 
 def summary(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:

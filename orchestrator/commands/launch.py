@@ -25,6 +25,7 @@ from orchestrator.records import run_folder, summary
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
+from orchestrator.scene.account import account, at_start
 from orchestrator.watch import Interrupted
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
@@ -51,7 +52,8 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         console.print(f"running {loaded.name} {loaded.level} into {folder}")
-        for line in [*warnings(loaded), *(f"left out: {why}" for why in loaded.left_out.values())]:
+        entries = account(loaded.described, loaded.left_out)
+        for line in [*warnings(loaded), *at_start(entries)]:
             LOG.warning(line)
             console.print(f"warning: {line}")
         return _guarded(Run(loaded, folder, world, console), folder, world, console)

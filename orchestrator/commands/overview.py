@@ -25,6 +25,7 @@ from orchestrator.deck.panels import single_panels, walls
 from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.planning import material_numbers
 from orchestrator.plans import SolverMissing
+from orchestrator.scene.account import account, at_start
 
 
 def overview(loaded: LoadedCase) -> Iterator[str]:
@@ -36,8 +37,7 @@ def overview(loaded: LoadedCase) -> Iterator[str]:
     if has_particles(case):
         yield from _particles(loaded)
     yield from _times(loaded)
-    for name, why in loaded.left_out.items():
-        yield f"left out: {name} ({why})"
+    yield from at_start(account(loaded.described, loaded.left_out))
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
     for warning in [*warnings(loaded), *missing_solvers(case)]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from orchestrator.casefile.contents import has_particles
 from orchestrator.scene.effect import Effect, Verdict
 from orchestrator.scene.passage import passage
@@ -12,7 +14,10 @@ def judge(scene: Scene) -> Verdict | None:
     """None without particles."""
     if not has_particles(scene.case):
         return None
-    return passage(scene, cost="a deck that fills for as long as material stays on it")
+    found = passage(scene, cost="a deck that fills for as long as material stays on it")
+    if scene.case.bed.blocks or scene.case.bed.particles:
+        return found
+    return replace(found, matters=True, why="at t = 0 the deck is empty: the feed is all there is")
 
 
 EFFECT = Effect(

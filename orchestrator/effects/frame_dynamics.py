@@ -12,6 +12,8 @@ from orchestrator.scene.strokes import moved_by_forces
 def judge(scene: Scene) -> Verdict:
     free = free_frames(scene.plan)
     why = f"moved by forces: {', '.join(free)}" if free else "all frames move as prescribed"
+    if not scene.plan.bodies:
+        why = "there are no frames but the ground"
     return Verdict(
         number="frames that forces move",
         value=float(len(free)),
@@ -23,8 +25,7 @@ def judge(scene: Scene) -> Verdict:
 
 
 def left_out(case: Case) -> str:
-    forces = bool(case.screen.bushings or case.screen.exciters)
-    off = case.frames.solver == "prescribed" and forces
+    off = case.frames.solver == "prescribed" and bool(moved_by_forces(case))
     return "frames.solver prescribed: nothing acts on the frames' motion" if off else ""
 
 

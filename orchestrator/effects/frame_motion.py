@@ -8,8 +8,8 @@ from orchestrator.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None without panels."""
-    if not scene.panels:
+    """None without frames or panels."""
+    if not scene.panels or not scene.plan.bodies:
         return None
     shaken = scene.speed_rad_s > 0
     thrown = f"panels' middles are thrown with {scene.panels_throw:.2g} g"

@@ -12,7 +12,10 @@ from orchestrator.scene.shaking import bushing_N_m, free_frames, shakings
 from orchestrator.scene.strokes import change_of_stroke, moved_by_forces
 
 
-def judge(scene: Scene) -> Verdict:
+def judge(scene: Scene) -> Verdict | None:
+    """None without frames."""
+    if not scene.plan.bodies:
+        return None
     free = bool(free_frames(scene.plan))
     ratio = _panels_share(scene)
     change, why = change_of_stroke(scene, shakings(scene.plan), "without the panels")

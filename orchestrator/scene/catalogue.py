@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pkgutil import iter_modules
@@ -28,11 +29,13 @@ EFFECTS = _found()
 
 @dataclass(frozen=True)
 class Judged:
-    """An effect in one scene.  ``present``: whether the case has it."""
+    """An effect in one scene.  ``present``: whether the case has it; ``can_go``: whether keys of
+    the case can still leave it out."""
 
     effect: str
     key: str
     present: bool
+    can_go: bool
     verdict: Verdict
 
     @property
@@ -47,12 +50,12 @@ class Judged:
 
 
 def judged(case: Case) -> dict[Part, list[Judged]]:
-    """By part; a part that the case does not have is empty.  For a case whose tables fit together
-    (``checks.table_mistakes``)."""
+    """By part; particles and panels are empty where there are none.  For a case whose tables fit
+    together (``checks.table_mistakes``)."""
     there: dict[Part, bool] = {
         "particles": has_particles(case),
         "panels": bool(case.screen.panels),
-        "frames": bool(case.screen.frames),
+        "frames": True,
         "machine": True,
     }
     seen = scene(case)
@@ -60,9 +63,36 @@ def judged(case: Case) -> dict[Part, list[Judged]]:
     for name, effect in EFFECTS.items():
         verdict = effect.judge(seen) if there[effect.part] else None
         if verdict is not None:
-            one = Judged(name, effect.key, present(case, name), verdict)
+            one = Judged(name, effect.key, present(case, name), can_go(case, name), verdict)
             found[effect.part].append(one)
     return found
+
+
+def can_go(case: Case, name: str) -> bool:
+    """Whether keys of the case leave it out that do not do so yet."""
+    effect = EFFECTS[name]
+    return bool(effect.overlay(case)) and not effect.left_out(case)
+
+
+def spared(every: Iterable[Judged]) -> list[str]:
+    """What may be left out, by keys of the case."""
+    return [one.effect for one in every if one.can_go and one.verdict.matters is False]
+
+
+def with_dependents(names: Collection[str], why: str) -> dict[str, str]:
+    """These, and all that needs one of them: name -> why."""
+    found = dict.fromkeys(names, why)
+    for name in EFFECTS:
+        if need := next((need for need in _needs(name) if need in names), None):
+            found[name] = f"it needs {need}, which is left out"
+    return found
+
+
+def _needs(name: str) -> Iterator[str]:
+    """All effects without which this is nothing."""
+    for need in EFFECTS[name].needs:
+        yield need
+        yield from _needs(need)
 
 
 def present(case: Case, name: str) -> bool:

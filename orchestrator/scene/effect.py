@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -11,6 +12,7 @@ from orchestrator.scene.scene import Scene
 
 Part = Literal["particles", "panels", "frames", "machine"]
 Overlay = Mapping[str, Any]
+NOTHING_BUT_ROUNDING = 1e-9
 TENTH = 0.1
 """What changes a result by less than a tenth may be left out: the project's own choice, as the
 amplitudes of cases/ffs0827-empty meet the published ones to about a tenth."""
@@ -31,6 +33,27 @@ class Verdict:
     matters: bool | None
     why: str
     cost: str = ""
+
+    @property
+    def value_in_words(self) -> str:
+        """To three digits; "-" without one."""
+        if self.value is None:
+            return "-"
+        if math.isinf(self.value):
+            return "infinite"
+        return "0" if abs(self.value) < NOTHING_BUT_ROUNDING else f"{self.value:.3g}"
+
+    @property
+    def in_numbers(self) -> str:
+        """Number, value and threshold."""
+        return f"{self.number} {self.value_in_words}, threshold {self.threshold}"
+
+
+def in_words(matters: bool | None) -> str:
+    """ "matters", "may be left out" or "cannot say"."""
+    if matters is None:
+        return "cannot say"
+    return "matters" if matters else "may be left out"
 
 
 def _nothing(case: Case) -> Overlay:
@@ -62,3 +85,8 @@ class Effect:
     needs: tuple[str, ...] = ()
     laws: Mapping[str, Overlay] = field(default_factory=dict)
     key: str = ""
+
+    @property
+    def optional(self) -> bool:
+        """Whether ``effects`` can leave it out."""
+        return self.overlay is not _nothing

@@ -96,7 +96,7 @@ material = "PU"
 
 def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
     parts = judged(load(written(tmp_path)).case)
-    assert len(table(parts, COLUMNS).columns) == 7
+    assert len(table(parts, COLUMNS).columns) == 8
     console = Console(width=100, record=True, file=StringIO())
     console.print(table(parts, COLUMNS[:-1]))
     said = console.export_text()

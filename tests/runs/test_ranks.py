@@ -63,7 +63,7 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     said_plainly(done)
     assert done.stderr.count("where the time went") == 1
-    assert done.stderr.count("warning: left out: panel.solver") == 1
+    assert done.stderr.count("warning: left out: variation-across: panel.solver") == 1
     assert left_usable(both, "done")["momentum_residual_relative"] < 1e-11
     pictures = {"bushing_loops", "deck", "energy", "frame_motion", "panel_shapes"}
     assert {picture.stem for picture in both.glob("*.png")} == pictures

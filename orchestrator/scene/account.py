@@ -1,0 +1,74 @@
+"""What is said of the effects of a run: before it from the case, after it from what it recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from orchestrator.casefile.case import Case
+from orchestrator.scene.catalogue import judged
+from orchestrator.scene.effect import Verdict, in_words
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One effect: ``left_out`` says why it is ("": it is not); ``before`` is None where nothing
+    can be said of it, ``after`` where the run does not tell."""
+
+    left_out: str
+    present: bool
+    before: Verdict | None = None
+    after: Verdict | None = None
+
+    @property
+    def crossed(self) -> bool:
+        """Whether the run says otherwise."""
+        if self.before is None or self.after is None:
+            return False
+        return {self.before.matters, self.after.matters} == {True, False}
+
+    def figures(self) -> dict[str, Any]:
+        """For ``summary.json``."""
+        return {
+            "left_out": self.left_out,
+            "present": self.present,
+            "before": _figures(self.before),
+            "after": _figures(self.after),
+            "crossed": self.crossed,
+        }
+
+
+def account(described: Case, left_out: Mapping[str, str]) -> dict[str, Entry]:
+    """Of all effects, from the case with all that it describes, and those left out of it."""
+    found = {
+        one.effect: Entry(left_out.get(one.effect, ""), one.present, one.verdict)
+        for rows in judged(described).values()
+        for one in rows
+    }
+    others = {name: Entry(why, False) for name, why in left_out.items() if name not in found}
+    return found | others
+
+
+def at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
+    """What is left out, and why."""
+    for name, one in entries.items():
+        if one.left_out:
+            number = f"; {_said(one.before)}" if one.before else ""
+            yield f"left out: {name}: {one.left_out}{number}"
+
+
+def _said(verdict: Verdict) -> str:
+    return f"{in_words(verdict.matters)}: {verdict.in_numbers}"
+
+
+def _figures(verdict: Verdict | None) -> dict[str, Any] | None:
+    if verdict is None:
+        return None
+    return {
+        "number": verdict.number,
+        "value": verdict.value,
+        "threshold": verdict.threshold,
+        "matters": verdict.matters,
+        "why": verdict.why,
+    }

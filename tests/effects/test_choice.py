@@ -1,0 +1,204 @@
+"""The case key ``effects``: what is left out by it, what it refuses, and that the resolved case
+says it without it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import tomli_w
+
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import LoadedCase, load
+from orchestrator.checks import mistakes, warnings
+from orchestrator.records.run_folder import resolved
+from orchestrator.scene.account import account, at_start
+from orchestrator.scene.catalogue import EFFECTS, present
+from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complaint, written
+from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
+
+STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_m2 = 1.0"
+DAMPED = "bulk_modulus_Pa = 2e9, maxwell = [{ratio = 0.2, relaxation_s = 0.01}]"
+FULL = CASE.replace("rolling_friction = 0.0", STICKY).replace("bulk_modulus_Pa = 2e9", DAMPED)
+MORE = (BLOCK, FEED, APERTURES, EXITS, "screen.exciters.shaft.run_up_s=0.05")
+MORE += ("screen.bushings.isolation.damping_N_s_m=[90.0, 90.0, 90.0]",)
+CAN_GO = [
+    "adhesion",
+    "apertures",
+    "bushing-damping",
+    "feed",
+    "frame-dynamics",
+    "frame-motion",
+    "frame-rotation",
+    "panel-damping",
+    "panel-deformation",
+    "panel-motion",
+    "panel-reaction",
+    "particle-load",
+    "removal",
+    "rolling-friction",
+    "run-up",
+    "sliding-friction",
+    "variation-across",
+]
+
+
+def full(folder: Path, *effects: str) -> LoadedCase:
+    """A case with all effects that can be left out, and ``effects`` a list of names."""
+    return load(written(folder, FULL), None, [*MORE, f"effects={list(effects)}"])
+
+
+def has(case: LoadedCase) -> set[str]:
+    return {name for name in EFFECTS if present(case.case, name)}
+
+
+def test_the_full_case_has_all_that_can_be_left_out(tmp_path: Path) -> None:
+    found = load(written(tmp_path, FULL), None, MORE)
+    assert mistakes(found) == []
+    assert {name for name in has(found) if EFFECTS[name].overlay(found.case)} == set(CAN_GO)
+
+
+@pytest.mark.parametrize("name", CAN_GO)
+def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: str) -> None:
+    """With what needs it."""
+    before = has(load(written(tmp_path, FULL), None, MORE))
+    with_it = {one for one in before if one == name or name in EFFECTS[one].needs}
+    found = full(tmp_path, *(before - with_it))
+    assert mistakes(found) == []
+    assert has(found) == before - with_it
+    assert set(found.left_out) == with_it
+
+
+def test_naming_all_changes_nothing(tmp_path: Path) -> None:
+    plain = load(written(tmp_path, FULL), None, MORE)
+    found = full(tmp_path, *has(plain))
+    assert found.case == plain.case
+    assert found.left_out == {}
+
+
+def test_an_empty_list_leaves_out_all_that_can_be(tmp_path: Path) -> None:
+    found = full(tmp_path)
+    assert not has(found) & set(CAN_GO)
+    solvers = found.case.frames.solver, found.case.panel.solver
+    assert solvers == ("prescribed", "rigid")
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        ('["adhesoin"]', "no effect 'adhesoin'; did you mean \"adhesion\"?"),
+        ('["sjkrr"]', 'did you mean "sjkr"?'),
+        ('["jkr", "sjkr"]', '"jkr" and "sjkr" exclude each other: both are laws of adhesion'),
+        ('["cdt", "epsd2"]', "both are laws of rolling-friction"),
+        ('["frame-rotation"]', '"frame-rotation" needs "frame-dynamics", which is not named'),
+        ("autp", "'autp' is wrong, \"auto\" or a list of names is wanted"),
+        ("[1]", '"auto" or a list of names is wanted'),
+    ],
+)
+def test_names_that_cannot_be(tmp_path: Path, names: str, said: str) -> None:
+    message = only_complaint(tmp_path, f"effects={names}")
+    assert message.startswith("--set effects: ")
+    assert said in message
+
+
+def test_what_is_named_and_not_described_is_a_mistake(tmp_path: Path) -> None:
+    message = only_complaint(tmp_path, 'effects=["adhesion"]')
+    assert '"adhesion": the case does not describe it; particles.adhesion' in message
+
+
+def test_a_named_effect_that_the_solver_lacks_is_a_mistake(tmp_path: Path) -> None:
+    named = '["frame-dynamics", "frame-rotation"]'
+    message = only_complaint(tmp_path, f"effects={named}", "frames.solver=two-mass")
+    assert '"frame-rotation" is left out by frames.solver two-mass' in message
+    assert 'let the level say without = ["frame-rotation"]' in message
+
+
+def test_a_level_may_leave_out_what_is_named_if_it_says_so(tmp_path: Path) -> None:
+    named = 'effects = ["panel-deformation", "variation-across"]\n'
+    folder = written(tmp_path, named + CASE, draft=LEVEL)
+    assert mistakes(load(folder, "draft")) == []
+    assert "variation-across" in load(folder, "draft").left_out
+    assert "variation-across" in load(folder, "draft", ["effects=auto"]).left_out
+    bare = written(tmp_path / "bare", named + CASE)
+    found = mistakes(load(bare, None, ["panel.solver=strip"]))
+    assert [str(one).split(":")[0] for one in found] == ["case.toml effects"]
+
+
+def test_all_mistakes_are_in_one_message(tmp_path: Path) -> None:
+    found = complaints(tmp_path, 'effects=["wind"]', "duration_s=fast", "panel.solver=stripe")
+    assert len(found) == 3
+    found = complaints(tmp_path, 'effects=["wind"]', "duration_s=2e4")
+    assert len(found) == 2
+
+
+def test_a_law_is_chosen_by_its_name(tmp_path: Path) -> None:
+    assert full(tmp_path, "sjkr").case.particles.adhesion == "sjkr"
+    assert full(tmp_path, "cdt").case.particles.rolling == "cdt"
+    given = [*MORE, 'effects=["sjkr"]', "particles.adhesion=jkr"]
+    found = mistakes(load(written(tmp_path, FULL), None, given))
+    assert "\"sjkr\" is named, and particles.adhesion is 'jkr'" in str(found[0])
+
+
+def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None:
+    """A level frame on bushings does not turn: its exciter is at its centre of mass."""
+    centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
+    found = load(written(tmp_path), None, ["effects=auto", centre])
+    assert found.case.frames.solver == "two-mass"
+    (line,) = (one for one in at_start(account(found.described, found.left_out)) if "rot" in one)
+    assert line == (
+        "left out: frame-rotation: frames.solver two-mass: frames translate only; "
+        'effects = "auto"; may be left out: rotation x lever / translation 0, threshold 0.1'
+    )
+    assert found.case.panel.solver == "sheet"
+
+
+def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> None:
+    tilted = ["effects=auto", "screen.inclination_deg=20", "panel.solver=rigid"]
+    found = load(written(tmp_path), None, tilted)
+    said = [line for line in warnings(found) if "matters, and the case does not have it" in line]
+    lacking = {line.split()[0] for line in said}
+    of_panels = {"panel-deformation", "large-deflection", "panel-inertia", "particle-load"}
+    assert lacking == of_panels | {"feed", "removal", "run-up"}
+    assert found.case.panel.solver == "rigid"
+
+
+def test_auto_keeps_a_feed_that_is_all_there_is(tmp_path: Path) -> None:
+    given = ["effects=auto", FEED, "duration_s=0.05", "screen.inclination_deg=20"]
+    assert load(written(tmp_path, BARE), None, given).case.bed.feeds
+    with_ball = load(written(tmp_path), None, given)
+    assert not with_ball.case.bed.feeds
+    assert "feed" in with_ball.left_out
+
+
+def test_frames_that_no_force_moves_are_prescribed(tmp_path: Path) -> None:
+    folder = written(tmp_path, DRIVEN_CASE)
+    assert load(folder).case.frames.solver == "exudyn"
+    for effects in ("auto", '["panel-deformation"]'):
+        found = load(folder, None, [f"effects={effects}"])
+        assert found.case.frames.solver == "prescribed"
+        assert "frame-dynamics" not in found.left_out, "there is none to be left out"
+        assert mistakes(found) == []
+
+
+def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
+    assert "no material" in "".join(
+        complaints(tmp_path, "effects=auto", "screen.panels.deck.material=XX")
+    )
+
+
+@pytest.mark.parametrize("effects", ["auto", '["panel-deformation", "frame-dynamics"]'])
+def test_the_resolved_case_is_the_same_without_the_key(tmp_path: Path, effects: str) -> None:
+    found = load(written(tmp_path / "a", FULL), None, [*MORE, f"effects={effects}"])
+    table = resolved(found)
+    assert "effects" not in table
+    again = load(written(tmp_path / "b", tomli_w.dumps(table)))
+    assert again.case == found.case.model_copy(update={"default_level": ""})
+
+
+def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
+    folder = written(tmp_path, CASE, fine='effects = ["panel-deformation"]\n')
+    assert load(folder, "fine").case.frames.solver == "prescribed"
+    assert load(folder, "fine", ["effects=auto"]).case.frames.solver != "prescribed"
+    with pytest.raises(CaseError) as caught:
+        load(written(tmp_path, CASE, fine='effects = ["wind"]\nduration_s = true\n'), "fine")
+    assert "levels/fine.toml effects: no effect 'wind'" in str(caught.value)
