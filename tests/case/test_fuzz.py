@@ -16,6 +16,7 @@ from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import load, validated
 from orchestrator.casefile.overlays import Layers
 from orchestrator.checks import mistakes, warnings
+from orchestrator.scene.catalogue import judged
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 
 GIVEN = tomllib.loads(CASE)
@@ -86,6 +87,7 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(
             spoilt = replace(found, case=validated(found.layers))
             if not mistakes(spoilt):
                 warnings(spoilt)
+                judged(spoilt.case)
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
