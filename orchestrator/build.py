@@ -56,7 +56,7 @@ def _built(
     loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
 ) -> Machine:
     case = loaded.case
-    panels = panel_pieces(case, stopwatch, world)
+    panels = panel_pieces(case, loaded.folder, stopwatch, world)
     walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
     pieces = [*panels, *walls, *frames]
     together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
@@ -165,7 +165,10 @@ def _panels(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelP
         first = along_m < at.span_m / 2
         first_clamp, second_clamp = (clamps.start + np.flatnonzero(end) for end in (first, ~first))
         line = surface.start + piece.centre_line
-        found.append(PanelPoints(piece.name, surface, clamps, line, first_clamp, second_clamp))
+        shape = surface.start + piece.shape
+        found.append(
+            PanelPoints(piece.name, surface, clamps, line, shape, first_clamp, second_clamp)
+        )
     return tuple(found)
 
 

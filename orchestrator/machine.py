@@ -15,13 +15,15 @@ from orchestrator.stopwatch import Stopwatch
 
 @dataclass(frozen=True)
 class PanelPoints:
-    """Where one panel lies in the concatenated surface and clamps; ``centre_line`` indexes the
-    surface, ``first_clamp`` and ``second_clamp`` the clamps."""
+    """Where one panel lies in the concatenated surface and clamps; ``centre_line`` and ``shape``
+    (what is recorded of it for playing back) index the surface, ``first_clamp`` and
+    ``second_clamp`` the clamps."""
 
     name: str
     surface: slice
     clamps: slice
     centre_line: Indices
+    shape: Indices
     first_clamp: Indices
     second_clamp: Indices
 

@@ -22,8 +22,10 @@ from orchestrator.mapping import Grid, Mapped
 from orchestrator.metered import MeteredPanel
 from orchestrator.planning import panel_plans
 from orchestrator.plans import PanelPlan
+from orchestrator.playback import playbacks
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ranks import first_rank_does
+from orchestrator.recording import RecordedGrid
 from orchestrator.stopwatch import Stopwatch
 
 
@@ -35,8 +37,9 @@ def _nothing(*shape: int) -> Callable[[], Indices]:
 class Piece:
     """How to open one piece, and what is known of its points before.
 
-    ``triangles`` (m, 3) and ``centre_line`` hold the piece's own point numbers; ``points`` maps
-    the names of points looked at (probes, centres of mass) to their numbers.
+    ``triangles`` (m, 3), ``centre_line`` and ``shape`` (the points of its ``RecordedGrid``, where
+    it is recorded) hold the piece's own point numbers; ``points`` maps the names of points looked
+    at (probes, centres of mass) to their numbers.
     """
 
     name: str
@@ -45,14 +48,18 @@ class Piece:
     triangles: Indices = field(default_factory=_nothing(0, 3))
     material: str = ""
     centre_line: Indices = field(default_factory=_nothing(0))
+    shape: Indices = field(default_factory=_nothing(0))
 
 
-def panel_pieces(case: Case, stopwatch: Stopwatch, world: Any = None) -> list[Piece]:
+def panel_pieces(
+    case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None
+) -> list[Piece]:
     """One piece per panel, in the order of the case, alike on every rank of ``world``."""
+    plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
         _panel(case, plan, single.table.material, grids[plan.name], stopwatch)
-        for plan, single in zip(panel_plans(case), single_panels(case), strict=True)
+        for plan, single in zip(plans, single_panels(case), strict=True)
     ]
 
 
@@ -64,7 +71,9 @@ def _panel(
         for name, probe in case.probes.items()
         if probe.panel == plan.name and probe.at is not None
     }
-    coordinates = np.vstack([touched.coordinates_m, *at.values()])
+    recorded = RecordedGrid.of(plan.rectangle, case.panel.surface_cells).points_m
+    shape_m = recorded if case.output.shapes_s > 0 else np.empty((0, 2))
+    coordinates = np.vstack([touched.coordinates_m, *at.values(), shape_m])
     solver = case.panel.solver
     # on every rank, also on those that will own no panel: PETSc starts up collectively
     adapter.imported("panel", solver)
@@ -82,6 +91,7 @@ def _panel(
         triangles=touched.triangles,
         material=material,
         centre_line=touched.centre_line,
+        shape=np.arange(len(coordinates) - len(shape_m), len(coordinates)),
     )
 
 

@@ -5,7 +5,7 @@ Materials are numbered by ``material_numbers`` wherever a plan or a surface has 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,11 +33,14 @@ from orchestrator.plans import (
     ParticlesPlan,
 )
 from orchestrator.ports import Array
+from orchestrator.recording import Playback
 from orchestrator.tables import screen as tables
 
 
-def panel_plans(case: Case) -> tuple[PanelPlan, ...]:
-    """One plan per panel, in the order of the case."""
+def panel_plans(
+    case: Case, playbacks: Mapping[str, Playback] | None = None
+) -> tuple[PanelPlan, ...]:
+    """One plan per panel, in the order of the case, with the ``playbacks`` by the panels' names."""
     return tuple(
         PanelPlan(
             name=panel.name,
@@ -51,6 +54,7 @@ def panel_plans(case: Case) -> tuple[PanelPlan, ...]:
             integrator=case.panel.integrator,
             sync_interval_s=case.coupling.sync_interval_s,
             apertures=panel.apertures,
+            playback=(playbacks or {}).get(panel.name),
         )
         for panel in single_panels(case)
     )

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from orchestrator.clock import Interval
 from orchestrator.geometry import Apertures, Rectangle, TriangleSurface
 from orchestrator.ports import Array, Indices
+from orchestrator.recording import Playback
 
 
 class SolverMissing(Exception):
@@ -54,7 +55,8 @@ class PanelPlan:
 
     ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
     free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
-    ``apertures``: its openings, if any; only particles see each of them.
+    ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
+    recorded motion that it follows, where its shape is prescribed.
     """
 
     name: str
@@ -68,6 +70,7 @@ class PanelPlan:
     integrator: str
     sync_interval_s: float
     apertures: Apertures | None = None
+    playback: Playback | None = None
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from orchestrator.checks import (
     materials,
     names,
     plausible,
+    recordings,
     slices,
     start,
     steps,
@@ -42,6 +43,7 @@ OF_TABLES = (
     machine.panels,
     apertures.openings,
     machine.panel_solver,
+    recordings.named_recording,
     machine.probes,
     surfaces.plates,
     adhesion.works_of_adhesion,
@@ -61,6 +63,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found += [*feeds.feeds(case), *exits.exits(whole)]
         found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
         found += slices.too_narrow(case)
+        found += recordings.fitting_recording(case, folder)
         found += apertures.triangles(case)
         found += [*adhesion.adhesive_contacts(case), *adhesion.sjkr_materials(case)]
     if not found:
@@ -90,6 +93,7 @@ def warnings(loaded: LoadedCase) -> list[str]:
         *steps.long_interval(case),
         *light_nodes.light_nodes(case),
         *materials.fines(case),
+        *recordings.other_speed(case, loaded.folder),
         *slices.doubtful_slice(case, loaded.folder),
         *loaded.choice.lacking,
     ]

@@ -77,6 +77,7 @@ def whole_times(case: Case) -> Iterator[Mistake]:
         (("duration_s",), case.duration_s),
         (("output", "interval_s"), case.output.interval_s),
         (("output", "series_s"), case.output.series_s or interval_s),
+        (("output", "shapes_s"), case.output.shapes_s or interval_s),
     ):
         if time_s < interval_s:
             what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"

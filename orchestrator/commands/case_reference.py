@@ -92,6 +92,7 @@ of the case's physics:
 | name | is left out by |
 | --- | --- |
 | `panel-deformation` | `panel.solver = "rigid"` |
+| `panel-response`, and with particles `particle-load` | `panel.solver = "recorded"` |
 | `variation-across` | `panel.solver = "strip"` |
 | `frame-rotation` | `frames.solver = "two-mass"` |
 | `frame-dynamics` | `frames.solver = "prescribed"` in a case with frames that forces move |

@@ -33,6 +33,8 @@ Examples:
 
   mpirun -n 4 flipflow run cases/quickstart            on four processes
 
+  flipflow record RUN --out panels.h5                  its panels, to be played back
+
   flipflow report runs/quickstart-1                    one HTML page about a run
 
   flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
@@ -148,6 +150,40 @@ def report(
         Console(highlight=False, markup=False, soft_wrap=True).print(made(run))
     except FolderUnusable as error:
         _refuse(str(error), 2)
+
+
+@app.command()
+def record(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
+    out: Annotated[Path, typer.Option("--out", help="file to write")],
+    cycles: Annotated[
+        int | None,
+        typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]"),
+    ] = None,
+) -> None:
+    """Record the panels of a run, to be played back by panel.solver = "recorded".
+
+    The run must have been made with --set output.shapes_s=<time between rows>, and last until the
+    machine moves steadily.  Another case plays the file back with --set panel.solver=recorded
+    --set panel.recording=<file>, a path from that case's folder, if its panels have the same
+    lengths.
+
+    Exit code 0: written; 2: the folder does not hold what is needed.
+    """
+    from orchestrator.casefile.errors import CaseError
+    from orchestrator.records import recording_file
+    from orchestrator.studies.record import record as recorded
+
+    try:
+        made = recorded(run, cycles)
+        recording_file.write(out, made.file)
+    except (CaseError, OSError) as error:
+        _refuse(str(error), 2)
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    for name, share in made.change.items():
+        what = f"{made.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
+        console.print(f"{name}: {what}")
+    console.print(f"written: {out}")
 
 
 @app.command(name="list")

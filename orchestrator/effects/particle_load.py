@@ -29,8 +29,10 @@ def described(case: Case) -> bool:
 
 
 def left_out(case: Case) -> str:
-    off = "hand_over.particle_load is off: panels do not feel the particles"
-    return "" if case.hand_over.particle_load else off
+    if not case.hand_over.particle_load:
+        return "hand_over.particle_load is off: panels do not feel the particles"
+    recorded = "panel.solver recorded: no load bends the panels; it goes on to the frames"
+    return recorded if case.panel.solver == "recorded" else ""
 
 
 EFFECT = Effect(

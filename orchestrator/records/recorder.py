@@ -1,9 +1,9 @@
 """What a run writes while it goes on: time series, and snapshots for ParaView.
 
 Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
-``bushings/<name>`` every ``output.series_s``; ``panels/<name>`` (centre line), ``energy``, ``bed``
-and what deck_record.py adds at every output time; ``fed`` and ``removed``: a row for each particle
-that came or went.
+``bushings/<name>`` every ``output.series_s``; ``shapes/<panel>`` every ``output.shapes_s``;
+``panels/<name>`` (centre line), ``energy``, ``bed`` and what deck_record.py adds at every output
+time; ``fed`` and ``removed``: a row for each particle that came or went.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from orchestrator.coupling import State
 from orchestrator.deck.opening_places import openings_m
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
-from orchestrator.ports import ParticleSnapshot
+from orchestrator.ports import Motion, ParticleSnapshot
 from orchestrator.ranks import is_first
 from orchestrator.records.deck_record import deck_record
 from orchestrator.records.history import History
@@ -45,6 +45,7 @@ class Recorder:
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
         self._every = rows_every(case)
+        self._shapes_every = shapes_every(case)
         if self._writes:
             self._history = History(folder / "history.h5")
             self._panel_watch = PanelWatch(case)
@@ -63,11 +64,18 @@ class Recorder:
         """Every sync point; ``done`` counts them."""
         if self._writes:
             self._series.sync_point(state)
+            if self._shapes_every and done % self._shapes_every == 0:
+                self._shapes(time_s, state.panel.surface)
         if done % self._every:
             return
         followed = self._snapshot() if self._follows else None
         if self._writes:
             self._series.row(time_s, state, followed)
+
+    def _shapes(self, time_s: float, surface: Motion) -> None:
+        for panel in self._machine.panels:
+            values = vars(surface.part(panel.shape))
+            self._history.add(f"shapes/{panel.name}", time_s, values)
 
     def output(self, time_s: float, state: State) -> int:
         """Every output time: shapes, books, and files for ParaView.  Returns the number of
@@ -130,6 +138,13 @@ def rows_every(case: Case) -> int:
     """Sync intervals from row to row of the time series."""
     interval_s = case.coupling.sync_interval_s
     return steps_in(case.output.series_s or interval_s, interval_s)
+
+
+def shapes_every(case: Case) -> int:
+    """Sync intervals from row to row of the panels' whole shapes; 0: they are not wanted."""
+    if not case.output.shapes_s:
+        return 0
+    return steps_in(case.output.shapes_s, case.coupling.sync_interval_s)
 
 
 def _bed(particles: ParticleSnapshot) -> dict[str, Any]:

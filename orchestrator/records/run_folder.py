@@ -18,6 +18,7 @@ from orchestrator.casefile.levels import LoadedCase
 from orchestrator.records.provenance import provenance
 
 LOG = logging.getLogger("flipflow")
+RECORDING = "recording.h5"
 
 
 class FolderUnusable(Exception):
@@ -41,6 +42,8 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
     for name, surface in loaded.case.whole.screen.surfaces.items():
         if surface.stl is not None:
             shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
+    if loaded.case.panel.recording is not None:
+        shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
     text = tomli_w.dumps(resolved(loaded))
     (folder / "case.toml").write_text(text, encoding="utf-8")
     write_json(folder / "provenance.json", provenance(ranks))
@@ -52,6 +55,8 @@ def resolved(loaded: LoadedCase) -> dict[str, Any]:
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
             surface["stl"] = f"{name}.stl"
+    if "recording" in table["panel"]:
+        table["panel"]["recording"] = RECORDING
     return table | {"default_level": ""}
 
 

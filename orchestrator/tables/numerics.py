@@ -16,8 +16,11 @@ from orchestrator.tables.quantities import Cells, NotNegative, Positive, Switch,
 class PanelSolver(Table):
     """How the panels are solved."""
 
-    solver: Literal["rigid", "strip", "sheet", "solid"] = "sheet"
-    """rigid (flat, undeformed), strip (no change across), sheet (DOLFINx), solid (DOLFINx, 3D)."""
+    solver: Literal["rigid", "recorded", "strip", "sheet", "solid"] = "sheet"
+    """rigid (flat, undeformed), recorded (the shape of an earlier run, played back), strip (no
+    change across), sheet (DOLFINx), solid (DOLFINx, 3D)."""
+    recording: str | None = None
+    """File made by ``flipflow record``, for solver "recorded": its path from the case's folder."""
     integrator: Literal["explicit", "implicit"] = "explicit"
     """Time integration of sheet and solid."""
     cells: Cells = (22, 8)
@@ -115,6 +118,8 @@ class Output(Table):
     series_s: NotNegative = 0.0
     """Time between rows of probes, frames, bushings and panel forces (means over it); 0: a row at
     every sync point."""
+    shapes_s: NotNegative = 0.0
+    """Time between rows of the panels' whole shapes, which ``flipflow record`` needs; 0: none."""
     pictures: Switch = True
     """Make pictures at the end of the run."""
     cut_size_m: Positive | None = None

@@ -16,6 +16,7 @@ from orchestrator.geometry import Apertures
 from orchestrator.plans import PanelPlan
 from orchestrator.ports import Account, Array, Load, MeshedPanel, Motion, Panel, PanelState
 from tests.panel.elastic_plans import plan
+from tests.panel.recordings import playback
 
 INTERVAL_S = 1e-4
 # enough damping for a small panel to settle within 0.3 s
@@ -51,8 +52,14 @@ def perforated(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
     return replace(small(integrator, cells), apertures=openings)
 
 
+def still(given: PanelPlan) -> PanelPlan:
+    """With a recording of a panel that stays flat."""
+    return replace(given, playback=playback(given, 0.0, sag_m=0.0))
+
+
 CASES = {
     "rigid": Case("rigid", small("explicit"), 1e-12),
+    "recorded": Case("recorded", still(small("explicit")), 1e-12),
     "strip": Case("strip", small("explicit"), 1e-9),
     "sheet-explicit": Case("sheet", small("explicit", (6, 1)), 1e-4),
     "sheet-implicit": Case("sheet", small("implicit", (6, 1)), 1e-4),

@@ -1,0 +1,199 @@
+"""A panel of prescribed shape: carried by its clamps, and on top what was recorded of it.
+
+    place = N clamps + shape(angle of the machine)
+
+with N bilinear between the clamps (``orchestrator.recording``).  The shape is cubic Hermite in
+time between its samples and cubic between its grid's points, so the surface is C1 in both; it
+grows from rest while the machine runs up.  No load changes it.
+
+The panel has its mass.  What moves it, f = load + m (gravity - mean acceleration) at each point,
+goes to the clamps by the lever rule N^T, so linear momentum is exact.  The recorded pull of one
+clamp on the other comes on top: equal and opposite.  The forces that keep the shape do work;
+it is supplied.  Limits and measurements: docs/theory/panel_recorded.md.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.plans import PanelPlan
+from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.recording import Playback, RecordedGrid, both_ways, hats
+from orchestrator.state import put_back, taken
+
+_STATE = ("_clamps", "_surface", "_elapsed_s", "_supplied_J", "_received_J")
+
+
+def build(plan: PanelPlan) -> RecordedPanel:
+    """Raises ValueError for a plan without playback."""
+    if plan.playback is None:
+        raise ValueError(f"panel {plan.name}: nothing is recorded of it")
+    return RecordedPanel(plan, plan.playback)
+
+
+class RecordedPanel:
+    """``MeshedPanel``; surface points are the recorded grid's, clamp points the corners of its
+    clamps, row by row: y = 0 before y = width."""
+
+    def __init__(self, plan: PanelPlan, playback: Playback) -> None:
+        rectangle = plan.rectangle
+        self._grid, self._played = playback.recording.grid, Played(playback)
+        self._axes = np.stack([rectangle.along, rectangle.across, rectangle.normal])
+        self._carried = self._grid.carried(rectangle)
+        corners_m = self._grid.corners_m(rectangle)
+        ends = rectangle.end(corners_m).astype(int)
+        self.mount = Mount(rectangle.mounted(corners_m), tuple(plan.frames[end] for end in ends))
+        # the pull acts at the inner edges, half at each side of the panel
+        inner = np.isin(corners_m[:, 0], (0.0, rectangle.length_m))
+        self._pulled = np.where(inner, np.where(ends == 0, 0.5, -0.5), 0.0)[:, None]
+        share = plan.apertures.material_share(rectangle) if plan.apertures else 1.0
+        per_area = plan.material.density_kg_m3 * plan.thickness_m
+        self._mass_kg = self._grid.mass_kg(rectangle, per_area, share)[:, None]
+        self._gravity_m_s2, self._edges_m = plan.gravity_m_s2, (0.0, rectangle.length_m)
+        self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
+        self._surface = self._rest = self._placed(self._clamps, 0.0)
+        self._elapsed_s, self._supplied_J = 0.0, 0.0
+        self._received_J = {"load": 0.0, "clamps": 0.0}
+
+    def initial(self) -> PanelState:
+        weight_N = self._carried.T @ (self._mass_kg * self._gravity_m_s2)
+        return PanelState(self._surface, Load(weight_N + self._pull_N(0.0)))
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        counted("recorded panel's clamps", clamps, len(self._clamps))
+        counted("recorded panel's load", load, len(self._surface))
+        surface = self._placed(clamps, interval.end_s)
+        acceleration = (surface.velocity_m_s - self._surface.velocity_m_s) / interval.length_s
+        through_N = load.force_N + self._mass_kg * (self._gravity_m_s2 - acceleration)
+        middle_s = (interval.start_s + interval.end_s) / 2
+        reaction_N = self._carried.T @ through_N + self._pull_N(middle_s)
+        self._book(clamps, surface, load.force_N, through_N, reaction_N)
+        self._clamps, self._surface = clamps, surface
+        self._elapsed_s += interval.length_s
+        return PanelState(surface, Load(reaction_N))
+
+    def account(self) -> Account:
+        mass_kg, now = self._mass_kg, self._surface
+        risen_m = now.position_m - self._rest.position_m
+        return Account(
+            (mass_kg * now.velocity_m_s).sum(axis=0),
+            mass_kg.sum() * self._gravity_m_s2 * self._elapsed_s,
+            stored_J={
+                "kinetic": float(np.sum(mass_kg * now.velocity_m_s**2) / 2),
+                "gravitational": -float(np.sum(mass_kg * risen_m * self._gravity_m_s2)),
+            },
+            supplied_J={"recording": self._supplied_J},
+            received_J=dict(self._received_J),
+        )
+
+    def close(self) -> None:
+        pass
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        """Cubic between the grid's points, linear under the clamps."""
+        return csr_array(interpolated(self._grid, self._edges_m, coordinates_m))
+
+    def _placed(self, clamps: Motion, time_s: float) -> Motion:
+        shape_m, rate_m_s = self._played.shape(time_s)
+        return Motion(
+            self._carried @ clamps.position_m + shape_m @ self._axes,
+            self._carried @ clamps.velocity_m_s + rate_m_s @ self._axes,
+        )
+
+    def _pull_N(self, time_s: float) -> Array:
+        return np.asarray(self._pulled * (self._played.pull_N(time_s) @ self._axes))
+
+    def _book(
+        self, clamps: Motion, surface: Motion, load_N: Array, through_N: Array, reaction_N: Array
+    ) -> None:
+        """Mean forces times the ways: of the load, of the clamps, and of what keeps the shape,
+        which also feeds the pull and moves the panel against its clamps."""
+        moved_m = surface.position_m - self._surface.position_m
+        ends_m = clamps.position_m - self._clamps.position_m
+        shaped_m = moved_m - self._carried @ ends_m
+        pulled_N = reaction_N - self._carried.T @ through_N
+        self._received_J["load"] += float(np.sum(load_N * moved_m))
+        self._received_J["clamps"] -= float(np.sum(reaction_N * ends_m))
+        self._supplied_J += float(np.sum(pulled_N * ends_m) - np.sum(through_N * shaped_m))
+
+
+class Played:
+    """The recording at any time, in the panel's axes."""
+
+    def __init__(self, playback: Playback) -> None:
+        self._playback, self._recording = playback, playback.recording
+        self._samples = len(playback.recording.shape_m)
+        self._step_rad = 2 * math.pi * playback.recording.cycles / self._samples
+
+    def shape(self, time_s: float) -> tuple[Array, Array]:
+        """Shape in m and its velocity in m/s, (points, 3) each."""
+        found, speed = self._recording, self._playback.speed_rad_s
+        one, two, fraction = self._between(time_s)
+        before = Motion(found.shape_m[one], found.rate_m[one])
+        after = Motion(found.shape_m[two], found.rate_m[two])
+        now = Path(before, after, self._step_rad).at(fraction)
+        grown, rate_1_s = self._grown(time_s)
+        away_m = now.position_m - found.rest_m
+        velocity_m_s = rate_1_s * away_m + grown * speed * now.velocity_m_s
+        return found.rest_m + grown * away_m, velocity_m_s
+
+    def pull_N(self, time_s: float) -> Array:
+        """(3,) on the first clamp."""
+        found, grown = self._recording, self._grown(time_s)[0]
+        one, two, fraction = self._between(time_s)
+        now = (1 - fraction) * found.pull_N[one] + fraction * found.pull_N[two]
+        return np.asarray(found.rest_pull_N + grown * (now - found.rest_pull_N))
+
+    def _between(self, time_s: float) -> tuple[int, int, float]:
+        """The samples before and after, and where between them."""
+        angle = self._playback.speed_rad_s * (time_s - self._playback.zero_s) / self._step_rad
+        first = math.floor(angle)
+        return first % self._samples, (first + 1) % self._samples, angle - first
+
+    def _grown(self, time_s: float) -> tuple[float, float]:
+        """Share of the motion while it grows, (1 - cos) / 2, and its rate."""
+        run_up_s = self._playback.run_up_s
+        share = min(max((time_s - self._playback.start_s) / run_up_s, 0.0), 1.0)
+        turn = math.pi * share
+        return (1 - math.cos(turn)) / 2, math.pi / (2 * run_up_s) * math.sin(turn)
+
+
+def interpolated(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m: Array) -> Array:
+    """H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
+    s, y = coordinates_m.T
+    rows, columns = grid.rows_m, grid.columns_m
+    slack = 1e-9 * (rows[-1] - rows[0])
+    inside = (s >= rows[0] - slack) & (s <= rows[-1] + slack)
+    inside &= (y >= columns[0] - slack) & (y <= columns[-1] + slack)
+    if not inside.all():
+        worst = coordinates_m[~inside][0].tolist()
+        raise ValueError(f"material coordinates {worst} m are off the panel")
+    along = hats(s, rows)
+    free_rows = (rows >= edges_m[0]) & (rows <= edges_m[1])
+    free = (s > edges_m[0]) & (s < edges_m[1])
+    along[np.ix_(free, free_rows)] = cubic(s[free], rows[free_rows])
+    return both_ways(along, cubic(y, columns))
+
+
+def cubic(places: Array, nodes: Array) -> Array:
+    """(places, nodes): cubic Hermite with slopes by central differences through the nodes (at the
+    ends one-sided): C1, and exact for parabolas."""
+    slopes = np.gradient(np.eye(len(nodes)), nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
+    cell = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
+    length = (nodes[cell + 1] - nodes[cell])[:, None]
+    t = np.clip((places - nodes[cell])[:, None] / length, 0.0, 1.0)
+    one, two = np.eye(len(nodes))[cell], np.eye(len(nodes))[cell + 1]
+    value = (1 + 2 * t) * (1 - t) ** 2 * one + t**2 * (3 - 2 * t) * two
+    value += length * (t * (1 - t) ** 2 * slopes[cell] + t**2 * (t - 1) * slopes[cell + 1])
+    return np.asarray(value)

@@ -1,0 +1,201 @@
+"""From a run's folder to a recording of its panels: the last whole cycles, made periodic.
+
+What a run leaves of its panels (``shapes`` in history.h5) is looked at from between the clamps,
+faded over a quarter of a cycle into what was one window earlier, so that it closes on itself
+with its velocity, and sampled at equal angles of the machine.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import CaseError, Mistake
+from orchestrator.casefile.levels import load
+from orchestrator.deck.panels import SinglePanel, single_panels
+from orchestrator.playback import Turning, shape_of, turning
+from orchestrator.ports import Array
+from orchestrator.recording import RecordedGrid, Recording
+from orchestrator.records import recording_file
+
+FADE = 0.25  # of a cycle
+MOST_CYCLES = 8  # looked at for the number after which a panel repeats itself
+ALIKE = 0.01  # of its own motion: a difference that counts as repeating
+
+
+class TooShort(Exception):
+    """A run in which so many cycles do not fit."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """The last ``cycles`` before ``end_s``, with the times ``sampled_s`` that belong to equal
+    angles from 0."""
+
+    cycles: int
+    start_s: float
+    end_s: float
+    cycle_s: float
+    sampled_s: Array
+
+    @property
+    def length_s(self) -> float:
+        return self.end_s - self.start_s
+
+    def faded(self) -> tuple[Array, Array]:
+        """Share (samples,) of what is taken from one window earlier, and its rate in 1/s."""
+        fade_s = FADE * self.cycle_s
+        turn = np.pi * np.clip(1 - (self.end_s - self.sampled_s) / fade_s, 0.0, 1.0)
+        return (1 - np.cos(turn)) / 2, np.pi / (2 * fade_s) * np.sin(turn)
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """``change``: by panel, how much the shape changed from window to window where they are
+    faded, relative to its own motion (rms)."""
+
+    cycles: int
+    file: recording_file.File
+    change: dict[str, float]
+
+
+def record(run: Path, cycles: int | None) -> Recorded:
+    """Of all panels; without ``cycles`` as many as it takes them to repeat themselves, or to come
+    nearest to it.  Raises CaseError for a run that does not hold what is needed."""
+    best = None
+    for count in range(1, MOST_CYCLES + 1) if cycles is None else (cycles,):
+        try:
+            found = _recorded(run, count)
+        except TooShort as short:
+            if best is None:
+                raise _refused(run, str(short)) from None
+            return best
+        if best is None or max(found.change.values()) < max(best.change.values()):
+            best = found
+        if max(best.change.values()) < ALIKE:
+            break
+    assert best is not None
+    return best
+
+
+def _recorded(run: Path, cycles: int) -> Recorded:
+    case = load(run).case
+    machine = turning(case)
+    if machine is None:
+        raise _refused(run, "nothing turns this machine: it has no cycle")
+    panels, change = {}, {}
+    try:
+        with h5py.File(run / "history.h5") as history:
+            for panel in single_panels(case):
+                if f"shapes/{panel.name}" not in history:
+                    raise _refused(
+                        run, "no shapes were recorded; run it with --set output.shapes_s="
+                    )
+                recording, change[panel.name] = _panel(case, history, panel, machine, cycles)
+                panels[panel.name] = recording_file.Panel(recording, shape_of(panel))
+    except OSError as error:
+        raise _refused(run, f"history.h5 cannot be read: {error}") from None
+    return Recorded(cycles, recording_file.File(machine.speed_rad_s, panels), change)
+
+
+def _panel(
+    case: Case, history: Any, panel: SinglePanel, machine: Turning, cycles: int
+) -> tuple[Recording, float]:
+    shapes = {name: values[:] for name, values in history[f"shapes/{panel.name}"].items()}
+    time_s = shapes["time_s"]
+    window = _window(time_s, machine, cycles)
+    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
+    carried, turn = grid.carried(at), np.stack([at.along, at.across, at.normal], axis=1)
+    corners = [int(number) for number in carried.argmax(axis=0)]
+    # a solid's surface lies above its middle: the clamps' corners stand for the middle
+    above_m = shapes["position_m"][0, corners] - at.mounted(grid.corners_m(at))
+    clamps_m = shapes["position_m"][:, corners] - above_m
+    shape_m = (shapes["position_m"] - carried @ clamps_m) @ turn
+    rate_m_s = (shapes["velocity_m_s"] - carried @ shapes["velocity_m_s"][:, corners]) @ turn
+    middle_s, pull_N, rest_pull_N = _pull(history, case, panel, shapes, grid)
+    sampled_m, sampled_m_s, change = _closed(window, CubicHermiteSpline(time_s, shape_m, rate_m_s))
+    pulls = [
+        np.column_stack([np.interp(at_s, middle_s, one) for one in pull_N.T])
+        for at_s in (window.sampled_s, window.sampled_s - window.length_s)
+    ]
+    share = window.faded()[0][:, None]
+    recording = Recording(
+        grid,
+        cycles,
+        sampled_m,
+        sampled_m_s / machine.speed_rad_s,
+        shape_m[0],
+        (1 - share) * pulls[0] + share * pulls[1],
+        rest_pull_N,
+    )
+    return recording, change
+
+
+def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
+    cycle_s, step_s = 2 * math.pi / machine.speed_rad_s, float(np.diff(time_s).min())
+    end_s = float(time_s[-1])
+    start_s = end_s - cycles * cycle_s
+    if start_s - FADE * cycle_s < machine.start_s + machine.run_up_s:
+        raise TooShort(
+            f"{cycles} cycles of {cycle_s:.4g} s and a quarter do not fit between the run-up and "
+            f"the end at {end_s:g} s",
+        )
+    samples = math.ceil(cycles * cycle_s / step_s)
+    angle_s = cycles * cycle_s * np.arange(samples) / samples
+    sampled_s = start_s + (angle_s - (start_s - machine.zero_s)) % (cycles * cycle_s)
+    return Window(cycles, start_s, end_s, cycle_s, sampled_s)
+
+
+def _closed(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:
+    """Shape and velocity (samples, points, 3), and how much was faded over."""
+    velocity, before_s = spline.derivative(), window.sampled_s - window.length_s
+    share, rate_1_s = (value[:, None, None] for value in window.faded())
+    now_m, earlier_m = spline(window.sampled_s), spline(np.maximum(before_s, spline.x[0]))
+    away_m = earlier_m - now_m
+    shape_m = now_m + share * away_m
+    rate_m_s = (1 - share) * velocity(window.sampled_s) + share * velocity(
+        np.maximum(before_s, spline.x[0])
+    )
+    faded = window.faded()[0] > 0
+    moving_m = float(np.std(now_m, axis=0).max())
+    changed_m = float(np.sqrt(np.mean(away_m[faded] ** 2, axis=0).max()))
+    return shape_m, rate_m_s + rate_1_s * away_m, changed_m / moving_m if moving_m else 0.0
+
+
+def _pull(
+    history: Any, case: Case, panel: SinglePanel, shapes: dict[str, Array], grid: RecordedGrid
+) -> tuple[Array, Array, Array]:
+    """Times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
+    the clamps' forces, less what weight and inertia give by the lever rule."""
+    at, time_s = panel.rectangle, shapes["time_s"]
+    share = panel.apertures.material_share(at) if panel.apertures else 1.0
+    per_area = case.materials[panel.table.material].density_kg_m3 * panel.table.thickness_m
+    mass_kg = grid.mass_kg(at, per_area, share)[:, None]
+    faster = np.diff(shapes["velocity_m_s"], axis=0) / np.diff(time_s)[:, None, None]
+    forces = history[f"forces/{panel.name}"]
+    difference_N = forces["first_clamp_N"][:] - forces["second_clamp_N"][:]
+    impulse_N_s = np.cumsum(np.diff(forces["time_s"][:])[:, None] * difference_N[1:], axis=0)
+    impulse_N_s = np.vstack([np.zeros(3), impulse_N_s])
+    at_rows = np.column_stack(
+        [np.interp(time_s, forces["time_s"][:], one) for one in impulse_N_s.T]
+    )
+    mean_N = np.diff(at_rows, axis=0) / np.diff(time_s)[:, None]
+    weight_N = mass_kg * np.array(case.gravity_m_s2)
+    ends = at.end(grid.corners_m(at))
+    lever = grid.carried(at) @ (1.0 - 2.0 * ends)  # 1 at the first clamp, -1 at the second
+    turn = np.stack([at.along, at.across, at.normal], axis=1)
+    inertial_N = np.einsum("p,npi->ni", lever, weight_N - mass_kg * faster)
+    pull_N = (mean_N - inertial_N) / 2 @ turn
+    rest_N = (difference_N[0] - lever @ weight_N) / 2 @ turn
+    return (time_s[1:] + time_s[:-1]) / 2, pull_N, rest_N
+
+
+def _refused(run: Path, why: str) -> CaseError:
+    return CaseError([Mistake((), why, file=str(run))])
