@@ -35,19 +35,30 @@ class Driving:
 
 def driving(drive: Drive, time_s: float) -> Driving:
     """The motion that the drive prescribes."""
-    shift_m, shift_m_s = _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
-    turn_rad, turn_rad_s = _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
+    when_s = np.array([time_s])
+    shift_m, shift_m_s = shifted(drive, when_s)
+    turn_rad, turn_rad_s = turned(drive, when_s)
     return Driving(
-        drive.center_m + shift_m,
-        shift_m_s,
-        Rotation.from_rotvec(turn_rad),
-        angular_velocity(turn_rad, turn_rad_s),
+        drive.center_m + shift_m[0],
+        shift_m_s[0],
+        Rotation.from_rotvec(turn_rad[0]),
+        angular_velocity(turn_rad[0], turn_rad_s[0]),
     )
 
 
 def moved(drive: Drive, points_m: Array, time_s: float) -> tuple[Array, Array]:
     """Position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
+
+
+def shifted(drive: Drive, time_s: Array) -> tuple[Array, Array]:
+    """Displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
+    return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
+
+
+def turned(drive: Drive, time_s: Array) -> tuple[Array, Array]:
+    """Rotation vector and its rate, (n, 3) each, at the times (n,)."""
+    return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
 
 
 def angular_velocity(turn_rad: Array, rate_rad_s: Array) -> Array:
@@ -68,18 +79,19 @@ def angular_velocity(turn_rad: Array, rate_rad_s: Array) -> Array:
     )
 
 
-def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: float) -> tuple[Array, Array]:
-    """Value and rate, (3,) each, of  ramp(t) * size * sin(w t + phase)."""
-    ramp, ramp_1_s = _ramp(drive.run_up_s, time_s)
-    angle = drive.speed_rad_s * time_s + phase_rad
+def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
+    """Value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
+    ramp, ramp_1_s = (one[:, None] for one in _ramp(drive.run_up_s, time_s))
+    angle = drive.speed_rad_s * time_s[:, None] + phase_rad
     value = ramp * size * np.sin(angle)
     rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_s * np.cos(angle))
     return value, rate
 
 
-def _ramp(run_up_s: float, time_s: float) -> tuple[float, float]:
-    """Value and rate of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
-    if time_s >= run_up_s:
-        return 1.0, 0.0
-    angle = math.pi * time_s / run_up_s
-    return (1 - math.cos(angle)) / 2, math.pi / (2 * run_up_s) * math.sin(angle)
+def _ramp(run_up_s: float, time_s: Array) -> tuple[Array, Array]:
+    """Value and rate (n,) of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
+    if run_up_s <= 0:
+        return np.ones_like(time_s), np.zeros_like(time_s)
+    angle = np.pi * np.minimum(time_s / run_up_s, 1.0)
+    rate = np.where(time_s < run_up_s, np.pi / (2 * run_up_s) * np.sin(angle), 0.0)
+    return (1 - np.cos(angle)) / 2, rate

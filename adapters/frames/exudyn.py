@@ -64,7 +64,7 @@ class ExudynFrames:
         self._mass_kg = np.array([body.mass_kg for body in free])
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        machine = linear.linearised(plan, 6)
+        machine = linear.linearised(plan, linear.SPACE)
         self._largest_step_s = _largest_step_s(plan, machine)
         sag = np.zeros(6 * len(self._free))
         if plan.drawn_at_rest:

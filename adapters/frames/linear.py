@@ -1,13 +1,14 @@
 """Bodies on bushings, linearised about the position they are drawn in.
 
-Driven bodies are held there.  Each other body has ``freedoms`` coordinates: three translations
-of its centre of mass, then (with six) three small rotations about world axes.  A bushing between
-bodies a and b (place p, rows of ``axes`` = spring axes) is stretched by  axes (u_b - u_a)  with
-u = x + rotation x (p - centre).
+Driven bodies are held there.  Each other body has the same coordinates, some of six: three
+translations of its centre of mass, then three small rotations about world axes.  A bushing
+between bodies a and b (place p, rows of ``axes`` = spring axes) is stretched by  axes (u_b - u_a)
+with  u = x + rotation x (p - centre).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,11 @@ import scipy.linalg
 
 from orchestrator.plans import Body, FramesPlan
 from orchestrator.ports import Array, Indices
+
+TRANSLATIONS = (0, 1, 2)
+PLANE = (2, 0, 4)
+"""Up, along and about the cross axis: all that stays in the plane normal to y."""
+SPACE = (0, 1, 2, 3, 4, 5)
 
 
 @dataclass(frozen=True)
@@ -55,19 +61,19 @@ class LinearMachine:
         return found
 
 
-def linearised(plan: FramesPlan, freedoms: int) -> LinearMachine:
-    """The bodies that no drive moves; ``freedoms`` 3 (translations only) or 6."""
-    coordinates = freedoms * len(plan.bodies)
-    stretch = np.zeros((len(plan.bushings), 3, coordinates))
+def linearised(plan: FramesPlan, coordinates: tuple[int, ...]) -> LinearMachine:
+    """The bodies that no drive moves, with these of their six coordinates in this order."""
+    each = len(coordinates)
+    stretch = np.zeros((len(plan.bushings), 3, each * len(plan.bodies)))
     for row, bushing in zip(stretch, plan.bushings, strict=True):
         for sign, number in zip((-1.0, 1.0), numbers(plan, bushing.bodies), strict=True):
             if number >= 0:
-                moved = displacement(plan.bodies[number], bushing.position_m)[:, :freedoms]
-                row[:, freedoms * number : freedoms * (number + 1)] += sign * bushing.axes @ moved
-    blocks = [_mass(body)[:freedoms, :freedoms] for body in plan.bodies]
-    moving = (freedoms * free(plan)[:, None] + np.arange(freedoms)).ravel()
+                moved = displacement(plan.bodies[number], bushing.position_m)[:, coordinates]
+                row[:, each * number : each * (number + 1)] += sign * bushing.axes @ moved
+    blocks = [_mass(body)[np.ix_(coordinates, coordinates)] for body in plan.bodies]
+    moving = (each * free(plan)[:, None] + np.arange(each)).ravel()
     return LinearMachine(
-        stretch.reshape(-1, coordinates)[:, moving],
+        stretch.reshape(-1, each * len(plan.bodies))[:, moving],
         np.array([bushing.stiffness_N_m for bushing in plan.bushings]).reshape(-1),
         np.array([bushing.damping_N_s_m for bushing in plan.bushings]).reshape(-1),
         scipy.linalg.block_diag(*blocks)[np.ix_(moving, moving)],
@@ -128,6 +134,13 @@ def driven(plan: FramesPlan) -> Indices:
 def free(plan: FramesPlan) -> Indices:
     """Numbers of the bodies that no drive moves."""
     return np.setdiff1d(np.arange(len(plan.bodies)), driven(plan))
+
+
+def rates_rad_s(plan: FramesPlan) -> list[float]:
+    """How fast what shakes the bodies changes: speeds of exciters and drives, and their run-ups."""
+    speeds = [one.speed_rad_s for one in plan.exciters] + [one.speed_rad_s for one in plan.drives]
+    run_ups_s = [one.run_up_s for one in plan.exciters] + [one.run_up_s for one in plan.drives]
+    return speeds + [math.pi / run_up_s for run_up_s in run_ups_s if run_up_s > 0]
 
 
 def _mass(body: Body) -> Array:

@@ -14,8 +14,6 @@ weight and initial reaction: nothing moves before an exciter starts.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from adapters.frames import linear
@@ -34,8 +32,8 @@ def build(plan: FramesPlan) -> TwoMassFrames:
     """Raises ValueError for drives, unknown bodies, or bushings that cannot hold the weight."""
     if plan.drives:
         raise ValueError(
-            f"two_mass moves bodies by forces; the drive of {plan.drives[0].body!r} needs exudyn "
-            "or, where every body is driven, prescribed"
+            f"two_mass moves bodies by forces; the drive of {plan.drives[0].body!r} needs planar, "
+            "exudyn or, where every body is driven, prescribed"
         )
     return TwoMassFrames(plan)
 
@@ -50,7 +48,7 @@ class TwoMassFrames:
         unbalances = [Unbalance(exciter) for exciter in plan.exciters]
         self._exciters = list(zip(excited, unbalances, strict=True))
         self._onto_bodies = linear.onto_bodies(plan, self._carrier)
-        self._machine = machine = linear.linearised(plan, 3)
+        self._machine = machine = linear.linearised(plan, linear.TRANSLATIONS)
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._weight_N = np.outer(self._mass_kg, plan.gravity_m_s2)
         load = linear.resting_load(plan)[:, :3].ravel()
@@ -148,7 +146,7 @@ class TwoMassFrames:
 def steady_amplitudes_m(plan: FramesPlan, speed_rad_s: float) -> Array:
     """Complex amplitudes X (bodies, 3) of the steady state at any constant speed of all exciters:
     x(t) = Re(X exp(i speed t)), with every exciter at its ``phase_rad`` at t = 0."""
-    machine = linear.linearised(plan, 3)
+    machine = linear.linearised(plan, linear.TRANSLATIONS)
     force_N = np.zeros((len(plan.bodies), 3), dtype=complex)
     for exciter in plan.exciters:
         turning = exciter.start - 1j * np.cross(exciter.axis, exciter.start)
@@ -164,8 +162,6 @@ def _by_bushings(stretch: Array, per_axis: Array) -> Array:
 
 
 def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
-    rates = [exciter.speed_rad_s for exciter in plan.exciters]
-    rates += [math.pi / exciter.run_up_s for exciter in plan.exciters if exciter.run_up_s > 0]
-    fastest = max([machine.fastest_rad_s(), *rates])
+    fastest = max([machine.fastest_rad_s(), *linear.rates_rad_s(plan)])
     limit_s = 1 / fastest if fastest > 0 else plan.sync_interval_s
     return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s

@@ -35,6 +35,9 @@ class Unbalance:
         """Angle in rad, speed in rad/s, angular acceleration in rad/s^2."""
         full, run_up_s = self._exciter.speed_rad_s, self._exciter.run_up_s
         phase, since_s = self._exciter.phase_rad, time_s - self._exciter.start_s
+        if since_s[0] >= run_up_s:  # full speed
+            still = np.zeros_like(since_s)
+            return full * (since_s - run_up_s / 2) + phase, full + still, still
         turns, since_s = since_s >= 0, np.maximum(since_s, 0.0)
         if run_up_s <= 0:
             return full * since_s + phase, full * turns, np.zeros_like(since_s)

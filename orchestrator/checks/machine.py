@@ -13,7 +13,7 @@ from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Key, Mistake
 from orchestrator.deck.panels import axes
 from orchestrator.tables.quantities import GROUND
-from orchestrator.tables.screen import Panel
+from orchestrator.tables.screen import Drive, Panel
 
 LARGEST_TILT_RAD = 1.4  # adapters.frames.exudyn's
 
@@ -27,19 +27,21 @@ def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
         key: Key = ("screen", "frames", name)
         if frame.drive is not None:
             if solver == "two-mass":
-                hint = 'take the drive out, or frames.solver = "exudyn"'
+                hint = 'take the drive out, or frames.solver = "planar" or "exudyn"'
                 yield Mistake((*key, "drive"), "frames.solver two-mass knows no drives", hint)
             continue
         if frame.mass_kg is None:
             hint = "or move it by a drive, with another solver than two-mass"
             yield Mistake((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
-        if frame.inertia_kg_m2 is None and solver == "exudyn":
-            yield Mistake((*key, "inertia_kg_m2"), "missing: frames.solver exudyn needs it")
+        if frame.inertia_kg_m2 is None and solver != "two-mass":
+            yield Mistake((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
 
 
 def driven_frames(case: Case) -> Iterator[Mistake]:
-    """What exudyn asks of the frames that it drives: no exciter, and no turning over."""
-    if case.frames.solver != "exudyn":
+    """What planar and exudyn ask of the frames that they drive: no exciter, and no leaving of the
+    plane or turning over."""
+    solver = case.frames.solver
+    if solver not in ("planar", "exudyn"):
         return
     frames = case.screen.frames
     for name, exciter in case.screen.exciters.items():
@@ -47,11 +49,23 @@ def driven_frames(case: Case) -> Iterator[Mistake]:
             what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
             yield Mistake(("screen", "exciters", name, "frame"), what, "take one of them out")
     for name, frame in frames.items():
-        largest_rad = np.linalg.norm(frame.drive.rotation_rad) if frame.drive else 0.0
-        if largest_rad > LARGEST_TILT_RAD:
-            key: Key = ("screen", "frames", name, "drive", "rotation_rad")
-            what = f"may add up to {largest_rad:.3g} rad; exudyn's limit is {LARGEST_TILT_RAD:g}"
-            yield Mistake(key, what, 'frames.solver = "prescribed" has none')
+        if frame.drive is not None:
+            key: Key = ("screen", "frames", name, "drive")
+            bounds = _in_plane if solver == "planar" else _upright
+            yield from bounds(key, frame.drive)
+
+
+def _in_plane(key: Key, drive: Drive) -> Iterator[Mistake]:
+    if any((drive.amplitude_m[1], drive.rotation_rad[0], drive.rotation_rad[2])):
+        what = "leaves the vertical plane, to which frames.solver planar is bound"
+        yield Mistake(key, what, 'frames.solver = "exudyn" has no such bounds')
+
+
+def _upright(key: Key, drive: Drive) -> Iterator[Mistake]:
+    largest_rad = np.linalg.norm(drive.rotation_rad)
+    if largest_rad > LARGEST_TILT_RAD:
+        what = f"may add up to {largest_rad:.3g} rad; exudyn's limit is {LARGEST_TILT_RAD:g}"
+        yield Mistake((*key, "rotation_rad"), what, 'frames.solver = "prescribed" has none')
 
 
 def drives(case: Case) -> Iterator[Mistake]:

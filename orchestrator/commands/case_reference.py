@@ -95,6 +95,7 @@ of the case's physics:
 | `panel-response`, and with particles `particle-load` | `panel.solver = "recorded"` |
 | `variation-across` | `panel.solver = "strip"` |
 | `frame-rotation` | `frames.solver = "two-mass"` |
+| `sideways-motion` | `frames.solver = "planar"` |
 | `frame-dynamics` | `frames.solver = "prescribed"` in a case with frames that forces move |
 | `rolling-friction` | `particles.rolling = "none"` in a case with rolling friction |
 | `adhesion` | `particles.adhesion = "none"` in a case with works of adhesion |

@@ -34,9 +34,9 @@ class PanelSolver(Table):
 class FramesSolver(Table):
     """How the frames are solved."""
 
-    solver: Literal["prescribed", "two-mass", "exudyn"] = "exudyn"
-    """prescribed (drives only), two-mass (linear, no rotation, no drives), exudyn (rigid bodies on
-    bushings, any of them driven)."""
+    solver: Literal["prescribed", "two-mass", "planar", "exudyn"] = "exudyn"
+    """prescribed (drives only), two-mass (linear, no rotation, no drives), planar (rigid bodies in
+    the vertical plane, any of them driven), exudyn (the same in space)."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own."""
 

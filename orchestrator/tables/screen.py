@@ -49,7 +49,8 @@ class Drive(Table):
 
 class Frame(Table):
     """A rigid body: free, moved through its mass by exciters, bushings and panels; or moved as
-    prescribed by ``drive``, whatever pushes it.  Both may be in one machine (solver "exudyn")."""
+    prescribed by ``drive``, whatever pushes it.  Both may be in one machine (solvers "planar" and
+    "exudyn")."""
 
     center_of_mass_m: Vector = (0.0, 0.0, 0.0)
     """Centre of mass at t = 0."""
@@ -60,7 +61,7 @@ class Frame(Table):
     products_of_inertia_kg_m2: Vector = (0.0, 0.0, 0.0)
     """Elements xy, xz and yz of the inertia tensor."""
     drive: Drive | None = None
-    """Prescribed motion (solvers "exudyn" and "prescribed"); mass and inertia may then be left
+    """Prescribed motion (not with solver "two-mass"); mass and inertia may then be left
     out, and are without effect on the motion."""
 
 

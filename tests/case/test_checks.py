@@ -169,6 +169,11 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     assert said("frames.solver=prescribed") == []
     (refusal,) = said("frames.solver=two-mass")
     assert "frames.solver two-mass knows no drives; take the drive out" in refusal
+    assert said("frames.solver=planar") == []
+    for leaving in ("amplitude_m=[0.0, 0.01, 0.0]", "rotation_rad=[0.01, 0.0, 0.0]"):
+        drive = f"screen.frames.driving.drive.{leaving}"
+        (refusal,) = said("frames.solver=planar", drive)
+        assert "drive: leaves the vertical plane, to which frames.solver planar" in refusal
     drive = "screen.frames.driving.drive.rotation_rad=[1, 1, 0.5]"
     (refusal,) = said(drive)
     assert "rotation_rad: may add up to 1.5 rad; exudyn's limit is 1.4" in refusal

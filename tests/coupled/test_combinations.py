@@ -11,7 +11,7 @@ from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, EXCITER, MACHINE
 
 pytestmark = pytest.mark.solver
-FRAMES = ("prescribed", "two-mass", "exudyn", "exudyn driven")
+FRAMES = ("prescribed", "two-mass", "planar", "exudyn", "exudyn driven")
 PANELS = ("rigid", "strip", "sheet", "sheet implicit", "solid implicit")
 PARTICLES = ("none", "spheres", "liggghts")
 DRIVE = """

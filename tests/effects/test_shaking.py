@@ -56,7 +56,7 @@ def test_a_loss_factor_takes_the_place_of_the_bushings_damping() -> None:
 def test_rotations_solve_the_adapters_linearised_machine() -> None:
     """Six freedoms, an exciter off the centre: K, C, M of adapters/frames/linear.py."""
     plan = two_bodies((exciter(position_m=np.array([0.3, 0.05, 0.226])),))
-    machine = linear.linearised(plan, 6)
+    machine = linear.linearised(plan, linear.SPACE)
     force_N = 3.5 * 78.5**2 * np.array([-1j, 0.0, 1.0])  # start up, turning from z to x
     load = np.zeros(12, dtype=complex)
     load[:6] = linear.displacement(plan.bodies[0], plan.exciters[0].position_m).T @ force_N

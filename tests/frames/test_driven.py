@@ -6,48 +6,29 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
 
 from adapters.frames import exudyn, prescribed, two_mass
 from adapters.frames.drive import moved
 from orchestrator.clock import Interval, intervals
-from orchestrator.plans import Body, Bushing, Drive, FramesPlan
-from orchestrator.ports import Array, Frames, Load
-from tests.frames.contract import both_driven, defect_J, drive, loads, one_driven
+from orchestrator.plans import FramesPlan
+from orchestrator.ports import Array, Load
+from tests.frames.contract import both_driven, compared, defect_J, drive, loads, one_driven
+from tests.frames.driven_base import (
+    NONE,
+    DAMPING_N_s_m,
+    MASS_kg,
+    SPEED_rad_s,
+    STIFFNESS_N_m,
+    carried_along_m,
+    isotropic,
+    on_a_base,
+    rocked,
+    shaken,
+)
 from tests.frames.machines import GRAVITY, body, exciter
 
 pytestmark = pytest.mark.solver
-MASS_kg, STIFFNESS_N_m, DAMPING_N_s_m, SPEED_rad_s = 20.0, 1e5, 600.0, 60.0
-NONE = np.zeros(3)
-
-
-def shaken(amplitude_m: Array, rotation_rad: Array = NONE, run_up_s: float = 0.0) -> Drive:
-    return Drive("base", NONE, SPEED_rad_s, amplitude_m, NONE, rotation_rad, NONE, run_up_s)
-
-
-def on_a_base(base: Drive, bushing: Bushing, step_s: float) -> FramesPlan:
-    """A mass whose centre is at the bushing, so that the bushing does not turn it."""
-    free = Body("mass", MASS_kg, 0.5 * MASS_kg * np.eye(3), bushing.position_m)
-    return FramesPlan(
-        bodies=(body("base", 50.0), free),
-        bushings=(bushing,),
-        exciters=(),
-        drives=(base,),
-        gravity_m_s2=NONE,
-        points_m=bushing.position_m[None],
-        carrier=("mass",),
-        reaction_N=np.zeros((1, 3)),
-        drawn_at_rest=True,
-        step_s=step_s,
-        sync_interval_s=step_s,
-    )
-
-
-def isotropic(position_m: Array, bodies: tuple[str, str] = ("base", "mass")) -> Bushing:
-    size = np.ones(3)
-    k, c = STIFFNESS_N_m * size, DAMPING_N_s_m * size
-    return Bushing("spring", bodies, position_m, np.eye(3), k, c)
+TURN_rad = np.array([0.1, 0.35, -0.15])
 
 
 def end_of(plan: FramesPlan, steps: int) -> Array:
@@ -81,43 +62,6 @@ def test_transmissibility_of_a_shaken_base(speed: float, bodies: tuple[str, str]
     assert found_m[1:] == pytest.approx(np.zeros(2), abs=1e-15)
 
 
-def rocked(step_s: float, bodies: tuple[str, str], stiffness_N_m: Array) -> FramesPlan:
-    """The base swings by 0.4 rad about an oblique axis, with the bushing 0.7 m from its centre."""
-    base = shaken(np.array([2e-3, 1e-3, 3e-3]), np.array([0.1, 0.35, -0.15]), run_up_s=0.1)
-    spring = isotropic(np.array([0.6, 0.2, 0.3]), bodies)
-    damping_N_s_m = 3e-3 * stiffness_N_m
-    spring = replace(spring, stiffness_N_m=stiffness_N_m, damping_N_s_m=damping_N_s_m)
-    return on_a_base(base, spring, step_s)
-
-
-def carried_along_m(plan: FramesPlan, duration_s: float) -> Array:
-    """The mass of ``rocked`` by an integrator of high order, from Newton's law written out:
-    m x'' = A (k e + c e'),  e = A^T (mount - x),  e' = A^T (mount' - x'),  A turning with the
-    base.  The mount's place is written out, too; its velocity by differences (1e-10)."""
-    base, spring = plan.drives[0], plan.bushings[0]
-
-    def ramp(time_s: float) -> float:
-        return float((1 - np.cos(np.pi * min(time_s / base.run_up_s, 1.0))) / 2)
-
-    def turned(time_s: float) -> Rotation:
-        return Rotation.from_rotvec(ramp(time_s) * base.rotation_rad * np.sin(SPEED_rad_s * time_s))
-
-    def mount_m(time_s: float) -> Array:
-        shift_m = ramp(time_s) * base.amplitude_m * np.sin(SPEED_rad_s * time_s)
-        return np.asarray(shift_m + turned(time_s).apply(spring.position_m))
-
-    def rate(time_s: float, state: Array) -> Array:
-        axes, h = turned(time_s).as_matrix(), 1e-6
-        mount_m_s = (mount_m(time_s + h) - mount_m(time_s - h)) / (2 * h)
-        stretch_m, stretch_m_s = (axes.T @ (mount_m(time_s) - state[:3])), mount_m_s - state[3:]
-        pull_N = spring.stiffness_N_m * stretch_m + spring.damping_N_s_m * (axes.T @ stretch_m_s)
-        return np.concatenate([state[3:], axes @ pull_N / MASS_kg])
-
-    start = np.concatenate([spring.position_m, NONE])
-    done = solve_ivp(rate, (0.0, duration_s), start, "DOP853", rtol=1e-10, atol=1e-11)
-    return np.asarray(done.y[:3, -1])
-
-
 @pytest.mark.parametrize(
     ("bodies", "stiffness_N_m"),
     [
@@ -130,29 +74,16 @@ def test_a_rocking_body_carries_a_free_one_along_in_second_order(
 ) -> None:
     """Halving the step quarters the error.  Its size at h = 0.25 ms: the phase w t (w h)^2 / 12
     = 2e-4 at the highest natural frequency of 100 rad/s, of a motion of 0.5 m."""
-    expected_m = carried_along_m(rocked(1.0, bodies, stiffness_N_m), 0.2)
+    expected_m = carried_along_m(rocked(1.0, TURN_rad, bodies, stiffness_N_m), 0.2)
     errors = [
-        np.abs(end_of(rocked(0.2 / steps, bodies, stiffness_N_m), steps)[0] - expected_m).max()
+        np.abs(
+            end_of(rocked(0.2 / steps, TURN_rad, bodies, stiffness_N_m), steps)[0] - expected_m
+        ).max()
         for steps in (200, 400, 800)
     ]
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.05)
     assert errors[2] < 1e-4
-
-
-def compared(one: Frames, other: Frames, reactions: Array, interval_s: float) -> None:
-    """Motions to 1e-14 m and 1e-12 m/s in every interval, books to 1e-12 of their size."""
-    for index, force_N in enumerate(reactions):
-        interval = Interval(index, interval_s)
-        found, expected = (
-            one.advance(interval, Load(force_N)),
-            other.advance(interval, Load(force_N)),
-        )
-        assert found.position_m == pytest.approx(expected.position_m, abs=1e-14)
-        assert found.velocity_m_s == pytest.approx(expected.velocity_m_s, abs=1e-12)
-    mine, its = one.account(), other.account()
-    assert mine.supplied_J["drive"] == pytest.approx(its.supplied_J["drive"], rel=1e-11)
-    assert mine.outside_impulse_N_s == pytest.approx(its.outside_impulse_N_s, rel=1e-11)
 
 
 def test_with_every_body_driven_it_does_what_prescribed_does() -> None:
@@ -242,5 +173,5 @@ def test_drives_that_make_no_sense_are_refused(broken: FramesPlan, named: str) -
 
 
 def test_two_mass_refuses_drives_and_names_who_takes_them() -> None:
-    with pytest.raises(ValueError, match="the drive of 'driving' needs exudyn"):
+    with pytest.raises(ValueError, match="the drive of 'driving' needs planar, exudyn"):
         two_mass.build(one_driven(0.0))

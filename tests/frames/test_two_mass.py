@@ -64,7 +64,7 @@ def test_screen_amplitudes_are_those_of_table_4() -> None:
 def reference(plan: FramesPlan, reaction_N: Array, time_s: float) -> tuple[Array, Array]:
     """Displacement and velocity from rest in the drawn position by one matrix exponential: the
     exciter's cosine and sine and the constant 1 are further states."""
-    machine = linear.linearised(plan, 3)
+    machine = linear.linearised(plan, linear.TRANSLATIONS)
     n = len(machine.mass)
     (turning,) = plan.exciters
     w, size = turning.speed_rad_s, turning.mass_moment_kg_m * turning.speed_rad_s**2

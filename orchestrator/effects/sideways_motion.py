@@ -1,0 +1,56 @@
+"""Frames leave the vertical plane: motion across, roll and yaw at the outermost clamp over the
+frame's translation."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from orchestrator.casefile.case import Case
+from orchestrator.ports import Array
+from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.scene.scene import Scene
+from orchestrator.scene.shaking import free_frames
+from orchestrator.scene.strokes import moved_by_forces
+from orchestrator.scene.turning import at_outermost_clamps
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without free frames."""
+    if not free_frames(scene.plan) or scene.speed_rad_s == 0:
+        return None
+    ratio, why = at_outermost_clamps(scene, _out_of_plane)
+    return Verdict(
+        number="motion across, by roll and by yaw / translation",
+        value=ratio,
+        threshold="0.1",
+        matters=ratio > TENTH if ratio is not None else None,
+        why=f"{why}; of panels and bushings, not of an uneven bed",
+        cost="exudyn 0.35 ms per sync interval, planar, which cannot, 0.2 ms",
+    )
+
+
+def _out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
+    return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
+
+
+def left_out(case: Case) -> str:
+    planar = "frames.solver planar: frames stay upright in the vertical plane"
+    return planar if case.frames.solver == "planar" else ""
+
+
+def overlay(case: Case) -> Overlay:
+    """Planar frames have no drives that leave the plane."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    leaves = any(d.amplitude_m[1] or d.rotation_rad[0] or d.rotation_rad[2] for d in drives)
+    return {} if leaves else {"frames": {"solver": "planar"}}
+
+
+EFFECT = Effect(
+    part="frames",
+    judge=judge,
+    described=lambda case: bool(moved_by_forces(case)),
+    left_out=left_out,
+    overlay=overlay,
+    needs=("frame-rotation",),
+    key="frames.solver",
+)
