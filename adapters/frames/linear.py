@@ -9,7 +9,7 @@ with  u = x + rotation x (p - centre).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -134,6 +134,12 @@ def driven(plan: FramesPlan) -> Indices:
 def free(plan: FramesPlan) -> Indices:
     """Numbers of the bodies that no drive moves."""
     return np.setdiff1d(np.arange(len(plan.bodies)), driven(plan))
+
+
+def free_first(plan: FramesPlan) -> FramesPlan:
+    """The same machine with its driven bodies last, in the order of the drives."""
+    order = [*free(plan), *driven(plan)]
+    return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
 
 
 def rates_rad_s(plan: FramesPlan) -> list[float]:

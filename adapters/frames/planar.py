@@ -14,7 +14,7 @@ Bodies with a drive move as prescribed.  Equations and limits: docs/theory/frame
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -59,7 +59,7 @@ class PlanarFrames:
     """``Frames`` that stay in the plane."""
 
     def __init__(self, plan: FramesPlan) -> None:
-        self._plan = plan = _free_first(plan)
+        self._plan = plan = linear.free_first(plan)
         self._drives = planar_drives(plan)
         self._free = slice(0, len(linear.free(plan)))
         machine = linear.linearised(plan, linear.PLANE)
@@ -196,9 +196,3 @@ def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
     fastest_rad_s = max([machine.fastest_rad_s(), *linear.rates_rad_s(plan)])
     limit_s = LARGEST_STEP / fastest_rad_s if fastest_rad_s > 0 else plan.sync_interval_s
     return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
-
-
-def _free_first(plan: FramesPlan) -> FramesPlan:
-    """The same machine with its driven bodies last."""
-    order = [*linear.free(plan), *linear.driven(plan)]
-    return replace(plan, bodies=tuple(plan.bodies[number] for number in order))

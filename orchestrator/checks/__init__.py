@@ -13,6 +13,7 @@ from orchestrator.casefile.errors import Mistake
 from orchestrator.checks import (
     adhesion,
     apertures,
+    drives,
     exits,
     feeds,
     light_nodes,
@@ -37,8 +38,8 @@ OF_TABLES = (
     materials.complete_contacts,
     materials.boxes_and_sizes,
     machine.frames_and_their_solver,
-    machine.driven_frames,
-    machine.drives,
+    drives.driven_frames,
+    drives.start_of_drives,
     machine.bushings_and_exciters,
     machine.panels,
     apertures.openings,

@@ -16,7 +16,9 @@ def judge(scene: Scene) -> Verdict | None:
     """None without free frames."""
     if not free_frames(scene.plan) or scene.speed_rad_s == 0:
         return None
-    ratio, why = at_outermost_clamps(scene, lambda _, angle_rad, arms_m: np.cross(angle_rad, arms_m))
+    ratio, why = at_outermost_clamps(
+        scene, lambda _, angle_rad, arms_m: np.cross(angle_rad, arms_m)
+    )
     return Verdict(
         number="rotation x lever / translation",
         value=ratio,

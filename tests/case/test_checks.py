@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.casefile.levels import load
-from orchestrator.checks import machine, mistakes, warnings
+from orchestrator.checks import drives, mistakes, warnings
 from orchestrator.plans import PanelPlan, SolverFailed
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
@@ -189,7 +189,7 @@ def test_exudyn_may_drive_every_frame() -> None:
 def test_the_limit_of_a_tilt_is_the_solvers() -> None:
     from adapters.frames import exudyn
 
-    assert machine.LARGEST_TILT_RAD == exudyn.LARGEST_TILT_RAD
+    assert drives.LARGEST_TILT_RAD == exudyn.LARGEST_TILT_RAD
 
 
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
