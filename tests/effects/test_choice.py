@@ -13,7 +13,7 @@ from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
 from orchestrator.records.run_folder import resolved
 from orchestrator.scene.account import account, at_start
-from orchestrator.scene.catalogue import EFFECTS, present
+from orchestrator.scene.catalogue import EFFECTS, present, with_dependents
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complaint, written
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 
@@ -38,6 +38,7 @@ CAN_GO = [
     "removal",
     "rolling-friction",
     "run-up",
+    "sideways-motion",
     "sliding-friction",
     "variation-across",
 ]
@@ -62,7 +63,7 @@ def test_the_full_case_has_all_that_can_be_left_out(tmp_path: Path) -> None:
 def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: str) -> None:
     """With what needs it."""
     before = has(load(written(tmp_path, FULL), None, MORE))
-    with_it = {one for one in before if one == name or name in EFFECTS[one].needs}
+    with_it = before & set(with_dependents([name], ""))
     found = full(tmp_path, *(before - with_it))
     assert mistakes(found) == []
     assert has(found) == before - with_it
@@ -144,7 +145,7 @@ def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
     found = load(written(tmp_path), None, ["effects=auto", centre])
     assert found.case.frames.solver == "two-mass"
-    (line,) = (one for one in at_start(account(found.described, found.left_out)) if "rot" in one)
+    (line,) = (one for one in at_start(account(found.described, found.left_out)) if "frame-rotation: " in one)
     assert line == (
         "left out: frame-rotation: frames.solver two-mass: frames translate only; "
         'effects = "auto"; may be left out: rotation x lever / translation 0, threshold 0.1'
