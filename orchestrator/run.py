@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,9 @@ from orchestrator.records import summary
 from orchestrator.records.recorder import Recorder
 from orchestrator.records.run_folder import LOG, write_json
 from orchestrator.results.compute import results
+from orchestrator.results.seen import checked
 from orchestrator.results.store import store
+from orchestrator.scene.account import Entry, at_end
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.watch import Interrupted, Say, Stop, check_stable
 
@@ -33,8 +36,16 @@ from orchestrator.watch import Interrupted, Say, Stop, check_stable
 class Run:
     """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one."""
 
-    def __init__(self, loaded: LoadedCase, folder: Path, world: Any, console: Console) -> None:
+    def __init__(
+        self,
+        loaded: LoadedCase,
+        effects: Mapping[str, Entry],
+        folder: Path,
+        world: Any,
+        console: Console,
+    ) -> None:
         self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
+        self._effects = effects
         self._case = loaded.case
         self._stopwatch = Stopwatch()
         self._started = time.perf_counter()
@@ -121,6 +132,7 @@ class Run:
             "case": self._loaded.name,
             "level": self._loaded.level,
             "left_out": self._loaded.left_out,
+            "effects": {name: one.figures() for name, one in self._effects.items()},
             "share_of_width": share(self._case.whole),
             "cycle_s": summary.cycle_s(self._case),
             "wall_s": wall_s,
@@ -137,12 +149,22 @@ class Run:
             draw(self._folder)
         return figures
 
+    def _check_effects(self, figures: dict[str, Any]) -> None:
+        """What was judged before the run, by what it recorded."""
+        after = checked(self._effects, self._loaded.described, self._folder, figures["results"])
+        figures["effects"] = {name: one.figures() for name, one in after.items()}
+        write_json(self._folder / "summary.json", figures)
+        for line in at_end(after):
+            LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
+            self._console.print(line)
+
     def _add_results(self, figures: dict[str, Any]) -> None:
         """To ``summary.json`` and ``history.h5``.  A mistake in them loses nothing else."""
         try:
             figures["results"] = results(self._folder)
             write_json(self._folder / "summary.json", figures)
             store(self._folder / "history.h5", figures["results"])
+            self._check_effects(figures)
         except OSError:
             raise
         except Exception as error:

@@ -41,6 +41,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
         loaded = load(path, level, overrides)
         if found := mistakes(loaded):
             raise CaseError(found)
+        entries = account(loaded.described, loaded.left_out)
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
     except (CaseError, FolderUnusable) as error:
         wrong = str(error)
@@ -52,11 +53,10 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         console.print(f"running {loaded.name} {loaded.level} into {folder}")
-        entries = account(loaded.described, loaded.left_out)
         for line in [*warnings(loaded), *at_start(entries)]:
             LOG.warning(line)
             console.print(f"warning: {line}")
-        return _guarded(Run(loaded, folder, world, console), folder, world, console)
+        return _guarded(Run(loaded, entries, folder, world, console), folder, world, console)
 
 
 def _console(quiet: bool = False) -> Console:

@@ -66,4 +66,5 @@ EFFECT = Effect(
     overlay=lambda case: {"particles": {"adhesion": "none"}},
     laws={law: {"particles": {"adhesion": law}} for law in ("jkr", "sjkr")},
     key="particles.adhesion",
+    checked_by="frames_throw",
 )

@@ -27,4 +27,5 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: has_particles(case) and not softened(case),
     key="particles.largest_youngs_modulus_Pa",
+    checked_by="frames_throw",
 )

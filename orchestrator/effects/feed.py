@@ -26,4 +26,5 @@ EFFECT = Effect(
     described=lambda case: bool(case.bed.feeds),
     overlay=lambda case: {"bed": {"feeds": None}} if case.bed.feeds else {},
     key="bed.feeds.<name>",
+    checked_by="transport_m_s",
 )

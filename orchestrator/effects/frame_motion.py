@@ -35,4 +35,5 @@ EFFECT = Effect(
     left_out=left_out,
     overlay=lambda case: {"hand_over": {"frame_motion": False}},
     key="hand_over.frame_motion",
+    checked_by="frames_throw",
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.casefile.case import Case
+from orchestrator.ports import Array
 from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.shaking import free_frames
@@ -16,9 +17,7 @@ def judge(scene: Scene) -> Verdict | None:
     """None without free frames."""
     if not free_frames(scene.plan) or scene.speed_rad_s == 0:
         return None
-    ratio, why = at_outermost_clamps(
-        scene, lambda _, angle_rad, arms_m: np.cross(angle_rad, arms_m)
-    )
+    ratio, why = scene.seen.rotation or at_outermost_clamps(scene, turned)
     return Verdict(
         number="rotation x lever / translation",
         value=ratio,
@@ -27,6 +26,11 @@ def judge(scene: Scene) -> Verdict | None:
         why=why,
         cost="planar 0.2 ms per sync interval, two-mass, which cannot, 0.1 ms",
     )
+
+
+def turned(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
+    """By rotation alone."""
+    return np.cross(angle_rad, arms_m)
 
 
 def left_out(case: Case) -> str:
@@ -49,4 +53,5 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("frame-dynamics",),
     key="frames.solver",
+    checked_by="rotation",
 )

@@ -29,4 +29,5 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: any(case.gravity_m_s2),
     key="gravity_m_s2",
+    checked_by="frames_throw",
 )

@@ -26,4 +26,5 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: bool(case.screen.panels),
     needs=("panel-deformation",),
+    checked_by="frames_throw",
 )

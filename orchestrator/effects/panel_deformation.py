@@ -6,7 +6,7 @@ import math
 
 from orchestrator.casefile.case import Case
 from orchestrator.scene.effect import TENTH, Effect, Verdict
-from orchestrator.scene.scene import NOTHING_MOVES, Scene, bed_kg_m2
+from orchestrator.scene.scene import NOTHING_MOVES, Scene
 
 
 def judge(scene: Scene) -> Verdict:
@@ -30,7 +30,7 @@ def _deform(scene: Scene, ratio: float) -> tuple[bool | None, str]:
     why = f"panels' middles are thrown with {throw:.2g} g, frames with {rigid:.2g} g"
     if ratio > TENTH:
         return True, why
-    if bed_kg_m2(scene.case) > TENTH * min(panel.mass_kg_m2 for panel in scene.panels):
+    if scene.bed_kg_m2 > TENTH * min(panel.mass_kg_m2 for panel in scene.panels):
         return None, f"{why}; what the bed does to them, only a run tells"
     return False, why
 
@@ -46,4 +46,5 @@ EFFECT = Effect(
     left_out=left_out,
     overlay=lambda case: {"panel": {"solver": "rigid"}},
     key="panel.solver",
+    checked_by="frames_throw",
 )

@@ -33,4 +33,5 @@ EFFECT = Effect(
     left_out=left_out,
     overlay=lambda case: {"hand_over": {"panel_motion": False}},
     key="hand_over.panel_motion",
+    checked_by="frames_throw",
 )

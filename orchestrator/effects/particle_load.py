@@ -5,14 +5,14 @@ from __future__ import annotations
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.scene.effect import TENTH, Effect, Verdict
-from orchestrator.scene.scene import Scene, bed_kg_m2
+from orchestrator.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
     """None without particles."""
     if not has_particles(scene.case):
         return None
-    bed = bed_kg_m2(scene.case)
+    bed = scene.bed_kg_m2
     ratio = bed / min(panel.mass_kg_m2 for panel in scene.panels)
     return Verdict(
         number="bed / panel, mass per area",
@@ -43,4 +43,5 @@ EFFECT = Effect(
     overlay=lambda case: {"hand_over": {"particle_load": False}},
     needs=("panel-deformation",),
     key="hand_over.particle_load",
+    checked_by="bed_kg_m2",
 )

@@ -18,7 +18,7 @@ def judge(scene: Scene) -> Verdict | None:
     """None without free frames."""
     if not free_frames(scene.plan) or scene.speed_rad_s == 0:
         return None
-    ratio, why = at_outermost_clamps(scene, _out_of_plane)
+    ratio, why = scene.seen.sideways or at_outermost_clamps(scene, out_of_plane)
     return Verdict(
         number="motion across, by roll and by yaw / translation",
         value=ratio,
@@ -29,7 +29,8 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
-def _out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
+def out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
+    """Across, by roll and by yaw."""
     return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
 
 
@@ -53,4 +54,5 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("frame-rotation",),
     key="frames.solver",
+    checked_by="sideways",
 )

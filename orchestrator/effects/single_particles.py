@@ -9,7 +9,7 @@ from orchestrator.bed.sources import largest_diameter_m
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.scene.effect import Effect, Verdict
-from orchestrator.scene.scene import Scene, bed_kg_m2
+from orchestrator.scene.scene import Scene
 
 FEWEST_LAYERS = 5.0  # of coarse particles: the project's choice
 
@@ -23,7 +23,7 @@ def judge(scene: Scene) -> Verdict | None:
     densest = max(
         scene.case.materials[name].density_kg_m3 for name in smallest_diameters_m(scene.case)
     )
-    layers = bed_kg_m2(scene.case) / (math.pi / 6 * densest * diameter_m)
+    layers = scene.bed_kg_m2 / (math.pi / 6 * densest * diameter_m)
     return Verdict(
         number="layers of coarse particles",
         value=layers,
@@ -46,4 +46,5 @@ EFFECT = Effect(
     described=has_particles,
     left_out=left_out,
     key="particles.coarse_graining",
+    checked_by="bed_kg_m2",
 )

@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from orchestrator.report import bed_pictures, facts, machine_pictures, tables
 from orchestrator.report.drawing import data_uri
+from orchestrator.report.effects import left_out_rows
 from orchestrator.report.film import Film
 from orchestrator.report.headline import headline
 from orchestrator.report.quality import quality, warnings
@@ -48,6 +49,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             pictures=_pictures(data, found, summary),
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
+            left_out=list(left_out_rows(summary)),
             quality=quality(summary),
             duration=duration,
             interval=interval,

@@ -87,7 +87,7 @@ def panel_loads(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
         )
         pull = tension_N(first, second, panel.rectangle.along)
         lines = data.read(f"panels/{panel.name}/centre_line_m")
-        strain = stretch(lines, panel.rectangle.length_m, _clamped_m(panel, lines[0]))
+        strain = stretch(lines, panel.rectangle.length_m, clamped_m(panel, lines[0]))
         shown = data.read(f"panels/{panel.name}/time_s")
         strain = strain[(shown >= start_s) & (shown <= end_s)]
         found[panel.name] = {
@@ -106,7 +106,7 @@ def _mean(vectors: Array) -> list[float]:
     return [float(value) for value in vectors.mean(axis=0)]
 
 
-def _clamped_m(panel: SinglePanel, line_m: Array) -> float:
+def clamped_m(panel: SinglePanel, line_m: Array) -> float:
     """How much of a centre line at t = 0 lies outside the free length, under the clamps."""
     at = panel.rectangle
     along = (line_m - at.corner_m) @ at.along

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -41,11 +42,10 @@ class Entry:
 
 def account(described: Case, left_out: Mapping[str, str]) -> dict[str, Entry]:
     """Of all effects, from the case with all that it describes, and those left out of it."""
-    found = {
-        one.effect: Entry(left_out.get(one.effect, ""), one.present, one.verdict)
-        for rows in judged(described).values()
-        for one in rows
-    }
+    found = {}
+    for one in (one for rows in judged(described).values() for one in rows):
+        why = left_out.get(one.effect, "")
+        found[one.effect] = Entry(why, one.present and not why, one.verdict)
     others = {name: Entry(why, False) for name, why in left_out.items() if name not in found}
     return found | others
 
@@ -58,6 +58,20 @@ def at_start(entries: Mapping[str, Entry]) -> Iterator[str]:
             yield f"left out: {name}: {one.left_out}{number}"
 
 
+def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
+    """The deciding numbers again of what was left out, where the run has them, and warnings where
+    they are on the other side of their thresholds."""
+    for name, one in entries.items():
+        if not one.left_out or one.after is None or one.before is None:
+            continue
+        yield f"left out: {name}; by the run {one.after.in_numbers}"
+        if one.crossed:
+            yield (
+                f"WARNING: {name}, which is left out, {in_words(one.after.matters)} by the run; "
+                f"the estimate before it was {one.before.value_in_words}"
+            )
+
+
 def _said(verdict: Verdict) -> str:
     return f"{in_words(verdict.matters)}: {verdict.in_numbers}"
 
@@ -67,7 +81,7 @@ def _figures(verdict: Verdict | None) -> dict[str, Any] | None:
         return None
     return {
         "number": verdict.number,
-        "value": verdict.value,
+        "value": None if verdict.value is None or math.isinf(verdict.value) else verdict.value,
         "threshold": verdict.threshold,
         "matters": verdict.matters,
         "why": verdict.why,

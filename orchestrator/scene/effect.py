@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from orchestrator.casefile.case import Case
 from orchestrator.scene.scene import Scene
+from orchestrator.scene.seen import What
 
 Part = Literal["particles", "panels", "frames", "machine"]
 Overlay = Mapping[str, Any]
@@ -75,6 +76,8 @@ class Effect:
     or where this case cannot do without.  ``needs``: effects without which it is nothing.
     ``laws``: names by which it can be called for with one of several laws, and the keys that choose
     it; two of them exclude each other.  ``key``: what a user changes to have it or not.
+    ``checked_by``: what a run must tell (a field of ``Seen``) for ``judge`` to be asked again
+    after it.
     """
 
     part: Part
@@ -85,6 +88,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     laws: Mapping[str, Overlay] = field(default_factory=dict)
     key: str = ""
+    checked_by: What | None = None
 
     @property
     def optional(self) -> bool:

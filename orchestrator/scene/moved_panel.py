@@ -9,15 +9,18 @@ from dataclasses import dataclass
 from orchestrator.deck.panels import SinglePanel
 from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.plans import Hyperelastic
+from orchestrator.scene.seen import Shape
 
 
 @dataclass(frozen=True)
 class MovedPanel:
-    """``stroke_m``: amplitude of one clamp against the other along the panel."""
+    """``stroke_m``: amplitude of one clamp against the other along the panel; ``shape``: as a run
+    has seen it, None where it is estimated."""
 
     panel: SinglePanel
     material: Hyperelastic
     stroke_m: float
+    shape: Shape | None = None
 
     @property
     def length_m(self) -> float:
@@ -31,16 +34,22 @@ class MovedPanel:
     @property
     def sag_m(self) -> float:
         """Largest height of its arch."""
+        if self.shape is not None:
+            return self.shape.sag_m
         return sine_arch_m(self.length_m, self.stroke_m - self.tension_m)
 
     @property
     def travel_m(self) -> float:
         """Range of its middle's motion, without snapping from one side to the other."""
+        if self.shape is not None:
+            return self.shape.travel_m
         return self.sag_m - sine_arch_m(self.length_m, -self.stroke_m - self.tension_m)
 
     @property
     def strain(self) -> float:
         """When it is most taut; 0 if it never is."""
+        if self.shape is not None:
+            return self.shape.strain
         return max(0.0, self.tension_m + self.stroke_m) / self.length_m
 
     @property

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,13 +16,14 @@ from orchestrator.bed.contact_times import impact_speed_m_s, smallest_diameters_
 from orchestrator.bed.particle_sizes import mean_mass_kg
 from orchestrator.bed.size_distribution import classes, share_left_out
 from orchestrator.bed.sources import largest_diameter_m
-from orchestrator.bed.transport import stay_s
+from orchestrator.bed.transport import TRANSPORT_M_S, stay_s
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes, single_panels
 from orchestrator.planning import frames_plan, hyperelastic
 from orchestrator.plans import FramesPlan
 from orchestrator.scene.moved_panel import MovedPanel
+from orchestrator.scene.seen import Seen
 from orchestrator.scene.shaking import PanelSpring, Shaking, shakings
 
 STANDARD_GRAVITY_M_S2 = 9.81
@@ -33,13 +34,15 @@ ELASTIC = "every panel.solver but rigid has it"
 
 @dataclass(frozen=True)
 class Scene:
-    """``shaken`` is the frames' steady motion with the panels as springs, ``springs``."""
+    """``shaken`` is the frames' steady motion with the panels as springs, ``springs``; what was
+    ``seen`` in a run takes the place of what is estimated here."""
 
     case: Case
     plan: FramesPlan
     panels: tuple[MovedPanel, ...]
     springs: tuple[PanelSpring, ...]
     shaken: tuple[Shaking, ...]
+    seen: Seen = field(default_factory=Seen)
 
     @property
     def speed_rad_s(self) -> float:
@@ -54,6 +57,8 @@ class Scene:
     @property
     def frames_throw(self) -> float:
         """Throw intensity w^2 a / g of the frame that moves most normal to the deck."""
+        if self.seen.frames_throw is not None:
+            return self.seen.frames_throw
         normal = axes(self.case)[:, 2]
         names = [body.name for body in self.plan.bodies]
         found = [
@@ -72,6 +77,21 @@ class Scene:
     def throw(self) -> float:
         """The larger of both."""
         return max(self.frames_throw, self.panels_throw)
+
+    @property
+    def bed_kg_m2(self) -> float:
+        """Mass of the particles per area of the deck, at most; at least that of the largest over
+        the square of its diameter: so much lies where it lies."""
+        if not has_particles(self.case):
+            return 0.0
+        seen = self.seen.bed_kg_m2
+        return max(fed_kg_m2(self.case) if seen is None else seen, _lying_kg_m2(self.case))
+
+    @property
+    def transport_m_s(self) -> float:
+        """Speed of the bed along the deck."""
+        seen = self.seen.transport_m_s
+        return TRANSPORT_M_S if seen is None else seen
 
     @property
     def slope(self) -> float:
@@ -137,18 +157,22 @@ def _spring(panel: MovedPanel, stiffness_N_m: float) -> PanelSpring:
     )
 
 
-def bed_kg_m2(case: Case) -> float:
-    """Mass of the particles per area of the deck, at most: what is there at the start, and what a
-    feed brings in the time that material stays.  At least that of the largest particle over the
-    square of its diameter: so much lies where it lies."""
-    if not has_particles(case):
-        return 0.0
-    area_m2 = sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
-    if area_m2 == 0.0:
-        return 0.0
-    largest_m = largest_diameter_m(case)
+def deck_m2(case: Case) -> float:
+    """Area of the panels."""
+    return sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
+
+
+def fed_kg_m2(case: Case) -> float:
+    """What is there at the start, and what a feed brings in the time that material stays, on the
+    panels' area; 0 without panels."""
+    area_m2 = deck_m2(case)
+    return sum(_masses_kg(case)) / area_m2 if area_m2 else 0.0
+
+
+def _lying_kg_m2(case: Case) -> float:
+    """Of the largest particle; 0 without panels."""
     densest = max(case.materials[name].density_kg_m3 for name in smallest_diameters_m(case))
-    return max(sum(_masses_kg(case)) / area_m2, math.pi / 6 * densest * largest_m)
+    return math.pi / 6 * densest * largest_diameter_m(case) if case.screen.panels else 0.0
 
 
 def _masses_kg(case: Case) -> Iterator[float]:

@@ -30,7 +30,7 @@ def at_outermost_clamps(scene: Scene, part: Part) -> tuple[float | None, str]:
 
 def _ratio(scene: Scene, name: str, turning: tuple[Shaking, ...], part: Part) -> float:
     body = next(one for one in scene.plan.bodies if one.name == name)
-    arms_m = _clamps_m(scene, name) - body.center_of_mass_m
+    arms_m = clamps_m(scene, name) - body.center_of_mass_m
     at_clamp_m = moved_m = 0.0
     for one in turning:
         displacement_m = part(one.amplitude_m[name], one.angle_rad[name], arms_m)
@@ -39,7 +39,7 @@ def _ratio(scene: Scene, name: str, turning: tuple[Shaking, ...], part: Part) ->
     return at_clamp_m / moved_m if moved_m else 0.0
 
 
-def _clamps_m(scene: Scene, name: str) -> Array:
+def clamps_m(scene: Scene, name: str) -> Array:
     """(n, 3) middles of the clamps that a frame holds; without any, its bushings."""
     places_m = [
         place_m

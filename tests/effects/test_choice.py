@@ -145,7 +145,11 @@ def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
     found = load(written(tmp_path), None, ["effects=auto", centre])
     assert found.case.frames.solver == "two-mass"
-    (line,) = (one for one in at_start(account(found.described, found.left_out)) if "frame-rotation: " in one)
+    (line,) = (
+        one
+        for one in at_start(account(found.described, found.left_out))
+        if "frame-rotation: " in one
+    )
     assert line == (
         "left out: frame-rotation: frames.solver two-mass: frames translate only; "
         'effects = "auto"; may be left out: rotation x lever / translation 0, threshold 0.1'

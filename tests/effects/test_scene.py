@@ -11,7 +11,7 @@ import pytest
 from orchestrator.casefile.case import Probe
 from orchestrator.casefile.levels import load
 from orchestrator.deck.panels import axes, to_world
-from orchestrator.scene.scene import Scene, bed_kg_m2, scene
+from orchestrator.scene.scene import Scene, scene
 from orchestrator.scene.shaking import Shaking, shakings
 from tests.case.cases import BLOCK, FEED, loaded, written
 from tests.effects.verdicts import DRIVEN_CASE
@@ -64,19 +64,19 @@ def test_mass_of_the_bed_by_hand(tmp_path: Path) -> None:
     case = loaded(tmp_path, [many]).case
     ball_kg = 1430 * math.pi / 6 * 0.02**3
     grains_kg = 10_000 * 1430 * math.pi / 6 * 0.006**3
-    assert bed_kg_m2(case) == pytest.approx((ball_kg + grains_kg) / (0.302 * 0.2), rel=1e-9)
+    assert scene(case).bed_kg_m2 == pytest.approx((ball_kg + grains_kg) / (0.302 * 0.2), rel=1e-9)
 
 
 def test_a_feed_without_exits_brings_all_it_has(tmp_path: Path) -> None:
     """1 kg/s from 0 to 5 s."""
     case = loaded(tmp_path, [FEED, "duration_s=5.0"]).case
     ball_kg = 1430 * math.pi / 6 * 0.02**3
-    assert bed_kg_m2(case) == pytest.approx((ball_kg + 5.0) / (0.302 * 0.2), rel=1e-9)
+    assert scene(case).bed_kg_m2 == pytest.approx((ball_kg + 5.0) / (0.302 * 0.2), rel=1e-9)
 
 
 def test_one_ball_weighs_on_the_place_where_it_lies(tmp_path: Path) -> None:
     """pi/6 * 1430 * 0.02 = 14.97 kg/m2, although its mass over the deck is a hundredth."""
-    assert bed_kg_m2(loaded(tmp_path).case) == pytest.approx(14.97, rel=1e-3)
+    assert scene(loaded(tmp_path).case).bed_kg_m2 == pytest.approx(14.97, rel=1e-3)
 
 
 def test_the_published_machine_is_estimated_within_a_fifth() -> None:

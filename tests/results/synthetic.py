@@ -35,6 +35,8 @@ SIZES_M = np.array([0.002, 0.0028, 0.005])
 LEAVES = np.array([[4, 1, 0], [1, 1, 0], [0, 1, 2]])  # particles a cycle, by exit and size
 FRAMES_M = {"driving": (0.002, 0.0035), "driven": (0.008, 0.005)}
 PANEL_M = 0.010
+ROTATION = {"number": "rotation", "value": 0.0512, "threshold": "0.1", "matters": False}
+TURNED_RAD = 0.001  # of both frames about the axis across
 DEPTH_M, VELOCITY_M_S, BIN_KG = 0.05, 0.3, 0.2
 MASS_KG = np.pi / 6 * SIZES_M**3 * DENSITY
 
@@ -78,9 +80,9 @@ def _machine(history: History, case: Case, cycles: int) -> None:
         time, quarter = i * STEP_S, np.pi / 2 / 78.5
         for name, size in FRAMES_M.items():
             here, then = (moved(case, *size, t) for t in (time, time + quarter))
-            history.add(
-                f"frames/{name}", time, {"displacement_m": here, "velocity_m_s": 78.5 * then}
-            )
+            turned = TURNED_RAD * np.sin(78.5 * time) * axes(case)[:, 1]
+            values = {"displacement_m": here, "velocity_m_s": 78.5 * then, "rotation_rad": turned}
+            history.add(f"frames/{name}", time, values)
         for name, probe in case.probes.items():
             size = FRAMES_M[probe.frame] if probe.frame else (0.0, PANEL_M)
             here, then = (moved(case, *size, t) for t in (time, time + quarter))
@@ -205,6 +207,7 @@ def _summary(particles: bool, cycles: int) -> dict[str, object]:
         "case": "by-hand",
         "level": "draft",
         "left_out": {"frame-rotation": "frames.solver two-mass: frames translate only"},
+        "effects": {"frame-rotation": {"before": ROTATION, "after": None}},
         "cycle_s": CYCLE_S,
         "wall_s": 10.0,
         "wall_by_part_s": parts,

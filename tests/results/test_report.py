@@ -11,9 +11,10 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from orchestrator.report.effects import left_out_rows
 from orchestrator.report.words import interval, number
 from tests.results.browser import browser, seen
-from tests.results.synthetic import folder_of
+from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly
 
 IN_BROWSER = pytest.mark.skipif(
@@ -148,3 +149,16 @@ def test_numbers(value: float | None, scale: float, text: str) -> None:
 )
 def test_intervals(value: float | None, width: float | None, text: str) -> None:
     assert interval({"value": value, "half_width": width, "batches": 20}) == text
+
+
+def test_what_was_left_out_is_said_with_its_number() -> None:
+    summary = {
+        "left_out": {"frame-rotation": "frames.solver two-mass", "adhesion": "auto"},
+        "effects": {"frame-rotation": {"before": ROTATION, "after": ROTATION | {"matters": True}}},
+    }
+    assert list(left_out_rows(summary)) == [
+        ("frame-rotation", "frames.solver two-mass"),
+        ("before the run", "may be left out: rotation 0.0512, threshold 0.1"),
+        ("after the run", "matters: rotation 0.0512, threshold 0.1"),
+        ("adhesion", "auto"),
+    ]

@@ -46,6 +46,8 @@ def ledger_of(sets: tuple[str, ...], case: str, folder: Path) -> set[str]:
 def test_the_keys_of_the_summary(folder: Path) -> None:
     said = summary(folder)
     assert set(said) == documented("## `summary.json`")
+    for one in said["effects"].values():
+        assert set(one) == documented("### each of `effects`")
     assert set(said["material"]) == documented("### `material`")
     assert set(said["wall_by_part_s"]) == documented("### `wall_by_part_s`")
     assert set(said["energy_ledger_J"]) <= LEDGER
