@@ -43,6 +43,17 @@ class MaxwellBranch(Table):
     """Relaxation time."""
 
 
+class LossPoint(Table):
+    """A point of a measured loss-factor curve."""
+
+    frequency_Hz: Annotated[float, Strict(), Ge(1e-3), Le(1e6)]
+    """Frequency."""
+    loss_factor: Annotated[float, Strict(), Ge(1e-4), Le(10)]
+    """Loss modulus over storage modulus."""
+    storage_ratio: Annotated[float, Strict(), Ge(1), Le(1e3)] | None = None
+    """Storage modulus over the elastic one, which C10 and C01 give; only if it was measured."""
+
+
 class Hyperelastic(Table):
     """Two-parameter Mooney-Rivlin material of a panel."""
 
@@ -54,6 +65,9 @@ class Hyperelastic(Table):
     """Bulk modulus K of the volumetric energy K/2 (J - 1)^2."""
     maxwell: tuple[MaxwellBranch, ...] = ()
     """Branches that damp the panel."""
+    loss_curve: tuple[LossPoint, ...] = ()
+    """Measured loss factor, from low to high frequencies.  Without ``maxwell``, branches are fitted
+    to it."""
 
 
 class Material(Table):

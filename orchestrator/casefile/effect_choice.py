@@ -17,6 +17,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.coarse import coarsened
 from orchestrator.casefile.deck_layout import laid_out
 from orchestrator.casefile.errors import CaseError, Key, Mistake, did_you_mean, shown
+from orchestrator.casefile.loss_curve import damped
 from orchestrator.casefile.overlays import Layers
 from orchestrator.casefile.slice import sliced
 from orchestrator.checks import OF_TABLES
@@ -62,9 +63,9 @@ def chosen(layers: Layers, without: Collection[str]) -> Choice:
 
 
 def shaped(bare: Case) -> Case:
-    """With decks laid out, particles as coarse as wanted, and cut to its slice.  Raises
-    CaseError."""
-    return sliced(coarsened(laid_out(bare)))
+    """With branches fitted, decks laid out, particles as coarse as wanted, and cut to its slice.
+    Raises CaseError."""
+    return sliced(coarsened(laid_out(damped(bare))))
 
 
 def _judged_choice(layers: Layers, bare: Case, case: Case, source: str) -> Choice:

@@ -36,6 +36,7 @@ UNITS = {
     "_rad": "rad",
     "_rad_s": "rad/s",
     "_deg": "degree",
+    "_Hz": "Hz",
 }
 DIMENSIONLESS = frozenset(
     {
@@ -54,6 +55,8 @@ DIMENSIONLESS = frozenset(
         "rayleigh_fraction",
         "coarse_graining",
         "mass_fraction",
+        "loss_factor",
+        "storage_ratio",
     }
 )
 HEAD = """\

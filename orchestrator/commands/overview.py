@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from orchestrator.bed.contact_times import (
     impact_speed_m_s,
     shortest_panel_contact_s,
@@ -16,6 +18,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, level_names, load, read_toml
+from orchestrator.casefile.loss_curve import compared, moduli, rows
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
@@ -56,9 +59,25 @@ def _machine(loaded: LoadedCase) -> Iterator[str]:
     )
     cells = " x ".join(str(count) for count in case.panel.cells)
     yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
+    yield from _damping(case)
     yield from openings(case)
     rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
     yield f"  triangles  {_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _damping(case: Case) -> Iterator[str]:
+    """What branches make of the loss factors that were measured."""
+    for name, material in case.materials.items():
+        law = material.hyperelastic
+        if law is None or not law.loss_curve:
+            continue
+        branches = tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell)
+        off = compared(branches, rows(law))
+        _, found = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
+        pairs = zip(found, law.loss_curve, strict=True)
+        said = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)
+        yield f"  damping    {name}: loss factor of {len(branches)} branches (measured): {said} Hz"
+        yield f"             off by {off.error:.1%} at most, at {off.at_Hz:g} Hz"
 
 
 def _on_panels(case: Case) -> str:

@@ -19,7 +19,7 @@ def judge(scene: Scene) -> Verdict:
     factor = max(loss_factor(panel.material, speed) for panel in scene.panels)
     lost = 2 * math.pi * factor
     given = any(panel.material.branches for panel in scene.panels)
-    unknown = "no Maxwell branches are given: measure the loss factor (0.02 would matter)"
+    unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
     return Verdict(
         number="energy lost / stored, per cycle",
         value=lost if given else None,
@@ -31,14 +31,15 @@ def judge(scene: Scene) -> Verdict:
 
 
 def overlay(case: Case) -> Overlay:
-    return {"materials": {name: {"hyperelastic": {"maxwell": None}} for name in _damped(case)}}
+    without: Overlay = {"hyperelastic": {"maxwell": None, "loss_curve": None}}
+    return {"materials": dict.fromkeys(_damped(case), without)}
 
 
 def _damped(case: Case) -> list[str]:
     return [
         name
         for name, material in case.materials.items()
-        if material.hyperelastic and material.hyperelastic.maxwell
+        if (law := material.hyperelastic) and (law.maxwell or law.loss_curve)
     ]
 
 

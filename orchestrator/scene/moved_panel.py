@@ -6,6 +6,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from orchestrator.casefile.loss_curve import moduli
 from orchestrator.deck.panels import SinglePanel
 from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.plans import Hyperelastic
@@ -133,6 +136,4 @@ def mooney_ratio(law: Hyperelastic, strain: float) -> float:
 
 def loss_factor(law: Hyperelastic, speed_rad_s: float) -> float:
     """Of the elastic spring with its Maxwell branches, at an angular frequency."""
-    turned = [(ratio, speed_rad_s * tau_s) for ratio, tau_s in law.branches]
-    stored = 1 + sum(ratio * x**2 / (1 + x**2) for ratio, x in turned)
-    return sum(ratio * x / (1 + x**2) for ratio, x in turned) / stored
+    return float(moduli(law.branches, np.array([speed_rad_s]))[1][0])

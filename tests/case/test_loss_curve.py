@@ -1,0 +1,103 @@
+"""Branches fitted to a measured loss factor."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.casefile.loss_curve import Branches, Fit, fitted, moduli
+from orchestrator.commands.overview import overview
+from orchestrator.ports import Array
+from orchestrator.records.run_folder import resolved
+from orchestrator.scene.catalogue import EFFECTS, present
+from tests.case.cases import complaints, loaded, only_complaint
+
+FREQUENCIES_HZ = np.geomspace(10.0, 300.0, 12)
+KNOWN: Branches = ((0.1, 1e-2), (0.1, 2e-3), (0.1, 4e-4), (0.1, 8e-5))
+
+
+def fit_of(loss: Array, storage: Array | None = None) -> Fit:
+    ratios = [None] * len(loss) if storage is None else storage.tolist()
+    return fitted(tuple(zip(FREQUENCIES_HZ.tolist(), loss.tolist(), ratios, strict=True)))
+
+
+ROWS = ", ".join(f"{{frequency_Hz={f}, loss_factor=0.12}}" for f in (10, 30, 100, 300))
+CONSTANT = f"materials.PU.hyperelastic.loss_curve=[{ROWS}]"
+
+
+def test_one_branch_by_hand() -> None:
+    """g = 1 at w tau = 1: storage 1 + 1/2, loss 1/2 over it."""
+    storage, loss = moduli(((1.0, 0.01),), np.array([100.0]))
+    assert (storage[0], loss[0]) == pytest.approx((1.5, 1 / 3), rel=1e-14)
+
+
+def test_a_constant_loss_factor_needs_three_branches() -> None:
+    """0.12 from 10 to 300 Hz, within 3 %; between the points, too."""
+    fit = fit_of(np.full(12, 0.12))
+    assert len(fit.branches) == 3
+    between = np.geomspace(10.0, 300.0, 200)
+    found = moduli(fit.branches, 2 * np.pi * between)[1]
+    assert found == pytest.approx(0.12, rel=0.03)
+
+
+@pytest.mark.parametrize("with_storage", [False, True])
+def test_the_curve_of_known_branches_is_met(with_storage: bool) -> None:
+    """Within 3 %, by at most as many branches as it was made of."""
+    storage, loss = moduli(KNOWN, 2 * np.pi * FREQUENCIES_HZ)
+    fit = fit_of(loss, storage if with_storage else None)
+    assert len(fit.branches) <= len(KNOWN)
+    again, found = moduli(fit.branches, 2 * np.pi * FREQUENCIES_HZ)
+    assert found == pytest.approx(loss, rel=0.03)
+    if with_storage:
+        assert again == pytest.approx(storage, rel=0.03)
+
+
+def test_one_point_is_met_exactly() -> None:
+    fit = fitted(((50.0, 0.3, None),))
+    assert moduli(fit.branches, np.array([100.0 * np.pi]))[1] == pytest.approx(0.3, rel=1e-9)
+
+
+def test_a_peak_sharper_than_any_branchs_cannot_be_met(tmp_path: Path) -> None:
+    peak = "{frequency_Hz=10, loss_factor=0.01}, {frequency_Hz=20, loss_factor=0.5}"
+    curve = f"materials.PU.hyperelastic.loss_curve=[{peak}, {{frequency_Hz=40, loss_factor=0.01}}]"
+    message = only_complaint(tmp_path, curve)
+    assert "PU.hyperelastic.loss_curve: no 8 Maxwell branches meet it: the best are off" in message
+    assert "smooth the curve" in message
+
+
+def test_frequencies_rise(tmp_path: Path) -> None:
+    rows = "{frequency_Hz=20, loss_factor=0.1}, {frequency_Hz=10, loss_factor=0.1}"
+    message = only_complaint(tmp_path, f"materials.PU.hyperelastic.loss_curve=[{rows}]")
+    assert "frequencies must rise from row to row" in message
+    assert complaints(tmp_path, "materials.PU.hyperelastic.loss_curve=[{frequency_Hz=20}]")
+
+
+def test_the_resolved_case_holds_the_branches_and_check_compares_them(tmp_path: Path) -> None:
+    case = loaded(tmp_path, [CONSTANT])
+    law = case.case.materials["PU"].hyperelastic
+    assert law is not None
+    assert len(law.maxwell) == 3
+    assert present(case.case, "panel-damping")
+    again = resolved(case)["materials"]["PU"]["hyperelastic"]
+    assert [row["ratio"] for row in again["maxwell"]] == [row.ratio for row in law.maxwell]
+    lines = "\n".join(overview(case))
+    assert "PU: loss factor of 3 branches (measured): " in lines
+    assert "(0.12) at 300 Hz" in lines
+
+
+def test_given_branches_are_not_fitted_again(tmp_path: Path) -> None:
+    maxwell = "materials.PU.hyperelastic.maxwell=[{ratio=0.3, relaxation_s=0.004}]"
+    case = loaded(tmp_path, [CONSTANT, maxwell])
+    assert "PU: loss factor of 1 branches" in "\n".join(overview(case))
+
+
+def test_damping_left_out_takes_the_curve_away(tmp_path: Path) -> None:
+    before = loaded(tmp_path, [CONSTANT]).case
+    others = [name for name in EFFECTS if present(before, name) and name != "panel-damping"]
+    case = loaded(tmp_path, [CONSTANT, f"effects={others}"])
+    law = case.case.materials["PU"].hyperelastic
+    assert law is not None
+    assert (law.maxwell, law.loss_curve) == ((), ())
+    assert set(case.left_out) == {"panel-damping"}
