@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from orchestrator.casefile.case import Case
-from orchestrator.ports import Array
 from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.shaking import free_frames
 from orchestrator.scene.strokes import moved_by_forces
-from orchestrator.scene.turning import at_outermost_clamps
+from orchestrator.scene.turning import at_outermost_clamps, turned
 
 
 def judge(scene: Scene) -> Verdict | None:
@@ -26,11 +23,6 @@ def judge(scene: Scene) -> Verdict | None:
         why=why,
         cost="planar 0.2 ms per sync interval, two-mass, which cannot, 0.1 ms",
     )
-
-
-def turned(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """By rotation alone."""
-    return np.cross(angle_rad, arms_m)
 
 
 def left_out(case: Case) -> str:

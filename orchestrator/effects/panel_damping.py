@@ -32,7 +32,8 @@ def judge(scene: Scene) -> Verdict:
 
 def overlay(case: Case) -> Overlay:
     without: Overlay = {"hyperelastic": {"maxwell": None, "loss_curve": None}}
-    return {"materials": dict.fromkeys(_damped(case), without)}
+    damped = _damped(case)
+    return {"materials": dict.fromkeys(damped, without)} if damped else {}
 
 
 def _damped(case: Case) -> list[str]:

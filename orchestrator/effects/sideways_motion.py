@@ -3,15 +3,12 @@ frame's translation."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from orchestrator.casefile.case import Case
-from orchestrator.ports import Array
 from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.shaking import free_frames
 from orchestrator.scene.strokes import moved_by_forces
-from orchestrator.scene.turning import at_outermost_clamps
+from orchestrator.scene.turning import at_outermost_clamps, out_of_plane
 
 
 def judge(scene: Scene) -> Verdict | None:
@@ -27,11 +24,6 @@ def judge(scene: Scene) -> Verdict | None:
         why=f"{why}; of panels and bushings, not of an uneven bed",
         cost="exudyn 0.35 ms per sync interval, planar, which cannot, 0.2 ms",
     )
-
-
-def out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """Across, by roll and by yaw."""
-    return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
 
 
 def left_out(case: Case) -> str:

@@ -21,7 +21,8 @@ def judge(scene: Scene) -> Verdict:
 
 
 def overlay(case: Case) -> Overlay:
-    return {"contacts": {str(k): {"sliding_friction": 0.0} for k in range(len(case.contacts))}}
+    frictionless = {str(k): {"sliding_friction": 0.0} for k in range(len(case.contacts))}
+    return {"contacts": frictionless} if frictionless else {}
 
 
 def _friction(case: Case) -> float:

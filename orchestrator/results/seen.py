@@ -11,8 +11,6 @@ import h5py
 import numpy as np
 
 from orchestrator.casefile.case import Case
-from orchestrator.effects.frame_rotation import turned
-from orchestrator.effects.sideways_motion import out_of_plane
 from orchestrator.ports import Array
 from orchestrator.results.machine_figures import clamped_m
 from orchestrator.results.panel_load import stretch
@@ -23,7 +21,7 @@ from orchestrator.scene.moved_panel import MovedPanel
 from orchestrator.scene.scene import Scene, deck_m2, scene
 from orchestrator.scene.seen import Seen, Shape
 from orchestrator.scene.shaking import PanelSpring, free_frames
-from orchestrator.scene.turning import Part, clamps_m
+from orchestrator.scene.turning import Part, clamps_m, out_of_plane, turned
 
 
 def checked(

@@ -69,9 +69,10 @@ def judged(case: Case) -> dict[Part, list[Judged]]:
 
 
 def can_go(case: Case, name: str) -> bool:
-    """Whether keys of the case leave it out that do not do so yet."""
-    effect = EFFECTS[name]
-    return bool(effect.overlay(case)) and not effect.left_out(case)
+    """Whether keys of the case leave it out that do not do so yet: neither it nor, with another
+    value of the same key, something that it needs."""
+    gone = any(EFFECTS[one].left_out(case) for one in (name, *_needs(name)))
+    return bool(EFFECTS[name].overlay(case)) and not gone
 
 
 def spared(every: Iterable[Judged]) -> list[str]:

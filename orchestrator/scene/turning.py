@@ -15,6 +15,16 @@ Part = Callable[[Array, Array, Array], Array]
 ``amplitude_m`` and turns by ``angle_rad``, (3,) and complex each."""
 
 
+def turned(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
+    """By rotation alone."""
+    return np.cross(angle_rad, arms_m)
+
+
+def out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
+    """Across, by roll and by yaw."""
+    return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
+
+
 def at_outermost_clamps(scene: Scene, part: Part) -> tuple[float | None, str]:
     """The part at a frame's outermost clamp over the translation of the frame's centre of mass:
     the largest over the free frames, of which there must be one, and words about it; None if

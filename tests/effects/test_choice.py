@@ -22,6 +22,11 @@ DAMPED = "bulk_modulus_Pa = 2e9, maxwell = [{ratio = 0.2, relaxation_s = 0.01}]"
 FULL = CASE.replace("rolling_friction = 0.0", STICKY).replace("bulk_modulus_Pa = 2e9", DAMPED)
 MORE = (BLOCK, FEED, APERTURES, EXITS, "screen.exciters.shaft.run_up_s=0.05")
 MORE += ("screen.bushings.isolation.damping_N_s_m=[90.0, 90.0, 90.0]",)
+COARSE = """
+without = ["panel-deformation", "frame-rotation"]
+frames.solver = "two-mass"
+panel.solver = "rigid"
+"""
 CAN_GO = [
     "adhesion",
     "apertures",
@@ -207,3 +212,12 @@ def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
     with pytest.raises(CaseError) as caught:
         load(written(tmp_path, CASE, fine='effects = ["wind"]\nduration_s = true\n'), "fine")
     assert "levels/fine.toml effects: no effect 'wind'" in str(caught.value)
+
+
+@pytest.mark.parametrize("effects", ["auto", '["frame-dynamics", "panel-deformation"]', "[]"])
+def test_what_a_case_leaves_out_already_does_not_come_back(tmp_path: Path, effects: str) -> None:
+    """Flat panels do not become strips, and translating frames not planar."""
+    folder = written(tmp_path, CASE, coarse=COARSE)
+    found = load(folder, "coarse", [f"effects={effects}"])
+    assert found.case.panel.solver == "rigid"
+    assert found.case.frames.solver in ("two-mass", "prescribed")

@@ -13,9 +13,10 @@ from typer.testing import CliRunner
 
 from orchestrator import effects
 from orchestrator.casefile.levels import load
+from orchestrator.checks import table_mistakes
 from orchestrator.commands.cli import app
 from orchestrator.commands.explain import COLUMNS, table
-from orchestrator.scene.catalogue import EFFECTS, judged
+from orchestrator.scene.catalogue import EFFECTS, judged, spared
 from tests.case.cases import CASE, written
 from tests.effects.verdicts import STILL_CASE
 
@@ -38,6 +39,19 @@ def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
     assert not any(present.get(name, False) for name in loaded.left_out)
     assert set(loaded.left_out) <= set(names)
     assert all(one.verdict.why and one.verdict.number and one.verdict.threshold for one in verdicts)
+
+
+@pytest.mark.parametrize(("case", "level"), LEVELS)
+@pytest.mark.parametrize("effects", ["auto", "[]"])
+def test_every_case_can_do_without_what_may_be_left_out(
+    case: str, level: str, effects: str
+) -> None:
+    """And is then a case without mistakes in its tables, which has none of these effects."""
+    found = load(CASES / case, level, [f"effects={effects}"])
+    assert table_mistakes(found) == []
+    here = [one for rows in judged(found.case).values() for one in rows if one.present]
+    spare = spared(here) if effects == "auto" else [one.effect for one in here if one.can_go]
+    assert spare == []
 
 
 def test_every_file_is_an_effect_and_needs_only_those_there_are() -> None:

@@ -9,7 +9,25 @@ import pytest
 from tests.runs.outside import QUICK, flipflow, run_words, said_plainly
 
 BRIDGE, DOLFINX, EXUDYN = "adapters.particles._liggghts", "dolfinx", "exudyn"
+SOLVERS = (BRIDGE, DOLFINX, EXUDYN, "petsc4py", "ufl", "basix", "ffcx", "mpi4py")
+PICTURES = ("matplotlib", "PIL", "jinja2", "gmsh")
+FEW = '["frame-dynamics", "frame-motion", "panel-motion", "sliding-friction"]'
 KERNEL = "adapters.panel._kernel"
+
+
+def forbidden(*packages: str) -> str:
+    """Whoever so much as tries to import one of these ends the program."""
+    return f"""
+import os, sys
+
+class Forbidden:
+    def find_spec(self, name, path=None, target=None):
+        if any((name + ".").startswith(one + ".") for one in {packages}):
+            print("imported:", name, file=sys.stderr, flush=True)
+            os._exit(99)
+
+sys.meta_path.insert(0, Forbidden())
+"""
 
 
 def without(*packages: str) -> str:
@@ -43,6 +61,13 @@ def test_check_warns_of_a_missing_solver() -> None:
     assert "warning: the exudyn frames need: pip install exudyn==1.13.6" in done.stdout
 
 
+def test_who_imports_what_is_forbidden_is_caught(tmp_path: Path) -> None:
+    sets = [*QUICK, "frames.solver=exudyn"]
+    done = flipflow(*run_words("quickstart", tmp_path / "run", sets), before=forbidden(EXUDYN))
+    assert done.returncode == 99
+    assert "imported: exudyn" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("case", "sets"),
     [
@@ -51,13 +76,17 @@ def test_check_warns_of_a_missing_solver() -> None:
         ("panel-cycle", ["panel.solver=rigid"]),
         ("ball-on-panel", []),
         ("quickstart", ["panel.solver=rigid"]),
+        ("quickstart", ["effects=auto"]),
+        ("empty-machine", ['effects=["frame-dynamics", "frame-motion"]']),
+        ("ffs0827-empty", ["panel.solver=rigid", "frames.solver=two-mass"]),
     ],
 )
 def test_a_run_imports_only_what_it_calls_for(tmp_path: Path, case: str, sets: list[str]) -> None:
-    blocked = without(BRIDGE, DOLFINX, KERNEL, EXUDYN, "petsc4py", "mpi4py")
-    done = flipflow(
-        *run_words(case, tmp_path / "run", [*QUICK, "duration_s=0.002", *sets]), before=blocked
-    )
+    """pyvista is for particles, which must not start inside walls, and for pictures."""
+    particles = case in ("ball-on-panel", "quickstart")
+    blocked = [*SOLVERS, *PICTURES, *([] if particles else ["pyvista", "vtkmodules"])]
+    sets = [*QUICK, "duration_s=0.002", *sets]
+    done = flipflow(*run_words(case, tmp_path / "run", sets), before=forbidden(*blocked))
     assert done.returncode == 0, done.stderr
 
 
@@ -65,14 +94,25 @@ def test_a_run_imports_only_what_it_calls_for(tmp_path: Path, case: str, sets: l
 @pytest.mark.parametrize(
     ("case", "solvers", "blocked"),
     [
-        ("empty-machine", ["frames.solver=exudyn"], (BRIDGE, DOLFINX)),
+        ("empty-machine", ["frames.solver=exudyn"], (BRIDGE, DOLFINX, "petsc4py", "ufl")),
         ("panel-cycle", ["panel.solver=sheet", "panel.cells=[8, 3]"], (BRIDGE, EXUDYN)),
-        ("ball-on-panel", ["particles.solver=liggghts"], (DOLFINX, EXUDYN)),
+        ("ball-on-panel", ["particles.solver=liggghts"], (DOLFINX, EXUDYN, "petsc4py", "ufl")),
+        (
+            "quickstart",
+            [
+                "particles.solver=liggghts",
+                "frames.solver=exudyn",
+                "panel.solver=sheet",
+                f"effects={FEW}",
+            ],
+            (DOLFINX, EXUDYN, "petsc4py", "ufl", "gmsh"),
+        ),
     ],
 )
 def test_each_solver_runs_without_the_others(
     tmp_path: Path, case: str, solvers: list[str], blocked: tuple[str, ...]
 ) -> None:
+    """In the last, ``effects`` leaves out what calls for two of them."""
     sets = [*QUICK, "duration_s=0.002", *solvers]
-    done = flipflow(*run_words(case, tmp_path / "run", sets), before=without(*blocked))
+    done = flipflow(*run_words(case, tmp_path / "run", sets), before=forbidden(*blocked))
     assert done.returncode == 0, done.stderr
