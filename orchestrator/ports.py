@@ -258,6 +258,14 @@ class Particles(Protocol):
     def close(self) -> None: ...
 
 
+class Wearing(Protocol):
+    """Particles that wear the surface, built from a plan that asks for it."""
+
+    def worn_m3(self) -> Array:
+        """(surface points,) volume worn off since t = 0, by point; alike on every rank."""
+        ...
+
+
 Saved = dict[str, Any]
 """Arrays by name, or more of the same: what ``state.py`` makes of a solver's state."""
 

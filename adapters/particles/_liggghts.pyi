@@ -37,6 +37,9 @@ class Engine:
         """Tables row by row (types x types); ``adhesion`` is "none", "jkr" with ``strength`` in
         J/m2, or "sjkr" with it in J/m3."""
 
+    def set_wear(self, rate_m3_N_m: list[float]) -> None:
+        """From now on contacts wear the surface; a table row by row (types x types)."""
+
     def create(
         self,
         position_m: Array,
@@ -95,6 +98,9 @@ class Engine:
 
     def force_N(self) -> Array:
         """On each surface point (points, 3) in the last force evaluation."""
+
+    def worn_m3(self) -> Array:
+        """(points,) since t = 0; empty without ``set_wear``."""
 
     def surface_work_J(self) -> float:
         """Done by the surface on the particles since t = 0."""

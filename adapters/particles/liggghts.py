@@ -139,6 +139,9 @@ class Liggghts:
         ranks = self._comm.gather(mine)
         return in_order([one for rank in ranks or [] for one in rank])
 
+    def worn_m3(self) -> Array:
+        return self._summed(self._engine.worn_m3())
+
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """This rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
         rmass, density, type (from 1), tag (n,), all SI.  Valid until the next advance."""

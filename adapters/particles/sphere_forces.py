@@ -14,6 +14,7 @@ from adapters.particles.sphere_rolling import Rolling, across
 from adapters.particles.sphere_search import continued, touching
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching
+from adapters.particles.sphere_wear import Wear
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ports import Array, Indices, Motion
 
@@ -98,6 +99,7 @@ class System:
     surface: TriangleSurface
     laws: Laws
     rolling: Rolling | None
+    wear: Wear | None
 
 
 def forces_at(
@@ -126,6 +128,8 @@ def forces_at(
     stretch_m = step_s * slip_m_s
     shear_m = across(history.shear_m + stretch_m, contacts.normal)
     at = contact_forces(law, contacts.normal, slip_m_s, shear_m)
+    if system.wear is not None:
+        system.wear.rub(contacts, two.materials, at.grip_N, shear_m - at.shear_m)
     couple_N_m = history.couple_N_m
     if system.rolling is not None:
         couple_N_m = system.rolling.couple_N_m(

@@ -15,6 +15,7 @@ from adapters.particles.sphere_forces import Forces, System, forces_at
 from adapters.particles.sphere_neighbours import near_surface, neighbours
 from adapters.particles.sphere_rolling import rolling
 from adapters.particles.sphere_state import Spheres, spheres
+from adapters.particles.sphere_wear import wear
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticlesPlan, SolverFailed
@@ -53,7 +54,8 @@ class SpheresSolver:
 
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
-        self._system = System(plan.surface, laws(plan), rolling(plan))
+        self._wear = wear(plan)
+        self._system = System(plan.surface, laws(plan), rolling(plan), self._wear)
         self._spheres = spheres(plan.particles, 1)
         self._surface_m = plan.surface.position_m.copy()
         self._near = neighbours(self._spheres, plan.surface, self._surface_m)
@@ -89,6 +91,10 @@ class SpheresSolver:
     def removed(self) -> Removed:
         since, self._removed = self._removed, []
         return in_order(since)
+
+    def worn_m3(self) -> Array:
+        assert self._wear is not None, "asked of a plan without wear"
+        return self._wear.worn_m3.copy()
 
     def account(self) -> Account:
         stored_J = {

@@ -86,7 +86,7 @@ def _in_spheres(plan: ParticlesPlan) -> Held:
     none = np.zeros(0, dtype=np.int64)  # the spheres do not know each other
     near = replace(neighbours(some, plan.surface, surface_m), i=none, j=none)
     still = Motion(surface_m, np.zeros_like(surface_m))
-    now = forces_at(System(plan.surface, laws(plan), None), some, still, near, None, 0.0)
+    now = forces_at(System(plan.surface, laws(plan), None, None), some, still, near, None, 0.0)
     given_N = np.zeros((len(some), 3))
     # the barycentric weights hand on all of a contact's force
     shares = now.touching.barycentric.sum(axis=1)[:, None] * (now.contact_N + now.turning_N)

@@ -98,10 +98,10 @@ def main() -> None:
 
     changes = PERIODIC if "periodic" in sys.argv else {}
     changes = WET if "wet" in sys.argv else changes
-    solver = build(bed_plan(communicator=MPI.COMM_WORLD, **changes))
+    solver = build(bed_plan(communicator=MPI.COMM_WORLD, wear_m3_N_m=np.ones((2, 2)), **changes))
     owned_first = len(solver.arrays()["x"])
     forces = travel(solver, wave, range(200))
-    account, snapshot = solver.account(), solver.snapshot()
+    account, snapshot, worn_m3 = solver.account(), solver.snapshot(), solver.worn_m3()
     owned = MPI.COMM_WORLD.gather((owned_first, len(solver.arrays()["x"])))
     if MPI.COMM_WORLD.rank == 0:
         result = {
@@ -111,6 +111,7 @@ def main() -> None:
             "work": account.received_J["surface"],
             "supplied": account.supplied_J["feed"],
             "removed": account.supplied_J["removal"],
+            "worn": worn_m3.tolist(),
             "ids": snapshot.id.tolist(),
             "owned": owned,
         }

@@ -159,5 +159,5 @@ def test_two_ranks_give_the_same_as_one(words):
     assert two["ids"] == one["ids"]
     assert max(one["ids"]) > len(bed())  # some were fed,
     assert len(one["ids"]) < max(one["ids"])  # some have left
-    for name in ("impulse", "momentum", "stored", "work", "supplied", "removed"):
+    for name in ("impulse", "momentum", "stored", "work", "supplied", "removed", "worn"):
         np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)

@@ -38,8 +38,8 @@ ContactEnergy ContactLaws::stored(int type_i, int type_j, double radius_i_m, dou
   if (adhesion == Adhesion::sjkr)
     energy.adhesion_J = -strength[pair] * sjkr_volume_m3(radius_i_m, radius_j_m, overlap_m);
   if (tangential_spring) {
-    const Vec3 spring = from(history + (sticks ? 1 : 0));
-    energy.elastic_J += 0.5 * 8.0 * g_star_Pa[pair] * neck * dot(spring, spring);
+    const Vec3 stretch = from(history + spring());
+    energy.elastic_J += 0.5 * 8.0 * g_star_Pa[pair] * neck * dot(stretch, stretch);
   }
   return energy;
 }

@@ -37,6 +37,9 @@ struct ContactLaws {
     return {e_star_Pa[pair], work, reduced_radius_m};
   }
 
+  // Where the tangential spring is in a contact's history; -1 without one.
+  int spring() const { return tangential_spring ? (adhesion == Adhesion::jkr ? 1 : 0) : -1; }
+
   bool touching(double overlap_m, const double *history) const {
     return adhesion == Adhesion::jkr ? history[0] > 0.0 : overlap_m > 0.0;
   }

@@ -25,6 +25,7 @@ FixSurface::FixSurface(LAMMPS *lmp, int narg, char **arg)
   atom->add_callback(0);
   comm->maxexchange_fix += history_.packed_size(kMostContacts);
   grow_arrays(atom->nmax);
+  touch_all_ = [this, nothing = NoWear{}] { touch_all(nothing); };
 }
 
 FixSurface::~FixSurface() { atom->delete_callback(id, 0); }
@@ -40,6 +41,11 @@ void FixSurface::set_surface(SurfacePath surface, std::vector<Triangle> triangle
   largest_radius_ = largest_radius_m;
   search_.set(std::move(triangles), largest_radius_m);
   load_.set(surface_.points());
+}
+
+void FixSurface::set_wear(Wear wear) {
+  wear_ = std::move(wear);
+  touch_all_ = [this] { touch_all(wear_); };
 }
 
 void FixSurface::begin_path(const double *start_m, const double *start_m_s, const double *end_m,
@@ -86,7 +92,12 @@ void FixSurface::post_force(int) {
   load_.next_evaluation(update->setupflag || update->ntimestep == last_step_);
   energy_ = {};
   contacts_ = 0;
-  for (const auto &near : search_.near()) touch(near);
+  touch_all_();
+}
+
+template <class Worn>
+void FixSurface::touch_all(Worn &worn) {
+  for (const auto &near : search_.near()) touch(near, worn);
 }
 
 void FixSurface::search() {
@@ -103,7 +114,8 @@ void FixSurface::search() {
   }
 }
 
-void FixSurface::touch(const ContactSearch::Near &near) {
+template <class Worn>
+void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
   const int i = near.sphere;
   const double radius = atom->radius[i];
   search_.touches(surface_, near, from(atom->x[i]), radius * neighbor->contactDistanceFactor,
@@ -114,7 +126,7 @@ void FixSurface::touch(const ContactSearch::Near &near) {
   if (touches_.size() > kMostContacts) touches_.resize(kMostContacts);
   history_.match(i, touches_);
   for (size_t k = 0; k < touches_.size(); ++k)
-    push(i, touches_[k], dnum() > 0 ? history_.values(i, static_cast<int>(k)) : nullptr);
+    push(i, touches_[k], dnum() > 0 ? history_.values(i, static_cast<int>(k)) : nullptr, worn);
 }
 
 // A contact that sticks lasts as long as its neck, whose depth counts from where it snaps; the neck
@@ -137,7 +149,8 @@ Jkr FixSurface::law(int i, const Touch &touch) const {
 
 // One contact through LIGGGHTS's own contact model.  What it added to the particle is measured,
 // and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.
-void FixSurface::push(int i, const Touch &touch, double *history) {
+template <class Worn>
+void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   double *force = atom->f[i], *torque = atom->torque[i];
   const Vec3 force_before = from(force), torque_before = from(torque);
   const Triangle &corner = search_.triangle(touch.triangle);
@@ -156,6 +169,7 @@ void FixSurface::push(int i, const Touch &touch, double *history) {
   contact.delta[2] = touch.away.z;
   contact.contact_history = history;
   atom_type_wall_ = type_[touch.triangle];
+  const auto before = worn.before(history);
   impl->compute_force(this, contact, overlap > 0, &wall.x);
 
   Vec3 added = from(force) - force_before;
@@ -166,9 +180,11 @@ void FixSurface::push(int i, const Touch &touch, double *history) {
     put(force, force_before + added);
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }
-  load_.add(corner, w, added, wall, update->setupflag ? 0.0 : update->dt);
+  const double step = update->setupflag ? 0.0 : update->dt;
+  load_.add(corner, w, added, wall, step);
   if (laws_.touching(overlap, history)) {
     ++contacts_;
+    worn.after(before, contact, history, corner, w, touch.weight, step);
     energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
                 touch.weight);
   }

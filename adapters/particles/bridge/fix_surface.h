@@ -2,6 +2,8 @@
 
 #include <mpi.h>
 
+#include <functional>
+
 #include "contact_interface.h"
 #include "fix_wall_gran.h"
 
@@ -11,6 +13,7 @@
 #include "jkr.h"
 #include "surface_load.h"
 #include "surface_path.h"
+#include "wear.h"
 
 namespace flipflow {
 
@@ -29,6 +32,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void set_surface(SurfacePath surface, std::vector<Triangle> triangles, std::vector<int> type,
                    double largest_radius_m);
   void set_laws(const ContactLaws &laws) { laws_ = laws; }
+  void set_wear(Wear wear);
 
   // The surface goes on after `period_m` along y (see ContactSearch).
   void repeat(double period_m, std::vector<Triangle> joined) {
@@ -52,6 +56,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void restore(const SavedState &saved);  // after the particles
 
   const SurfaceLoad &load() const { return load_; }
+  const Wear &wear() const { return wear_; }
   ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
   int contacts() const { return contacts_; }        // last evaluation
 
@@ -75,10 +80,14 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
 
  private:
   void search();
-  void touch(const ContactSearch::Near &near);
+  template <class Worn>
+  void touch_all(Worn &worn);
+  template <class Worn>
+  void touch(const ContactSearch::Near &near, Worn &worn);
   void keep_necks(int i);
   Jkr law(int i, const Touch &touch) const;
-  void push(int i, const Touch &touch, double *history);
+  template <class Worn>
+  void push(int i, const Touch &touch, double *history, Worn &worn);
 
   SurfacePath surface_;
   std::vector<int> type_;
@@ -89,6 +98,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   std::vector<Touch> touches_;
   ContactHistory history_;
   SurfaceLoad load_;
+  Wear wear_;
+  std::function<void()> touch_all_;  // with or without wear
 
   LAMMPS_NS::bigint first_step_ = 0, last_step_ = 0;
   bool neighbours_listed_now_ = true;

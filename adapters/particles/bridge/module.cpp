@@ -150,8 +150,20 @@ void set_laws(Engine &engine, std::vector<double> e_star_Pa, std::vector<double>
   engine.set_laws(laws);
 }
 
+// `rate_m3_N_m` by pair of types, row by row.
+void set_wear(Engine &engine, std::vector<double> rate_m3_N_m) {
+  const flipflow::ContactLaws &laws = engine.laws();
+  flipflow::FixSurface &surface = engine.surface();
+  surface.set_wear({std::move(rate_m3_N_m), laws.types, laws.spring(), surface.points()});
+}
+
 std::pair<double, double> pair_of(flipflow::ContactEnergy energy) {
   return {energy.elastic_J, energy.adhesion_J};
+}
+
+Doubles worn_m3(Engine &engine) {
+  const std::vector<double> &worn = engine.surface().wear().worn_m3();
+  return Doubles(static_cast<py::ssize_t>(worn.size()), worn.data());
 }
 
 Doubles by_point(const std::vector<double> &values) {
@@ -174,6 +186,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("command", &Engine::command)
       .def("set_surface", &set_surface)
       .def("set_laws", &set_laws)
+      .def("set_wear", &set_wear)
       .def("create", &create_particles)
       .def("repeat_surface", &repeat_surface)
       .def("set_exits", &set_exits)
@@ -192,6 +205,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("particles", &particles)
       .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().load().impulse_N_s()); })
       .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })
+      .def("worn_m3", &worn_m3)
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
       .def("surface_energy_J", [](Engine &e) { return pair_of(e.surface().energy()); })
       .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
