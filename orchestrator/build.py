@@ -32,7 +32,7 @@ from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
 from orchestrator.planning import bushings, frames_plan, material_numbers, particles_plan
 from orchestrator.plans import FramesPlan
-from orchestrator.ports import Array, Frames, Panel, Particles
+from orchestrator.ports import Array, Frames, Panel, Particles, Wearing
 from orchestrator.ranks import FramesOnFirstRank
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
@@ -71,7 +71,7 @@ def _built(
         piece.name: together.clamps[len(panels) + len(walls) + number].start
         for number, piece in enumerate(frames)
     }
-    material, particles = _particles(case, surface, folder, world, stopwatch)
+    material, particles, wearing = _particles(case, surface, folder, world, stopwatch)
     if particles is not None:
         opened.callback(particles.close)
     members = Members(
@@ -91,6 +91,7 @@ def _built(
         probes=_probes(case, pieces, together),
         bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
         material=material,
+        wearing=wearing,
     )
 
 
@@ -103,18 +104,19 @@ def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
 
 def _particles(
     case: Case, surface: TriangleSurface, folder: Path, world: Any, stopwatch: Stopwatch
-) -> tuple[MaterialBook | None, MeteredParticles | None]:
+) -> tuple[MaterialBook | None, MeteredParticles | None, Wearing | None]:
     plan = particles_plan(case, surface, world, folder)
     if plan is None:
-        return None, None
+        return None, None, None
     feed = CountedFeed(plan.particles, cast(Feeds | None, plan.feed))
     if plan.feed is not None:
         plan = replace(plan, feed=feed)
     solver = case.particles.solver
-    opened = cast(Particles, adapter.opened("particles", solver, plan))
-    metered = MeteredParticles(opened, f"particles ({solver})", stopwatch)
+    opened = adapter.opened("particles", solver, plan)
+    metered = MeteredParticles(cast(Particles, opened), f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
-    return MaterialBook(feed, plan.exits, MaterialWatch(case.watch, widest_m)), metered
+    book = MaterialBook(feed, plan.exits, MaterialWatch(case.watch, widest_m))
+    return book, metered, None if plan.wear_m3_N_m is None else cast(Wearing, opened)
 
 
 def _handed_over(case: Case, members: Members) -> Solvers:

@@ -8,7 +8,7 @@ from orchestrator.bed.material_book import MaterialBook
 from orchestrator.coupling import Scheme, Solvers
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
-from orchestrator.ports import Indices
+from orchestrator.ports import Indices, Wearing
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
 
@@ -48,7 +48,7 @@ class Machine:
     ``centres``: frame name -> number of its centre of mass among the carried points; the next three
     are the ends of the arms that tell its rotation (``pieces.frame_pieces``).
     ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
-    ``material`` is None where the case has no particles.
+    ``material`` is None where the case has no particles, ``wearing`` where nothing wears.
     """
 
     solvers: Solvers
@@ -62,6 +62,7 @@ class Machine:
     probes: tuple[Probe, ...]
     bushings: BushingForces
     material: MaterialBook | None
+    wearing: Wearing | None
 
     def close(self) -> None:
         """Closes every solver."""

@@ -197,18 +197,18 @@ def particles_plan(
     if not has_particles(case):
         return None
     numbers = material_numbers(case)
-    restitution, sliding, rolling = _pair_tables(case, numbers)
     cap = case.particles.largest_youngs_modulus_Pa
     return ParticlesPlan(
         surface=surface,
         materials=tuple(
             GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers
         ),
-        restitution=restitution,
-        sliding_friction=sliding,
-        rolling_friction=rolling,
+        restitution=_by_pair(case, numbers, "restitution", 1.0),
+        sliding_friction=_by_pair(case, numbers, "sliding_friction"),
+        rolling_friction=_rolling_friction(case, numbers),
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
+        wear_m3_N_m=_wear(case, numbers),
         particles=initial_particles(case, numbers),
         largest_diameter_m=largest_diameter_m(case),
         domain_m=np.array(case.domain_m),
@@ -233,18 +233,23 @@ def exits(case: Case) -> tuple[Exit, ...]:
     return tuple(found)
 
 
-def _pair_tables(case: Case, numbers: dict[str, int]) -> tuple[Array, Array, Array]:
-    """Restitution, sliding and rolling friction, (k, k).  Pairs that never meet (two panels)
-    need no values: they get 1, 0 and 0."""
-    k = len(numbers)
-    restitution, sliding, rolling = np.ones((k, k)), np.zeros((k, k)), np.zeros((k, k))
+def _rolling_friction(case: Case, numbers: dict[str, int]) -> Array:
+    """(k, k)"""
+    given = _by_pair(case, numbers, "rolling_friction")
+    return np.zeros_like(given) if case.particles.rolling == "none" else given
+
+
+def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
+    """(k, k), or None where nothing wears."""
+    rate_m3_N_m = _by_pair(case, numbers, "specific_wear_m3_N_m")
+    return rate_m3_N_m if rate_m3_N_m.any() and case.particles.wear != "none" else None
+
+
+def _by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 0.0) -> Array:
+    """(k, k) table of a field of ``contacts``; ``otherwise`` for pairs that never meet."""
+    table = np.full((len(numbers), len(numbers)), otherwise)
     for contact in case.contacts:
         if set(contact.between) <= set(numbers):
             one, two = (numbers[name] for name in contact.between)
-            for row, column in ((one, two), (two, one)):
-                restitution[row, column] = contact.restitution
-                sliding[row, column] = contact.sliding_friction
-                rolling[row, column] = contact.rolling_friction
-    if case.particles.rolling == "none":
-        rolling[:] = 0.0
-    return restitution, sliding, rolling
+            table[one, two] = table[two, one] = getattr(contact, field)
+    return table

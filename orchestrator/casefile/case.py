@@ -96,6 +96,9 @@ class Contact(Table):
     """Coefficient of rolling friction: largest couple / (normal force x reduced radius)."""
     work_of_adhesion_J_m2: NotNegative = 0.0
     """Energy to part the two materials, per area: of like ones, twice the surface energy."""
+    specific_wear_m3_N_m: NotNegative = 0.0
+    """Volume that particles of one wear off a panel or surface of the other, per normal force and
+    distance slid (docs/theory/wear.md)."""
 
 
 class Probe(Table):

@@ -36,6 +36,7 @@ OF_TABLES = (
     names.shared_names,
     materials.complete_materials,
     materials.complete_contacts,
+    materials.worn_surfaces,
     materials.boxes_and_sizes,
     machine.frames_and_their_solver,
     drives.driven_frames,

@@ -49,6 +49,21 @@ def complete_contacts(case: Case) -> Iterator[Mistake]:
             yield Mistake(("contacts",), f"{one} and {two} can meet but have no contact", hint)
 
 
+def worn_surfaces(case: Case) -> Iterator[Mistake]:
+    """Specific wear needs a surface that is worn, and particles that do it."""
+    bed, screen = case.bed, case.screen
+    grains = {row.material for row in (*bed.particles.values(), *bed.sources)}
+    surfaces = {panel.material for panel in screen.panels.values()}
+    surfaces |= {surface.material for surface in screen.surfaces.values()}
+    for number, contact in enumerate(case.contacts):
+        one, two = contact.between
+        meets = (one in grains and two in surfaces) or (two in grains and one in surfaces)
+        if contact.specific_wear_m3_N_m and not meets:
+            what = f"particles of {one} or {two} never meet a panel or surface of the other"
+            hint = "it belongs to the contact of a particle's material with a surface's"
+            yield Mistake(("contacts", number, "specific_wear_m3_N_m"), what, hint)
+
+
 def boxes_and_sizes(case: Case) -> Iterator[Mistake]:
     """Corners in order, sizes in order, shares that add up to 1."""
     boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [

@@ -57,6 +57,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "spin_rad_s": (0.0, 1e6),
     "rate_kg_s": (1e-6, 1e3),
     "work_of_adhesion_J_m2": (1e-4, 1e2),
+    "specific_wear_m3_N_m": (1e-18, 1e-7),
     "sjkr_diameter_m": (2e-5, 0.5),
     "sync_interval_s": (1e-7, 0.02),
 }
@@ -70,6 +71,7 @@ MISTAKEN: dict[str, dict[str, float]] = {
     "_kg_m": {"kg mm": 1e-3},
     "_Pa": {"MPa": 1e6, "GPa": 1e9},
     "_J_m2": {"mJ/m2": 1e-3},
+    "_m3_N_m": {"mm3/(N m)": 1e-9},
     "_N_m": {"N/mm": 1e3, "kN/m": 1e3},
     "_rad_s": {"rpm": 0.10472, "Hz": 6.28319},
     "_rad": {"degrees": 0.0174533},

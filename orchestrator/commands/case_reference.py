@@ -33,6 +33,7 @@ UNITS = {
     "_Pa": "Pa",
     "_N_m": "N/m",
     "_N_s_m": "N s/m",
+    "_m3_N_m": "m3/(N m)",
     "_rad": "rad",
     "_rad_s": "rad/s",
     "_deg": "degree",
@@ -102,6 +103,7 @@ of the case's physics:
 | `frame-dynamics` | `frames.solver = "prescribed"` in a case with frames that forces move |
 | `rolling-friction` | `particles.rolling = "none"` in a case with rolling friction |
 | `adhesion` | `particles.adhesion = "none"` in a case with works of adhesion |
+| `wear` | `particles.wear = "none"` in a case with specific wear |
 | `frame-motion`, `panel-motion`, `particle-load`, `panel-reaction` | `hand_over.*` turned off |
 | `particles`, `exciters`, `bushings`, `surfaces`, `gravity`, effects below | taking all away |
 

@@ -17,9 +17,10 @@ from orchestrator.casefile.case import Case
 from orchestrator.clock import steps_in
 from orchestrator.coupling import State
 from orchestrator.deck.opening_places import openings_m
+from orchestrator.deck.panels import single_panels
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
-from orchestrator.ports import Motion, ParticleSnapshot
+from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.ranks import is_first
 from orchestrator.records.deck_record import deck_record
 from orchestrator.records.history import History
@@ -27,6 +28,7 @@ from orchestrator.records.panel_watch import PanelWatch
 from orchestrator.records.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.records.summary import cycle_s
 from orchestrator.records.time_series import TimeSeries
+from orchestrator.records.wear_record import WearRecord
 
 
 class Recorder:
@@ -58,6 +60,9 @@ class Recorder:
                 self._history.describe("removed", "names", [one.name for one in exits])
                 self._history.describe("removed", "products", [one.product for one in exits])
             lines = [panel.centre_line for panel in machine.panels]
+            if machine.wearing is not None:
+                rectangles = [panel.rectangle for panel in single_panels(case)]
+                self._wear = WearRecord(machine.surface, machine.panels, rectangles)
             self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
 
     def sync_point(self, done: int, time_s: float, state: State) -> None:
@@ -83,6 +88,7 @@ class Recorder:
         terms = self._ledger.energy_J()
         particles = self._material(time_s)
         count = len(particles.id) if particles is not None else 0
+        worn_m3 = None if self._machine.wearing is None else self._machine.wearing.worn_m3()
         if not self._writes:
             return count
         self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
@@ -93,7 +99,8 @@ class Recorder:
             self._panel_watch.look(time_s, panel.name, line)
         triangles = self._machine.surface.triangles
         if len(triangles):
-            mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle)
+            worn = {} if worn_m3 is None else self._worn(time_s, worn_m3)
+            mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle, worn)
             self._surface.add(time_s, mesh)
         if particles is not None:
             self._history.add("bed", time_s, _bed(particles))
@@ -128,6 +135,11 @@ class Recorder:
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
             book.add(time_s, fed, removed, present)
         return present
+
+    def _worn(self, time_s: float, worn_m3: Array) -> dict[str, Array]:
+        for group, values in self._wear.groups(worn_m3).items():
+            self._history.add(group, time_s, values)
+        return {"worn_depth_m": self._wear.point_depth_m(worn_m3)}
 
     def _snapshot(self) -> ParticleSnapshot | None:
         particles = self._machine.solvers.particles

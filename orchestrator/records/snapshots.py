@@ -5,13 +5,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import meshio
 import numpy as np
 
-from orchestrator.ports import Indices, Motion, ParticleSnapshot
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 
 
 class Series:
@@ -47,14 +48,20 @@ class Series:
         fresh.replace(self._folder / f"{self._name}.pvd")
 
 
-def surface_mesh(surface: Motion, triangles: Indices, panel: Indices) -> meshio.Mesh:
-    """Triangles with velocity at the points and the number of the panel in each cell; points of no
-    triangle (probes, arms of frames) would only blow up what a viewer frames."""
+def surface_mesh(
+    surface: Motion, triangles: Indices, panel: Indices, worn: Mapping[str, Array]
+) -> meshio.Mesh:
+    """Triangles with velocity, and ``worn`` (points,) by name, at the points and the number of the
+    panel in each cell; points of no triangle (probes, arms of frames) would only blow up what a
+    viewer frames."""
     points, corners = np.unique(triangles, return_inverse=True)
     return meshio.Mesh(
         surface.position_m[points],
         [("triangle", corners.reshape(triangles.shape))],
-        point_data={"velocity_m_s": surface.velocity_m_s[points]},
+        point_data={
+            "velocity_m_s": surface.velocity_m_s[points],
+            **{name: values[points] for name, values in worn.items()},
+        },
         cell_data={"panel": [panel]},
     )
 

@@ -16,6 +16,7 @@ from orchestrator.report.effects import left_out_rows
 from orchestrator.report.film import Film
 from orchestrator.report.headline import headline
 from orchestrator.report.quality import quality, warnings
+from orchestrator.report.wear_pictures import wear_map, wear_sheet
 from orchestrator.report.words import duration, interval, number
 from orchestrator.results.run_data import RunData, run_data
 
@@ -73,6 +74,8 @@ def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
             sheets["sections"] = tables.sections_sheet(found["screening"])
     if "bed" in found:
         sheets["bed"] = tables.bed_sheet(found, whole)
+    if "wear" in found:
+        sheets["wear"] = wear_sheet(found["wear"])
     if "motion" in found:
         sheets["frames"] = tables.frames_sheet(found["motion"])
         sheets["panels"] = tables.panels_sheet(found["motion"], whole)
@@ -91,6 +94,8 @@ def _pictures(data: RunData, found: dict[str, Any], summary: dict[str, Any]) -> 
             drawn["sections"] = bed_pictures.sections(found["screening"])
     if "bed" in found:
         drawn["along"] = bed_pictures.along_the_deck(found)
+    if "wear" in found:
+        drawn["wear"] = wear_map(found["wear"])
     if "motion" in found:
         drawn["orbits"] = machine_pictures.orbits(
             data, found["motion"]["start_s"], found["motion"]["end_s"]

@@ -19,6 +19,7 @@ from orchestrator.results.estimate import Estimate
 from orchestrator.results.events import read
 from orchestrator.results.run_data import RunData, cut_size_m, run_data
 from orchestrator.results.screening_figures import Events, balanced, screening, transport
+from orchestrator.results.wear_figures import wear_figures
 
 NO_EXITS = "no exits: undersize and oversize are not told apart"
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
@@ -43,6 +44,8 @@ def _gathered(data: RunData) -> dict[str, Any]:
     else:
         found["missing"]["screening"] = "the case has no particles"
     _add_machine(data, events, found)
+    if "wear" in data.history:
+        _add_wear(data, found)
     return found
 
 
@@ -94,6 +97,16 @@ def _add_machine(data: RunData, events: Events | None, found: dict[str, Any]) ->
     }
     if not found["motion"]["panel_points"]:
         found["missing"]["panel acceleration"] = "no probe is on a panel"
+
+
+def _add_wear(data: RunData, found: dict[str, Any]) -> None:
+    start_s, end_s = found["motion"]["start_s"], found["motion"]["end_s"]
+    is_steady = found.get("steady", {}).get("is_steady", False)
+    figures = wear_figures(data, start_s, end_s, is_steady, _deck(data))
+    if figures is None:
+        found["missing"]["wear"] = "fewer than two output times in the part that is averaged over"
+    else:
+        found["wear"] = figures
 
 
 def motion_window(data: RunData, events: Events | None) -> tuple[float, float]:

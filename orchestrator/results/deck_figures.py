@@ -28,9 +28,9 @@ def bed_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) ->
     deepest = np.where(np.isnan(depth).all(axis=1), 0.0, np.nanmax(_filled(depth), axis=1))
     total = mass.sum(axis=0)
     return {
-        "on_deck_kg": _mean(kg, cycle, is_steady),
-        "velocity_m_s": _mean(speed[kg > 0], cycle[kg > 0], is_steady),
-        "largest_depth_m": _mean(deepest, cycle, is_steady),
+        "on_deck_kg": by_cycles(kg, cycle, is_steady),
+        "velocity_m_s": by_cycles(speed[kg > 0], cycle[kg > 0], is_steady),
+        "largest_depth_m": by_cycles(deepest, cycle, is_steady),
         "profile": {
             "along_m": along,
             "mass_kg_m": mass.mean(axis=0) / (along[1] - along[0]),
@@ -54,12 +54,12 @@ def held_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) -
     cycle = np.floor((time[window] - start_s) / data.cycle_s - 1e-9).astype(int)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
-        name: _mean(data.read(f"held/{series}")[window], cycle, is_steady)
+        name: by_cycles(data.read(f"held/{series}")[window], cycle, is_steady)
         for name, series in names.items()
     }
 
 
-def _mean(values: Array, cycle: Array, is_steady: bool) -> Estimate:
+def by_cycles(values: Array, cycle: Array, is_steady: bool) -> Estimate:
     """Of values at output times, by cycles."""
     if not len(values):
         return Estimate(None)

@@ -49,9 +49,8 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
 
 
 def _number(group: Any, key: str, value: Any) -> Any:
-    """A number or a list of them."""
-    values = [_or_nan(v) for v in value] if isinstance(value, list) else _or_nan(value)
-    group[key] = np.array(values, dtype=float)
+    """A number, a list of them or a table; None becomes NaN."""
+    group[key] = np.array(value, dtype=float)
     group[key].attrs["unit"] = unit_of(key)
     return group[key]
 

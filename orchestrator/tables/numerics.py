@@ -68,6 +68,8 @@ class ParticlesSolver(Table):
     smallest and the largest."""
     rolling: Literal["none", "cdt", "epsd2"] = "epsd2"
     """Law of rolling friction, where contacts have some: constant torque, or elastic-plastic."""
+    wear: Literal["none", "archard"] = "archard"
+    """Law of wear, where contacts have a specific one."""
 
 
 class Coupling(Table):

@@ -2,7 +2,8 @@
 
 The machine turns at 78.5 rad/s for 60 cycles.  The driving frame moves by 2 mm along the deck
 and 3.5 mm normal to it, the driven one by 8 and 5 mm, in phase; the panels' middles by 10 mm
-along the normal.  In every cycle ten particles are fed and, from the tenth cycle on, ten leave:
+along the normal.  The panels wear by ``WEAR_M_H``, one row of patches twice as fast.
+In every cycle ten particles are fed and, from the tenth cycle on, ten leave:
 
             2 mm  2.8 mm  5 mm
 one           4       1      0       cut size 3 mm
@@ -25,6 +26,7 @@ from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.records.history import History
 from orchestrator.records.run_folder import write_json
 from orchestrator.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.records.wear_record import PATCHES
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5
@@ -38,6 +40,7 @@ PANEL_M = 0.010
 ROTATION = {"number": "rotation", "value": 0.0512, "threshold": "0.1", "matters": False}
 TURNED_RAD = 0.001  # of both frames about the axis across
 DEPTH_M, VELOCITY_M_S, BIN_KG = 0.05, 0.3, 0.2
+WEAR_M_H, WORN_ROW = {"deck-1": 3e-6, "deck-2": 2e-6}, 5
 MASS_KG = np.pi / 6 * SIZES_M**3 * DENSITY
 
 
@@ -115,7 +118,19 @@ def _bed(history: History, case: Case, cycles: int) -> None:
         values = {"along_m": along, "mass_kg": mass, "velocity_m_s": np.full(bins, VELOCITY_M_S)}
         depth = np.full(bins, DEPTH_M) - 0.005 * np.arange(bins)
         history.add("profile", i * CYCLE_S / 10, values | {"depth_m": depth})
+        for panel, rate in WEAR_M_H.items():
+            history.add(f"wear/{panel}", i * CYCLE_S / 10, _worn(rate, i * CYCLE_S / 10))
         history.add("held", i * CYCLE_S / 10, {"stickers": 7.0, "mass_kg": 0.001, "openings": 3.0})
+
+
+def _worn(rate_m_h: float, time_s: float) -> dict[str, Array | float]:
+    """All wear is done in the second half of each cycle."""
+    cycle, phase = divmod(time_s / CYCLE_S + 1e-9, 1.0)
+    worn_s = (cycle + max(2.0 * phase - 1.0, 0.0)) * CYCLE_S
+    depth_m = np.full(PATCHES, rate_m_h * worn_s / 3600.0)
+    depth_m[WORN_ROW] *= 2.0
+    mean_m = float(depth_m.mean())
+    return {"worn_m3": 0.06 * mean_m, "mean_m": mean_m, "depth_m": depth_m}
 
 
 def _events(path: Path, cycles: int) -> None:
@@ -168,7 +183,7 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
             panel.append(np.full(40, number))
         position = np.vstack(points)
         motion = Motion(position, np.zeros_like(position))
-        surface.add(time, surface_mesh(motion, np.vstack(triangles), np.concatenate(panel)))
+        surface.add(time, surface_mesh(motion, np.vstack(triangles), np.concatenate(panel), {}))
         if spheres is not None:
             n = 60
             place_m = np.column_stack(

@@ -20,6 +20,8 @@ from tests.results.synthetic import (
     MASS_KG,
     PANEL_M,
     VELOCITY_M_S,
+    WEAR_M_H,
+    WORN_ROW,
     folder_of,
 )
 from tests.runs.test_manual import documented
@@ -153,3 +155,22 @@ def test_an_empty_machine_has_its_motion(tmp_path: Path) -> None:
 def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
     found = results(folder_of(tmp_path / "run", cycles=0))
     assert list(found["missing"]) == ["everything"]
+
+
+def test_wear(found: dict[str, Any]) -> None:
+    """Rates by hand; per cycle they are all the same, so that the interval is narrow."""
+    wear = found["wear"]
+    assert set(wear) == documented("### `results.wear`")
+    for name, rate in WEAR_M_H.items():
+        panel = wear["panels"][name]
+        mean = panel["mean_m_h"]
+        assert mean["value"] == pytest.approx(rate * 9 / 8, rel=1e-6)  # one row of eight is double
+        assert mean["half_width"] < 1e-6 * rate
+        assert panel["largest_m_h"] == pytest.approx(2 * rate, rel=1e-6)
+        assert panel["largest_at"] == [(WORN_ROW + 0.5) / 8, 0.125]  # the first of the row
+        assert panel["worn_through_h"] == pytest.approx(0.004 / (2 * rate), rel=1e-6)
+    profile = wear["profile"]
+    assert np.diff(profile["along_m"]).min() > 0
+    deepest = int(np.argmax(profile["mean_m_h"]))
+    assert deepest == WORN_ROW
+    assert profile["mean_m_h"][8 + WORN_ROW] == pytest.approx(4e-6, rel=1e-6)

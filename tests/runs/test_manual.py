@@ -23,6 +23,7 @@ def documented(heading: str, column: int = 1) -> set[str]:
 
 
 LEDGER = documented("### `energy_ledger_J`")
+WEAR = "contacts.1.specific_wear_m3_N_m=1e-12"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
 RECORDED = {"supplied.panel.recording"}  # tests/runs/test_recorded.py has a run
 SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
@@ -32,7 +33,7 @@ SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short run with everything in it."""
     folder = tmp_path_factory.mktemp("manual") / "run"
-    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02"]))
+    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02", WEAR]))
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -58,11 +59,11 @@ def test_the_keys_of_the_summary(folder: Path) -> None:
 
 def test_the_keys_of_the_results(folder: Path) -> None:
     cycles = folder.parent / "cycles"
-    done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT]))
+    done = flipflow(*run_words("quickstart", cycles, [*QUICK, "duration_s=0.17", CUT, WEAR]))
     assert done.returncode == 0, done.stderr
     found = summary(cycles)["results"]
     assert set(found) == documented("### `results`")
-    for name in ("steady", "motion", "screening"):
+    for name in ("steady", "motion", "screening", "wear"):
         assert set(found[name]) == documented(f"### `results.{name}`")
     with h5py.File(cycles / "history.h5") as history:
         assert set(history["results"]) == set(found)
