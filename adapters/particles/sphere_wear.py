@@ -13,7 +13,7 @@ import numpy as np
 from adapters.particles.sphere_adhesion import Materials
 from adapters.particles.sphere_touch import Touching
 from orchestrator.plans import ParticlesPlan
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,12 @@ class Wear:
         rubbed_N_m = contacts.weight * grip_N * np.linalg.norm(slid_m, axis=1)
         worn_m3 = (self.rate_m3_N_m[materials] * rubbed_N_m)[surface]
         np.add.at(self.worn_m3, contacts.points, contacts.barycentric * worn_m3[:, None])
+
+    def save(self) -> Saved:
+        return {"worn_m3": self.worn_m3.copy()}
+
+    def restore(self, saved: Saved) -> None:
+        self.worn_m3[:] = saved["worn_m3"]
 
 
 def wear(plan: ParticlesPlan) -> Wear | None:

@@ -114,11 +114,14 @@ class SpheresSolver:
         )
 
     def save(self) -> Saved:
-        return taken(self, *_STATE) | {"removed": as_arrays(in_order(self._removed))}
+        saved = taken(self, *_STATE) | {"removed": as_arrays(in_order(self._removed))}
+        return saved if self._wear is None else saved | {"wear": self._wear.save()}
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_STATE)
         self._removed = [like(in_order([]), saved["removed"])]
+        if self._wear is not None:
+            self._wear.restore(saved["wear"])
 
     def close(self) -> None:
         pass

@@ -156,3 +156,30 @@ def test_size_ratio(
     found = verdict(tmp_path, "size-distribution", *overrides)
     assert found.verdict.value == pytest.approx(ratio)
     assert found.verdict.matters is matters
+
+
+def test_wear_without_a_rate_is_unknown(tmp_path: Path) -> None:
+    found = verdict(tmp_path, "wear")
+    assert found.verdict.matters is None
+    assert found.verdict.value is None
+    assert "no contact has specific wear" in found.verdict.why
+
+
+@pytest.mark.parametrize(("rate", "matters"), [(1e-11, True), (1e-14, False)])
+def test_wear_by_hand(tmp_path: Path, rate: float, matters: bool) -> None:
+    """One ball of 20 mm: pi/6 rho d of weight per area, on 4 mm of panel, 1000 hours at 0.34 m/s
+    and 2/pi of the driven frame's 80 rad/s times 3 mm."""
+    row = f"contacts.0.specific_wear_m3_N_m={rate}"
+    found = of_driven(tmp_path, "wear", row)
+    pressure_Pa = math.pi / 6 * 1430.0 * 0.02 * 9.81
+    way_m = (0.34 + 2 / math.pi * 80.0 * 0.003) * 3.6e6
+    assert found.verdict.value == pytest.approx(rate * pressure_Pa * way_m / 0.004, rel=1e-3)
+    assert found.verdict.matters is matters
+    assert found.present
+
+
+def test_wear_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
+    found = of_driven(
+        tmp_path, "wear", "contacts.0.specific_wear_m3_N_m=1e-11", "particles.wear=none"
+    )
+    assert found.lacking

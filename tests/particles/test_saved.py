@@ -20,6 +20,7 @@ from tests.particles.restored_bed import resumed
 from tests.saved_states import differences
 
 SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
+WEARING = {"wear_m3_N_m": np.ones((2, 2))}
 OPEN_END = Exit(
     "end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1])
 )
@@ -29,8 +30,8 @@ OPEN_END = Exit(
 @pytest.mark.parametrize("save_at", [1, 37, 70])
 @pytest.mark.parametrize(
     "changes",
-    [{}, PERIODIC, WET, SMOOTH, {"rolling": "cdt"}, {"exits": (OPEN_END,)}],
-    ids=["dry", "periodic", "wet", "smooth", "cdt", "exit"],
+    [{}, PERIODIC, WET, SMOOTH, {"rolling": "cdt"}, {"exits": (OPEN_END,)}, WEARING],
+    ids=["dry", "periodic", "wet", "smooth", "cdt", "exit", "wearing"],
 )
 def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
     """To interval 110: particles are fed (at 5, 25, …) and leave, LIGGGHTS lists neighbours some
@@ -41,8 +42,8 @@ def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> 
 @pytest.mark.parametrize("save_at", [1, 12])
 @pytest.mark.parametrize(
     "changes",
-    [{}, WET, {"rolling": "cdt"}, {"exits": (OPEN_END,)}],
-    ids=["dry", "wet", "cdt", "exit"],
+    [{}, WET, {"rolling": "cdt"}, {"exits": (OPEN_END,)}, WEARING],
+    ids=["dry", "wet", "cdt", "exit", "wearing"],
 )
 def test_spheres_go_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
     """To interval 30; particles are fed at 5 and 25."""

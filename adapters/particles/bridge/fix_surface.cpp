@@ -61,6 +61,7 @@ void FixSurface::save(SavedState &saved) const {
   search_.save(saved);
   history_.save(atom->nlocal, saved);
   load_.save(saved);
+  wear_.save(saved);
   saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
   saved.wholes["surface_contacts"] = {contacts_};
 }
@@ -70,6 +71,7 @@ void FixSurface::restore(const SavedState &saved) {
   search_.restore(saved);
   history_.restore(saved);
   load_.restore(saved);
+  wear_.restore(saved);
   const auto &energy = saved.real("surface_energy_J");
   energy_ = {energy[0], energy[1]};
   contacts_ = static_cast<int>(saved.whole("surface_contacts")[0]);

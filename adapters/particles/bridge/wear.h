@@ -4,6 +4,7 @@
 
 #include "contact_interface.h"
 
+#include "saved_state.h"
 #include "triangle_grid.h"
 #include "vec3.h"
 
@@ -33,6 +34,9 @@ class Wear {
   // A touching contact after the contact model; types count from 1.
   void after(Vec3 spring_before_m, const Contact &contact, const double *history,
              const Triangle &corner, const double *corner_share, double share, double step_s);
+
+  void save(SavedState &saved) const { saved.reals["worn_m3"] = worn_m3_; }
+  void restore(const SavedState &saved) { worn_m3_ = saved.real("worn_m3"); }
 
   const std::vector<double> &worn_m3() const { return worn_m3_; }  // since t = 0, by point
 
