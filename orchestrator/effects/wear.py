@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.bed.transport import TRANSPORT_M_S
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes
 from orchestrator.scene.effect import TENTH, Effect, Verdict
-from orchestrator.scene.scene import Scene, bed_kg_m2
+from orchestrator.scene.scene import Scene
 from orchestrator.scene.slope_friction import on_deck
 
 SERVICE_S = 1000 * 3600.0
@@ -40,7 +39,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def _worn_share(scene: Scene, rate_m3_N_m: float) -> float:
-    pressure_Pa = bed_kg_m2(scene.case) * scene.gravity_m_s2
+    pressure_Pa = scene.bed_kg_m2 * scene.gravity_m_s2
     worn_m = rate_m3_N_m * pressure_Pa * _sliding_m_s(scene) * SERVICE_S
     return worn_m / min(panel.panel.table.thickness_m for panel in scene.panels)
 
@@ -52,7 +51,7 @@ def _sliding_m_s(scene: Scene) -> float:
         sum(one.speed_rad_s * abs(one.amplitude_m[body.name] @ along) for one in scene.shaken)
         for body in scene.plan.bodies
     )
-    return 2 / math.pi * float(max(shaking_m_s, default=0.0)) + TRANSPORT_M_S
+    return 2 / math.pi * float(max(shaking_m_s, default=0.0)) + scene.transport_m_s
 
 
 def described(case: Case) -> bool:
@@ -72,4 +71,5 @@ EFFECT = Effect(
     overlay=lambda case: {"particles": {"wear": "none"}},
     laws={"archard": {"particles": {"wear": "archard"}}},
     key="contacts.<n>.specific_wear_m3_N_m",
+    checked_by="bed_kg_m2",
 )

@@ -28,7 +28,15 @@ def record() -> tuple[WearRecord, TriangleSurface]:
     position_m = np.vstack([np.full((2, 3), 9.0), AT.mounted(made.coordinates_m)])
     triangles = made.triangles + 2
     surface = TriangleSurface(position_m, triangles, np.zeros(len(triangles), dtype=np.int64))
-    panel = PanelPoints("deck", slice(2, len(position_m)), slice(0), NONE, NONE, NONE)
+    panel = PanelPoints(
+        "deck",
+        surface=slice(2, len(position_m)),
+        clamps=slice(0),
+        centre_line=NONE,
+        shape=NONE,
+        first_clamp=NONE,
+        second_clamp=NONE,
+    )
     return WearRecord(surface, [panel], [AT]), surface
 
 
