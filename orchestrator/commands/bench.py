@@ -37,21 +37,24 @@ class Runner:
         self._interval_s = loaded.case.coupling.sync_interval_s
         self._done = 0
         self.wall_s = 0.0
+        self.blocks_s: list[float] = []  # CPU time of each block
         self._steps = Interval(0, self._interval_s).steps(particle_step_s(loaded.case))
         self.particle_steps = 0
 
-    def block(self) -> None:
-        started = time.perf_counter()
-        for index in range(self._done, self._done + BLOCK):
+    def block(self, intervals: int = BLOCK) -> None:
+        started, cpu_s = time.perf_counter(), time.process_time()
+        for index in range(self._done, self._done + intervals):
             interval = Interval(index, self._interval_s)
             self._state = self._machine.scheme.advance(self._machine.solvers, interval, self._state)
-        self._done += BLOCK
+        self._done += intervals
+        self.blocks_s.append(time.process_time() - cpu_s)
         self.wall_s += time.perf_counter() - started
-        self.particle_steps += BLOCK * self._steps * self.particles()
+        self.particle_steps += intervals * self._steps * self.particles()
 
     def forget(self) -> None:
         """What was spent so far counts no more."""
         self.stopwatch.wall_s.clear()
+        self.blocks_s.clear()
         self.wall_s, self.particle_steps = 0.0, 0
 
     def particles(self) -> int:

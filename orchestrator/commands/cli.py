@@ -206,23 +206,35 @@ def list_cases(
 def bench(
     case: CasePath,
     level: Level = None,
-    intervals: Annotated[int, typer.Option(help="sync intervals to time")] = 2000,
+    intervals: Annotated[int, typer.Option(min=1, help="sync intervals to time")] = 2000,
     settling: Annotated[int, typer.Option(help="sync intervals before them, untimed")] = 0,
+    effects: Annotated[
+        bool, typer.Option("--effects", help="time the case without each of its effects instead")
+    ] = False,
     overrides: Overrides = None,
 ) -> None:
-    """Time a case against its particles alone on a rigid, still surface (one process)."""
+    """Time a case against its particles alone on a rigid, still surface (one process).
+
+    With --effects: what each effect that can be left out costs, part by part, that it costs nothing
+    when it is left out, and what is not loaded then.
+    """
     from orchestrator.casefile.contents import has_particles
+    from orchestrator.commands import bench_effects
     from orchestrator.commands.bench import bench as timed
     from orchestrator.plans import SolverFailed, SolverMissing
 
     loaded = _checked(case, level, overrides)
-    if not has_particles(loaded.case):
+    if not effects and not has_particles(loaded.case):
         _refuse("the case has no particles: there is nothing to compare", 2)
     try:
         console = Console()
         if not console.is_terminal:
-            console.width = 120  # into a file: as wide as the table
-        console.print(timed(loaded, intervals, settling))
+            console.width = 180 if effects else 120  # into a file: as wide as the table
+        if effects:
+            asked = bench_effects.Asked(case, level, tuple(overrides or ()))
+            console.print(bench_effects.bench(asked, intervals))
+        else:
+            console.print(timed(loaded, intervals, settling))
     except SolverMissing as missing:
         _refuse(str(missing), 3)
     except SolverFailed as failed:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from orchestrator.bed.contact_times import smallest_diameters_m
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
-from orchestrator.scene.effect import TENTH, Effect, Verdict
+from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 
 
@@ -58,11 +58,16 @@ def left_out(case: Case) -> str:
     return "particles.adhesion none: nothing sticks" if off else ""
 
 
+def undescribed(case: Case) -> Overlay:
+    return {"contacts": {str(k): {"work_of_adhesion_J_m2": 0.0} for k in range(len(case.contacts))}}
+
+
 EFFECT = Effect(
     part="particles",
     judge=judge,
     described=described,
     left_out=left_out,
+    undescribed=undescribed,
     overlay=lambda case: {"particles": {"adhesion": "none"}},
     laws={law: {"particles": {"adhesion": law}} for law in ("jkr", "sjkr")},
     key="particles.adhesion",

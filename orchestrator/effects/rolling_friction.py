@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
-from orchestrator.scene.effect import TENTH, Effect, Verdict
+from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.slope_friction import of_slope, on_deck, takes
 
@@ -31,11 +31,16 @@ def left_out(case: Case) -> str:
     return "particles.rolling none: no resistance to rolling" if off else ""
 
 
+def undescribed(case: Case) -> Overlay:
+    return {"contacts": {str(k): {"rolling_friction": 0.0} for k in range(len(case.contacts))}}
+
+
 EFFECT = Effect(
     part="particles",
     judge=judge,
     described=described,
     left_out=left_out,
+    undescribed=undescribed,
     overlay=lambda case: {"particles": {"rolling": "none"}},
     laws={law: {"particles": {"rolling": law}} for law in ("cdt", "epsd2")},
     key="particles.rolling",

@@ -76,8 +76,9 @@ class Effect:
     or where this case cannot do without.  ``needs``: effects without which it is nothing.
     ``laws``: names by which it can be called for with one of several laws, and the keys that choose
     it; two of them exclude each other.  ``key``: what a user changes to have it or not.
-    ``checked_by``: what a run must tell (a field of ``Seen``) for ``judge`` to be asked again
-    after it.
+    ``undescribed``: keys that take it out of the data where ``overlay`` chooses another law, for
+    the benchmark.  ``checked_by``: what a run must tell (a field of ``Seen``) for ``judge`` to be
+    asked again after it.
     """
 
     part: Part
@@ -85,6 +86,7 @@ class Effect:
     described: Callable[[Case], bool]
     left_out: Callable[[Case], str] = _never
     overlay: Callable[[Case], Overlay] = _nothing
+    undescribed: Callable[[Case], Overlay] = _nothing
     needs: tuple[str, ...] = ()
     laws: Mapping[str, Overlay] = field(default_factory=dict)
     key: str = ""

@@ -1,0 +1,69 @@
+"""The benchmark of effects: its ratios, what is loaded, and that what is left out leaves no trace
+in what the solvers get."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.casefile.levels import load
+from orchestrator.commands.bench_effects import Asked, Timed, bench, ratio, sets
+from orchestrator.commands.loaded import loaded_by
+from orchestrator.deck.panels import single_panels
+from orchestrator.geometry import TriangleSurface
+from orchestrator.planning import particles_plan
+from orchestrator.scene.catalogue import EFFECTS, present
+from tests.runs.outside import ROOT
+
+BALL = ROOT / "cases/ball-on-panel"
+COAL = ROOT / "cases/ffs0827-slice"
+
+
+def test_ratios_are_of_blocks_side_by_side() -> None:
+    """Whatever the computer's speed does from block to block."""
+    one = Timed((2.0, 8.0, 3.0), 0.0, {})
+    other = Timed((1.0, 4.0, 2.0), 0.0, {})
+    assert ratio(one, other) == "2.00 (1.75 to 2.00)"
+
+
+def test_overlays_are_said_as_on_the_command_line() -> None:
+    assert list(sets({"contacts": {"0": {"a": 0.0}, "1": {"a": 1}}})) == [
+        "contacts.0.a=0.0",
+        "contacts.1.a=1",
+    ]
+
+
+@pytest.mark.parametrize("name", ["adhesion", "rolling-friction"])
+def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
+    """Every field of the particles' plan, to the bit."""
+    case = load(COAL, "draft").case
+    others = [one for one in EFFECTS if present(case, one) and one != name]
+    without = load(COAL, "draft", [f"effects={others}"]).case
+    undescribed = load(COAL, "draft", sets(EFFECTS[name].undescribed(case))).case
+    corner_m = single_panels(case)[0].rectangle.corner_m
+    one_triangle = np.array([[0, 1, 2]]), np.array([0])
+    surface = TriangleSurface(corner_m + np.eye(3), *one_triangle)
+    plans = [particles_plan(each, surface) for each in (without, undescribed)]
+    assert pickle.dumps(plans[0]) == pickle.dumps(plans[1])
+    assert pickle.dumps(plans[0]) != pickle.dumps(particles_plan(case, surface))
+
+
+@pytest.mark.process
+def test_what_is_loaded_is_what_the_case_calls_for() -> None:
+    whole = loaded_by(BALL, "draft", [])
+    rigid = loaded_by(BALL, "draft", ["panel.solver=rigid"])
+    assert {"panel.strip", "particles.spheres", "frames.prescribed"} <= whole
+    assert "panel.strip" in whole - rigid
+    assert not whole & {"dolfinx", "exudyn", "mpi4py", "gmsh", "matplotlib"}
+
+
+@pytest.mark.process
+def test_the_table_has_a_row_for_each_effect_that_can_be_left_out() -> None:
+    table = bench(Asked(Path(ROOT / "cases/bushing-hysteresis"), "draft", ()), 40)
+    rows = list(table.columns[0].cells)
+    assert rows[0] == "the case"
+    assert rows[1:] == ["without run-up"]
+    assert all(float(cell) > 0 for cell in table.columns[1].cells)
