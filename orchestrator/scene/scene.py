@@ -80,12 +80,9 @@ class Scene:
 
     @property
     def bed_kg_m2(self) -> float:
-        """Mass of the particles per area of the deck, at most; at least that of the largest over
-        the square of its diameter: so much lies where it lies."""
-        if not has_particles(self.case):
-            return 0.0
+        """Mass of the particles per area of the deck, at most."""
         seen = self.seen.bed_kg_m2
-        return max(fed_kg_m2(self.case) if seen is None else seen, _lying_kg_m2(self.case))
+        return bed_kg_m2(self.case) if seen is None else max(seen, _lying_kg_m2(self.case))
 
     @property
     def transport_m_s(self) -> float:
@@ -162,17 +159,19 @@ def deck_m2(case: Case) -> float:
     return sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
 
 
-def fed_kg_m2(case: Case) -> float:
-    """What is there at the start, and what a feed brings in the time that material stays, on the
-    panels' area; 0 without panels."""
-    area_m2 = deck_m2(case)
-    return sum(_masses_kg(case)) / area_m2 if area_m2 else 0.0
+def bed_kg_m2(case: Case) -> float:
+    """Mass of the particles per area of the deck, at most: what is there at the start, and what a
+    feed brings in the time that material stays.  At least that of the largest particle over the
+    square of its diameter: so much lies where it lies.  0 without particles or panels."""
+    if not has_particles(case) or not case.screen.panels:
+        return 0.0
+    return max(sum(_masses_kg(case)) / deck_m2(case), _lying_kg_m2(case))
 
 
 def _lying_kg_m2(case: Case) -> float:
-    """Of the largest particle; 0 without panels."""
+    """Of the largest particle."""
     densest = max(case.materials[name].density_kg_m3 for name in smallest_diameters_m(case))
-    return math.pi / 6 * densest * largest_diameter_m(case) if case.screen.panels else 0.0
+    return math.pi / 6 * densest * largest_diameter_m(case)
 
 
 def _masses_kg(case: Case) -> Iterator[float]:

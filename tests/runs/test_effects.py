@@ -1,0 +1,53 @@
+"""A run with ``effects``: what is said of them at its start, at its end and in its folder, and that
+the folder's case gives the same run without the key."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from tests.runs.outside import QUICK, flipflow, run_words
+
+NAMED = '["frame-dynamics", "frame-motion", "panel-reaction", "bushing-damping", "run-up"]'
+
+
+@pytest.mark.process
+def test_what_effects_leave_out_is_said_and_looked_at_after_the_run(tmp_path: Path) -> None:
+    """The empty machine for two cycles with rigid panels: their stroke says what they would sag."""
+    sets = [*QUICK, f"effects={NAMED}", "duration_s=0.165"]
+    run, again = tmp_path / "run", tmp_path / "again"
+    done = flipflow(*run_words("empty-machine", run, sets))
+    assert done.returncode == 0, done.stderr
+    started = (
+        "left out: panel-deformation: panel.solver rigid: panels stay flat; "
+        "effects does not name it; matters: throw of panel / of frame"
+    )
+    ended = "left out: large-deflection; by the run sag / thickness"
+    log = (run / "run.log").read_text()
+    for said in (done.stderr, log):
+        assert started in said
+        assert ended in said
+
+    effects = json.loads((run / "summary.json").read_text())["effects"]
+    sag = effects["large-deflection"]
+    assert sag["left_out"] == "it needs panel-deformation, which is left out"
+    assert (sag["before"]["matters"], sag["after"]["matters"], sag["crossed"]) == (
+        True,
+        True,
+        False,
+    )
+    assert effects["frame-dynamics"]["present"]
+    assert not effects["panel-deformation"]["present"]
+
+    resolved = tomllib.loads((run / "case.toml").read_text())
+    assert "effects" not in resolved
+    assert resolved["panel"]["solver"] == "rigid"
+    assert flipflow(*run_words(str(run), again, [])).returncode == 0
+    with h5py.File(run / "history.h5") as one, h5py.File(again / "history.h5") as two:
+        path = "frames/driven/displacement_m"
+        np.testing.assert_array_equal(one[path][:], two[path][:])
