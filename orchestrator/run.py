@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from resource import RUSAGE_SELF, getrusage
 from typing import Any
 
 from rich.console import Console
@@ -136,6 +137,8 @@ class Run:
             "share_of_width": share(self._case.whole),
             "cycle_s": summary.cycle_s(self._case),
             "wall_s": wall_s,
+            "processor_s": time.process_time(),
+            "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,
             "wall_by_part_s": by_part,
             "particle_steps_per_s": rate,
             **self._done,

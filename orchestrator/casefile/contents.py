@@ -7,14 +7,15 @@ from orchestrator.casefile.case import Case
 
 def has_particles(case: Case) -> bool:
     """Whether there are or will be any."""
-    return bool(case.bed.particles or case.bed.blocks or case.bed.feeds)
+    described = case.bed.particles or case.bed.blocks or case.bed.feeds
+    return bool(described) and case.particles.solver != "none"
 
 
 def absent(case: Case) -> dict[str, str]:
     """What this case does not have at all, and another might: name -> why."""
     screen = case.screen
     there = {
-        "particles": (has_particles(case), "the bed is empty"),
+        "particles": (has_particles(case), "the bed is empty, or particles.solver none"),
         "exciters": (bool(screen.exciters), "there are none"),
         "bushings": (bool(screen.bushings), "there are none"),
         "surfaces": (bool(screen.surfaces), "there are none"),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 from rich.console import Console
 
+from orchestrator.commands.ladder_cli import ladder
 from orchestrator.commands.study_cli import study
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ Examples:
   flipflow record RUN --out panels.h5                  its panels, to be played back
 
   flipflow report runs/quickstart-1                    one HTML page about a run
+
+  flipflow ladder cases/empty-machine --duration 0.6   every model of its parts: cost, error
 
   flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
 
@@ -268,6 +271,7 @@ def _refuse(why: str, code: int) -> NoReturn:
 
 
 app.add_typer(study, name="study")
+app.command()(ladder)
 
 
 def main() -> None:

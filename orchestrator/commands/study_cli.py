@@ -55,7 +55,7 @@ def sweep(
     from orchestrator.studies import sweep_table
     from orchestrator.studies.points import parsed
 
-    with _said():
+    with said():
         wanted = parsed(vary)
         folder = out or Path("runs") / f"{case.resolve().name}-{wanted.name}"
         points = sweeps.points(case, level, overrides or [], wanted, folder)
@@ -88,7 +88,7 @@ def paper(
     from orchestrator.studies import sweep_table
 
     folder = out or Path("runs") / f"{case.resolve().name}-paper"
-    with _said():
+    with said():
         wanted = papers.read(case)
         found = papers.runs(wanted, case, level, overrides or [], folder)
         points = [point for sweep in found.values() for point in sweep.points]
@@ -108,7 +108,7 @@ def paper(
 
 
 @contextmanager
-def _said() -> Iterator[None]:
+def said() -> Iterator[None]:
     """What a user got wrong inside is said, and ends the program."""
     from orchestrator.casefile.errors import CaseError
     from orchestrator.records.run_folder import FolderUnusable

@@ -75,12 +75,15 @@ def _sum(force_N: Array, points: slice | Indices) -> Array:
 
 
 def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
-    """Position and velocity (3,) of a probe; NaN for a particle that has left."""
+    """Position and velocity (3,) of a probe; NaN for a particle that has left, or
+    where particles are left out."""
     if probe.on == "particle":
-        assert followed is not None
+        gone = np.full(3, np.nan), np.full(3, np.nan)
+        if followed is None:
+            return gone
         row = np.flatnonzero(followed.id == probe.index)
         if len(row) == 0:
-            return np.full(3, np.nan), np.full(3, np.nan)
+            return gone
         return followed.position_m[row[0]], followed.velocity_m_s[row[0]]
     motion: Motion = state.clamps if probe.on == "clamps" else state.panel.surface
     return motion.position_m[probe.index], motion.velocity_m_s[probe.index]

@@ -44,8 +44,8 @@ class FramesSolver(Table):
 class ParticlesSolver(Table):
     """How the particles are solved."""
 
-    solver: Literal["spheres", "liggghts"] = "liggghts"
-    """spheres (a few, in NumPy), liggghts."""
+    solver: Literal["none", "spheres", "liggghts"] = "liggghts"
+    """none (the machine runs empty), spheres (a few, in NumPy), liggghts."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.15

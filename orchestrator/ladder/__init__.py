@@ -1,0 +1,1 @@
+"""``flipflow ladder``: a case on every rung of each solver's ladder, measured."""

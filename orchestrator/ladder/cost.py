@@ -1,0 +1,48 @@
+"""What a rung will take: rough rates, for deciding before anything runs.
+
+Processor time on one core of a 2-core machine, busy with other work; good to a factor of three.
+"""
+
+from __future__ import annotations
+
+import math
+
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
+from orchestrator.commands.cost import THICK, cost
+from orchestrator.deck.panels import single_panels
+
+START_S = 5.0
+PER_INTERVAL_S = 1e-3  # coupling, mapping and output
+PER_PANEL_INTERVAL_S = {
+    "rigid": 1e-4,
+    "recorded": 2e-4,
+    "strip": 5e-4,
+    "sheet": 3e-4,
+    "solid": 0.05,
+}
+SHEET_CELL_S_S = 2.3 / 176 / 22  # per cell, simulated second and cell along, for the step
+SOLID_CELL_INTERVAL_S = 0.03 / 33 / 2
+SPHERE_STEP_S = 3e-5
+
+
+def predicted_s(case: Case, at_start: int) -> float:
+    """Processor time of a run, with ``at_start`` particles at t = 0."""
+    intervals = case.duration_s / case.coupling.sync_interval_s
+    along, across = case.panel.cells
+    panel_s = PER_PANEL_INTERVAL_S[case.panel.solver] * intervals
+    if case.panel.solver == "sheet":
+        panel_s += SHEET_CELL_S_S * along * across * along * case.duration_s
+    if case.panel.solver == "solid":
+        panel_s += SOLID_CELL_INTERVAL_S * along * across * intervals
+    panels_s = panel_s * len(single_panels(case))
+    return START_S + PER_INTERVAL_S * intervals + panels_s + _particles_s(case, at_start)
+
+
+def _particles_s(case: Case, at_start: int) -> float:
+    if not has_particles(case):
+        return 0.0
+    if case.particles.solver == "spheres":
+        return SPHERE_STEP_S * at_start * math.ceil(case.duration_s / particle_step_s(case))
+    return cost(case, at_start, THICK).processor_s
