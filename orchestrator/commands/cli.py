@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 from rich.console import Console
 
-from orchestrator.commands.ladder_cli import ladder
+from orchestrator.commands.ladder_cli import ladder as climb
 from orchestrator.commands.study_cli import study
 
 if TYPE_CHECKING:
@@ -120,19 +120,35 @@ def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> N
 
 
 @app.command()
-def explain(case: CasePath, level: Level = None, overrides: Overrides = None) -> None:
+def explain(
+    case: CasePath,
+    level: Level = None,
+    ladder: Annotated[
+        Path | None,
+        typer.Option(help="ladder.json of flipflow ladder [default: the one beside case.toml]"),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
     """Say which effects a case calls for, by estimates before any run.
 
     For each effect: whether the case has it at this level, the dimensionless number that decides,
     the threshold, what follows, and which key changes it.  At the end: what matters and is
-    lacking, and what could be left out.  No solver is started or needed.
+    lacking, and what could be left out.  No solver is started or needed.  Where flipflow ladder has
+    measured what an effect amounts to, its figures take the estimate's place.
 
     Exit code 0: said, whatever the verdicts; 2: the case has mistakes.
     """
+    from orchestrator.casefile.errors import CaseError
     from orchestrator.checks import table_mistakes
     from orchestrator.commands.explain import show
+    from orchestrator.ladder.stored import stored
 
-    show(_checked(case, level, overrides, table_mistakes))
+    loaded = _checked(case, level, overrides, table_mistakes)
+    try:
+        found = stored(loaded, ladder)
+    except CaseError as error:
+        _refuse(str(error), 2)
+    show(loaded, found)
 
 
 @app.command()
@@ -271,7 +287,7 @@ def _refuse(why: str, code: int) -> NoReturn:
 
 
 app.add_typer(study, name="study")
-app.command()(ladder)
+app.command(name="ladder")(climb)
 
 
 def main() -> None:

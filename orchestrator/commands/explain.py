@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from orchestrator.casefile.levels import LoadedCase
+from orchestrator.ladder.stored import measured
 from orchestrator.scene.catalogue import Judged, judged, spared, with_dependents
 from orchestrator.scene.effect import Part, in_words
 
@@ -22,12 +25,15 @@ NOTHING = {
 }
 
 
-def show(loaded: LoadedCase) -> None:
-    """Prints everything about a case without mistakes in its tables."""
+def show(loaded: LoadedCase, ladder: Mapping[str, Any] | None = None) -> None:
+    """Prints everything about a case without mistakes in its tables; with what a ``ladder``
+    measured of it in place of estimates."""
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
     parts = judged(loaded.case)
+    if ladder is not None:
+        parts = {part: [_measured(one, ladder) for one in rows] for part, rows in parts.items()}
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
@@ -36,6 +42,10 @@ def show(loaded: LoadedCase) -> None:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
     for line in summary(loaded, [verdict for rows in parts.values() for verdict in rows]):
         console.print(line, soft_wrap=True)
+
+
+def _measured(one: Judged, ladder: Mapping[str, Any]) -> Judged:
+    return replace(one, verdict=measured(one.effect, one.verdict, ladder))
 
 
 def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:

@@ -63,6 +63,7 @@ def ladder(
 
 
 def _show(wanted: Wanted, table: list[Row]) -> None:
+    from orchestrator.casefile.levels import load
     from orchestrator.ladder import pictures, tables
 
     if not CONSOLE.is_terminal:
@@ -72,8 +73,9 @@ def _show(wanted: Wanted, table: list[Row]) -> None:
             CONSOLE.print(tables.as_table(name, table), soft_wrap=False)
             if lines := tables.not_run(name, table):
                 CONSOLE.print("\n".join(["not run:", *lines]))
-    case = wanted.case.resolve().name
-    written = tables.write(case, wanted.level or "", table, wanted.out)
+    loaded = load(wanted.case, wanted.level, wanted.sets)
+    case = loaded.name
+    written = tables.write(case, loaded.level, table, wanted.out)
     drawn = pictures.draw(table, wanted.out)
     written += [*drawn.values(), pictures.page(case, table, drawn, wanted.out)]
     for file in written:
