@@ -31,7 +31,7 @@ def show(loaded: LoadedCase, ladder: Mapping[str, Any] | None = None) -> None:
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    parts = judged(loaded.case)
+    parts = judged_of(loaded)
     if ladder is not None:
         parts = {part: [_measured(one, ladder) for one in rows] for part, rows in parts.items()}
     level = f"level {loaded.level}" if loaded.level else "no level"
@@ -46,6 +46,15 @@ def show(loaded: LoadedCase, ladder: Mapping[str, Any] | None = None) -> None:
 
 def _measured(one: Judged, ladder: Mapping[str, Any]) -> Judged:
     return replace(one, verdict=measured(one.effect, one.verdict, ladder))
+
+
+def judged_of(loaded: LoadedCase) -> dict[Part, list[Judged]]:
+    """The case as it describes itself, and what of it is here."""
+
+    def here(one: Judged) -> Judged:
+        return replace(one, present=one.present and one.effect not in loaded.left_out)
+
+    return {part: [here(one) for one in rows] for part, rows in judged(loaded.described).items()}
 
 
 def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:

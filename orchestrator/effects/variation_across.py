@@ -22,7 +22,7 @@ def judge(scene: Scene) -> Verdict:
         threshold="1 (measured: strip against sheet)",
         matters=True if aspect > WIDE else None,
         why=note,
-        cost="a sheet takes 6 times a strip's time",
+        cost="none: explicit sheets are compiled and take less time than strips",
     )
 
 

@@ -8,7 +8,7 @@ import math
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes
-from orchestrator.scene.effect import TENTH, Effect, Verdict
+from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.slope_friction import on_deck
 
@@ -63,11 +63,16 @@ def left_out(case: Case) -> str:
     return "particles.wear none: nothing wears" if off else ""
 
 
+def undescribed(case: Case) -> Overlay:
+    return {"contacts": {str(k): {"specific_wear_m3_N_m": 0.0} for k in range(len(case.contacts))}}
+
+
 EFFECT = Effect(
     part="particles",
     judge=judge,
     described=described,
     left_out=left_out,
+    undescribed=undescribed,
     overlay=lambda case: {"particles": {"wear": "none"}},
     laws={"archard": {"particles": {"wear": "archard"}}},
     key="contacts.<n>.specific_wear_m3_N_m",

@@ -11,6 +11,7 @@ import tomli_w
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
+from orchestrator.commands.explain import judged_of
 from orchestrator.records.run_folder import resolved
 from orchestrator.scene.account import account, at_start
 from orchestrator.scene.catalogue import EFFECTS, present, with_dependents
@@ -18,8 +19,13 @@ from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complain
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 
 STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_m2 = 1.0"
+WEARING = "sliding_friction = 0.47\nspecific_wear_m3_N_m = 1e-12"  # coal on PU
 DAMPED = "bulk_modulus_Pa = 2e9, maxwell = [{ratio = 0.2, relaxation_s = 0.01}]"
-FULL = CASE.replace("rolling_friction = 0.0", STICKY).replace("bulk_modulus_Pa = 2e9", DAMPED)
+FULL = (
+    CASE.replace("sliding_friction = 0.47", WEARING)
+    .replace("rolling_friction = 0.0", STICKY)
+    .replace("bulk_modulus_Pa = 2e9", DAMPED)
+)
 MORE = (BLOCK, FEED, APERTURES, EXITS, "screen.exciters.shaft.run_up_s=0.05")
 MORE += ("screen.bushings.isolation.damping_N_s_m=[90.0, 90.0, 90.0]",)
 COARSE = """
@@ -27,26 +33,7 @@ without = ["panel-deformation", "frame-rotation"]
 frames.solver = "two-mass"
 panel.solver = "rigid"
 """
-CAN_GO = [
-    "adhesion",
-    "apertures",
-    "bushing-damping",
-    "feed",
-    "frame-dynamics",
-    "frame-motion",
-    "frame-rotation",
-    "panel-damping",
-    "panel-deformation",
-    "panel-motion",
-    "panel-reaction",
-    "particle-load",
-    "removal",
-    "rolling-friction",
-    "run-up",
-    "sideways-motion",
-    "sliding-friction",
-    "variation-across",
-]
+CAN_GO = [name for name, effect in EFFECTS.items() if effect.optional]
 
 
 def full(folder: Path, *effects: str) -> LoadedCase:
@@ -212,6 +199,15 @@ def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
     with pytest.raises(CaseError) as caught:
         load(written(tmp_path, CASE, fine='effects = ["wind"]\nduration_s = true\n'), "fine")
     assert "levels/fine.toml effects: no effect 'wind'" in str(caught.value)
+
+
+def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: Path) -> None:
+    """Openings that effects leave out are still asked about."""
+    plain = load(written(tmp_path, FULL), None, MORE)
+    before = {one.effect: one for rows in judged_of(plain).values() for one in rows}
+    after = {one.effect: one for rows in judged_of(full(tmp_path)).values() for one in rows}
+    assert after["apertures"].verdict == before["apertures"].verdict
+    assert (before["apertures"].present, after["apertures"].present) == (True, False)
 
 
 @pytest.mark.parametrize("effects", ["auto", '["frame-dynamics", "panel-deformation"]', "[]"])
