@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from orchestrator.recording import RecordedGrid, Recording
-from orchestrator.records.history import unit_of
+from orchestrator.records.units import unit_of
 
 SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
 
@@ -38,6 +37,8 @@ class File:
 
 def write(path: Path, content: File) -> None:
     """Whole or not at all.  Raises OSError."""
+    import h5py  # here because checks of cases without recordings do not need it
+
     aside = path.with_name(f".{path.name}")
     with h5py.File(aside, "w") as file:
         file.attrs["speed_rad_s"] = content.speed_rad_s
@@ -56,6 +57,8 @@ def read(path: Path) -> File:
     """Raises Unreadable."""
     if not path.is_file():
         raise Unreadable(f"{path}: no such file; flipflow record makes one from a run's folder")
+    import h5py  # here because checks of cases without recordings do not need it
+
     try:
         with h5py.File(path) as file:
             panels = {name: _panel(group) for name, group in file.items()}

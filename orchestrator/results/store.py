@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from orchestrator.records.history import unit_of
+from orchestrator.records.units import unit_of
 
 GROUP = "results"
 ROOM_BYTES = 4 * 1024**2
