@@ -92,14 +92,12 @@ class MeteredFrames:
         self._frames.close()
 
 
-class MeteredPanel:
-    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0."""
+class TimedPanel:
+    """A panel that says its name when it fails; its time is booked under ``part``."""
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
         self._panel, self._name, self._part, self._stopwatch = panel, name, part, stopwatch
         self.mount: Mount = panel.mount
-        self.received_N_s: Array = np.zeros(3)
-        self.given_N_s: Array = np.zeros(3)
 
     def initial(self) -> PanelState:
         with named(self._name, None):
@@ -107,7 +105,35 @@ class MeteredPanel:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         with self._stopwatch(self._part), named(self._name, interval):
-            state = self._panel.advance(interval, clamps, load)
+            return self._panel.advance(interval, clamps, load)
+
+    def account(self) -> Account:
+        return self._panel.account()
+
+    def save(self) -> Saved:
+        return restorable(self._panel).save()
+
+    def restore(self, saved: Saved) -> None:
+        restorable(self._panel).restore(saved)
+
+    def close(self) -> None:
+        self._panel.close()
+
+
+class MeteredPanel:
+    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0."""
+
+    def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
+        self._panel = TimedPanel(panel, name, part, stopwatch)
+        self.mount: Mount = panel.mount
+        self.received_N_s: Array = np.zeros(3)
+        self.given_N_s: Array = np.zeros(3)
+
+    def initial(self) -> PanelState:
+        return self._panel.initial()
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        state = self._panel.advance(interval, clamps, load)
         self.received_N_s = self.received_N_s + impulse_N_s(load, interval)
         self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
         return state
@@ -116,11 +142,11 @@ class MeteredPanel:
         return self._panel.account()
 
     def save(self) -> Saved:
-        return taken(self, "received_N_s", "given_N_s") | {"inner": restorable(self._panel).save()}
+        return taken(self, "received_N_s", "given_N_s") | {"inner": self._panel.save()}
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, "received_N_s", "given_N_s")
-        restorable(self._panel).restore(saved["inner"])
+        self._panel.restore(saved["inner"])
 
     def close(self) -> None:
         self._panel.close()

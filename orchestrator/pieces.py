@@ -19,7 +19,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.mapping import Grid, Mapped
-from orchestrator.metered import MeteredPanel
+from orchestrator.metered import TimedPanel
 from orchestrator.planning import panel_plans
 from orchestrator.plans import PanelPlan
 from orchestrator.playback import playbacks
@@ -80,8 +80,8 @@ def _panel(
 
     def opened() -> Panel:
         own = cast(MeshedPanel, adapter.opened("panel", solver, plan))
-        metered = MeteredPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
-        return Mapped(metered, own.interpolation(coordinates))
+        timed = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
+        return Mapped(timed, own.interpolation(coordinates))
 
     first = len(touched.coordinates_m)
     return Piece(

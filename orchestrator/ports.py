@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -41,6 +42,8 @@ def _checked(record: str, field_name: str, value: Array) -> None:
         raise BrokenRecord(f"{record}.{field_name}: float64 array wanted, got {kind}")
     if value.ndim != 2 or value.shape[1] != 3:
         raise BrokenRecord(f"{record}.{field_name}: shape (points, 3) wanted, got {value.shape}")
+    if isfinite(np.vdot(value, value)):  # far quicker than number by number; huge ones overflow
+        return
     if not np.isfinite(value).all():
         point = int(np.flatnonzero(~np.isfinite(value).all(axis=1))[0])
         raise BrokenRecord(f"{record}.{field_name}: point {point} is {value[point].tolist()}")

@@ -58,4 +58,7 @@ def half(points: Array) -> Array:
 
 def joined(middle: Array, half: Array) -> Array:
     """The points (2 rows, 3) of given middles and halves."""
-    return np.asarray(np.stack([middle - half, middle + half], axis=1).reshape(-1, 3))
+    points = np.empty((len(middle), 2, 3))
+    np.subtract(middle, half, out=points[:, 0])
+    np.add(middle, half, out=points[:, 1])
+    return points.reshape(-1, 3)

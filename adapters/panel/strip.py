@@ -1,4 +1,4 @@
-"""A panel as a width-uniform strip: one chain of rows along the length, in NumPy.
+"""A panel as a width-uniform strip: one chain of rows along the length.
 
 Each row moves as one line; its two surface points (y = 0 and y = width) stand to either side of
 its middle.  The middle obeys Newton's law (``chain.py``, ``chain_motion.py``).  The half widths
@@ -19,13 +19,19 @@ from scipy.sparse import csr_array
 from adapters.panel import bilinear
 from adapters.panel.chain import Chain, chain
 from adapters.panel.chain_at_rest import first_guess_m, settled
-from adapters.panel.chain_motion import ChainMotion, shares
 from adapters.panel.perforated_strip import left
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
-from orchestrator.plans import PanelPlan, SolverFailed
+from orchestrator.plans import PanelPlan, SolverFailed, SolverMissing
 from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.state import put_back, taken
+
+try:
+    from adapters.panel.chain_motion import ChainMotion, shares
+except ImportError as missing:
+    raise SolverMissing(
+        f"panel solver 'strip' needs its compiled part, which docker/setup.sh builds: {missing}"
+    ) from missing
 
 _STATE = ("_clamps", "_surface", "_elapsed_s", "_received_J")
 SANE_STRETCH = (0.2, 5.0)
@@ -108,8 +114,7 @@ class Strip:
         turning_N = self._halves.T @ (2 * bilinear.half(load.force_N))
         outside_N = 2 * bilinear.middle(load.force_N) + self._weight_N
         path = Path(_middle(self._clamps), _middle(clamps), interval.length_s)
-        with np.errstate(over="ignore", invalid="ignore"):  # reported below, with the time
-            impulse_N_s, work_J = motion.run(path, outside_N, interval.steps(self._step_s))
+        impulse_N_s, work_J = motion.run(path, outside_N, interval.steps(self._step_s))
         lowest, highest = motion.stretches()
         if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN
             raise SolverFailed(
@@ -165,8 +170,8 @@ class Strip:
         before, self._clamps = self._surface, clamps
         self._surface = self._surface_now()
         along_m = self._surface.position_m - before.position_m
-        self._received_J["load"] += float(np.sum(load.force_N * along_m))
-        self._received_J["clamps"] -= work_J + float(np.sum(turning_N * moved_m))
+        self._received_J["load"] += float(np.vdot(load.force_N, along_m))
+        self._received_J["clamps"] -= work_J + float(np.vdot(turning_N, moved_m))
 
 
 def _middle(points: Motion) -> Motion:

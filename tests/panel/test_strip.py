@@ -10,11 +10,12 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from adapters.panel import chain, strip
+from adapters.panel.chain_motion import ChainMotion
 from orchestrator.clock import Interval
 from orchestrator.plans import Hyperelastic, PanelPlan, SolverFailed
 from orchestrator.ports import Array, Load, Motion, PanelState
 from tests.panel.contract import held, swung
-from tests.panel.elastic_plans import C01_PA, C10_PA, difference, plan
+from tests.panel.elastic_plans import BRANCHES, C01_PA, C10_PA, difference, plan
 
 PRINTED = Hyperelastic(1200.0, C10_PA, C01_PA, 2e9)
 SWAPPED = Hyperelastic(1200.0, C01_PA, C10_PA, 2e9)
@@ -69,6 +70,21 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
     change = (force(x + step) - force(x - step)) / 2
     expected = -links.tangent_N_m(x) @ step.ravel()
     assert change == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+
+
+def test_compiled_force_is_the_chain_s() -> None:
+    """Of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
+    given = taut(6, branches=BRANCHES)
+    links = chain.chain(given)
+    rng = np.random.default_rng(11)
+    rows = len(links.rows_m)
+    x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
+    x = x + 0.01 * rng.normal(size=x.shape)
+    moving = ChainMotion(links, np.ones(rows), x, BRANCHES, given.rectangle.across)
+    along, length = links.stretched(x)
+    moment = links.bending_N_m3[:, None] * links.curvature_1_m(x)
+    expected = links.force_N(along, links.tension_N(length), moment)
+    assert difference(moving.internal_N, expected) < 1e-13
 
 
 def test_force_is_minus_the_derivative_of_the_energy() -> None:

@@ -41,6 +41,7 @@ def without(*packages: str) -> str:
         (DOLFINX, "panel.solver=sheet", "python3-dolfinx"),
         (DOLFINX, "panel.solver=solid", "python3-dolfinx"),
         (KERNEL, "panel.solver=sheet", "docker/setup.sh"),
+        (KERNEL, "panel.solver=strip", "docker/setup.sh"),
         (BRIDGE, "particles.solver=liggghts", "libliggghts-dev"),
     ],
 )

@@ -72,21 +72,17 @@ Sheet::Works Sheet::find_force(const SheetState &state) {
 }
 
 void Sheet::place_held(const SheetState &state, const HeldPath &path, double fraction) const {
-  const double t = fraction, r = 1 - t, h = path.length_s;
-  for (size_t k = 0; k < held_.size(); ++k)
+  for (int k = 0; k < held(); ++k)
     for (int c = 0; c < 3; ++c) {
-      const size_t i = 3 * k + c, node = 3 * held_[k] + c;
-      const double x0 = path.start_m[i], v0 = path.start_m_s[i];
-      const double x1 = path.end_m[i], v1 = path.end_m_s[i];
-      state.position_m[node] =
-          (1 + 2 * t) * r * r * x0 + t * r * r * h * v0 + t * t * (3 - 2 * t) * x1 - t * t * r * h * v1;
-      state.velocity_m_s[node] = 6 * t * r / h * (x1 - x0) + r * (1 - 3 * t) * v0 + t * (3 * t - 2) * v1;
+      const int node = 3 * held_[k] + c;
+      state.position_m[node] = path.position_m(3 * k + c, fraction);
+      state.velocity_m_s[node] = path.velocity_m_s(3 * k + c, fraction);
     }
 }
 
 double Sheet::collect(const SheetState &state, double step_s, double *impulse_N_s) const {
   double work_J = 0.0;
-  for (size_t k = 0; k < held_.size(); ++k)
+  for (int k = 0; k < held(); ++k)
     for (int c = 0; c < 3; ++c) {
       const int node = 3 * held_[k] + c;
       const double mean_N = 0.5 * (before_N_[node] + state.internal_N[node]);

@@ -5,6 +5,7 @@
 #include "bending.h"
 #include "maxwell.h"
 #include "membrane.h"
+#include "path.h"
 
 namespace flipflow {
 
@@ -15,13 +16,6 @@ struct SheetState {
   double *position_m, *velocity_m_s, *internal_N;
   double *strain, *strain_stress, *elastic_N, *bending_stress_N;
   double *energy_J, *lost_J;
-};
-
-// Motion of the held nodes from the start to the end of an interval, (held, 3) each: cubic Hermite
-// in position and velocity, the same formula as orchestrator/hermite.py.
-struct HeldPath {
-  const double *start_m, *start_m_s, *end_m, *end_m_s;
-  double length_s;
 };
 
 // A thin sheet in velocity Verlet: adapters/panel/explicit.py on the structure of sheet_forms.py.
