@@ -9,23 +9,36 @@ namespace flipflow {
 
 namespace {
 
-FLIPFLOW_CLONES
-void products(int blocks, const std::vector<int> &offset, const double *entry,
-              const double *const column[3], double *result, int padded) {
-  for (int row = 0; row < blocks * kLanes; row += kLanes) {
-    Lanes x{}, y{}, z{};
-    for (const int to_column : offset) {
-      const Lanes a = load(entry);
-      x += a * load(column[0] + row + to_column);
-      y += a * load(column[1] + row + to_column);
-      z += a * load(column[2] + row + to_column);
+struct Product {
+  int blocks, padded;
+  const std::vector<int> &offset;
+  const double *entry, *column[3];
+  double *result;
+};
+
+template <class V>
+FLIPFLOW_INLINE void multiply_rows(const Product &p) {
+  const size_t entries = p.offset.size() * kLanes;
+  for (int row = 0; row < p.blocks * kLanes; row += kWidth<V>) {
+    const double *entry = p.entry + row / kLanes * entries + row % kLanes;
+    V x{}, y{}, z{};
+    for (const int to_column : p.offset) {
+      const V a = load<V>(entry);
+      x += a * load<V>(p.column[0] + row + to_column);
+      y += a * load<V>(p.column[1] + row + to_column);
+      z += a * load<V>(p.column[2] + row + to_column);
       entry += kLanes;
     }
-    store(result + row, x);
-    store(result + padded + row, y);
-    store(result + 2 * padded + row, z);
+    store(p.result + row, x);
+    store(p.result + p.padded + row, y);
+    store(p.result + 2 * p.padded + row, z);
   }
 }
+
+FLIPFLOW_V4 void multiply_v4(const Product &p) { multiply_rows<Eight>(p); }
+FLIPFLOW_V3 void multiply_v3(const Product &p) { multiply_rows<Four>(p); }
+void multiply_any(const Product &p) { multiply_rows<Two>(p); }
+auto *const multiply_here = fitting(multiply_v4, multiply_v3, multiply_any);
 
 // What the elastic force changes by stands in `change` afterwards.
 FLIPFLOW_CLONES
@@ -75,7 +88,8 @@ void Diagonals::multiply(const double *position, const double *flat, double *pro
                              &column_[2 * length + margin_]};
   for (int node = 0; node < nodes_; ++node)
     for (int c = 0; c < 3; ++c) column[c][node] = position[3 * node + c] - flat[3 * node + c];
-  products(padded_ / kLanes, offset_, entry_.data(), column, result_.data(), padded_);
+  multiply_here({padded_ / kLanes, padded_, offset_, entry_.data(),
+                 {column[0], column[1], column[2]}, result_.data()});
   for (int node = 0; node < nodes_; ++node)
     for (int c = 0; c < 3; ++c) product[3 * node + c] = result_[c * padded_ + node];
 }

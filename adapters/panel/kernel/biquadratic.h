@@ -20,30 +20,34 @@ constexpr double kValue[3] = {(1 - kFirst) * (1 - 2 * kFirst), 4 * kFirst * (1 -
 constexpr double kSlope[3] = {4 * kFirst - 3, 4 - 8 * kFirst, 4 * kFirst - 1};
 
 // From nodes u[0], u[step], u[2 step] to points at[0], at[step], at[2 step].
-FLIPFLOW_INLINE void values(const Lanes *u, Lanes *at, int step) {
-  const Lanes a = u[0], b = u[step], c = u[2 * step];
+template <class V>
+FLIPFLOW_INLINE void values(const V *u, V *at, int step) {
+  const V a = u[0], b = u[step], c = u[2 * step];
   at[0] = kValue[0] * a + kValue[1] * b + kValue[2] * c;
   at[step] = b;
   at[2 * step] = kValue[2] * a + kValue[1] * b + kValue[0] * c;
 }
 
-FLIPFLOW_INLINE void slopes(const Lanes *u, Lanes *at, int step) {
-  const Lanes a = u[0], b = u[step], c = u[2 * step];
+template <class V>
+FLIPFLOW_INLINE void slopes(const V *u, V *at, int step) {
+  const V a = u[0], b = u[step], c = u[2 * step];
   at[0] = kSlope[0] * a + kSlope[1] * b + kSlope[2] * c;
   at[step] = c - a;
   at[2 * step] = -kSlope[2] * a - kSlope[1] * b - kSlope[0] * c;
 }
 
 // The transposes, added up: from points to nodes.
-FLIPFLOW_INLINE void add_values(const Lanes *at, Lanes *u, int step) {
-  const Lanes a = at[0], b = at[step], c = at[2 * step];
+template <class V>
+FLIPFLOW_INLINE void add_values(const V *at, V *u, int step) {
+  const V a = at[0], b = at[step], c = at[2 * step];
   u[0] += kValue[0] * a + kValue[2] * c;
   u[step] += kValue[1] * (a + c) + b;
   u[2 * step] += kValue[2] * a + kValue[0] * c;
 }
 
-FLIPFLOW_INLINE void add_slopes(const Lanes *at, Lanes *u, int step) {
-  const Lanes a = at[0], b = at[step], c = at[2 * step];
+template <class V>
+FLIPFLOW_INLINE void add_slopes(const V *at, V *u, int step) {
+  const V a = at[0], b = at[step], c = at[2 * step];
   u[0] += kSlope[0] * a - b - kSlope[2] * c;
   u[step] += kSlope[1] * (a - c);
   u[2 * step] += kSlope[2] * a + b - kSlope[0] * c;
@@ -52,8 +56,9 @@ FLIPFLOW_INLINE void add_slopes(const Lanes *at, Lanes *u, int step) {
 }  // namespace biquadratic
 
 // Slopes at the points, per cell length and per cell width, of a field given at the nodes.
-FLIPFLOW_INLINE void slopes(const Lanes node[9], Lanes along[9], Lanes across[9]) {
-  Lanes value[9], slope[9];
+template <class V>
+FLIPFLOW_INLINE void slopes(const V node[9], V along[9], V across[9]) {
+  V value[9], slope[9];
   for (int j = 0; j < 3; ++j) {
     biquadratic::values(node + j, value + j, 3);
     biquadratic::slopes(node + j, slope + j, 3);
@@ -65,13 +70,14 @@ FLIPFLOW_INLINE void slopes(const Lanes node[9], Lanes along[9], Lanes across[9]
 }
 
 // The transpose: what acts on the slopes at the points, as it acts on the nodes.
-FLIPFLOW_INLINE void onto_nodes(const Lanes along[9], const Lanes across[9], Lanes node[9]) {
-  Lanes value[9] = {}, slope[9] = {};
+template <class V>
+FLIPFLOW_INLINE void onto_nodes(const V along[9], const V across[9], V node[9]) {
+  V value[9] = {}, slope[9] = {};
   for (int i = 0; i < 9; i += 3) {
     biquadratic::add_values(along + i, slope + i, 1);
     biquadratic::add_slopes(across + i, value + i, 1);
   }
-  for (int j = 0; j < 9; ++j) node[j] = Lanes{};
+  for (int j = 0; j < 9; ++j) node[j] = V{};
   for (int j = 0; j < 3; ++j) {
     biquadratic::add_values(value + j, node + j, 3);
     biquadratic::add_slopes(slope + j, node + j, 3);

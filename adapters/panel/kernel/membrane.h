@@ -26,10 +26,23 @@ struct MembraneLaw {
 };
 
 // Several cells side by side.  The last group is filled up with copies of no area.
-struct CellGroup {
-  Lanes per_s2, per_sy, per_y2, area;  // 1 / (cell lengths), products of two
-  Lanes solid, rest[6], strain[5];
+struct alignas(kLanes * sizeof(double)) CellGroup {
+  double per_s2[kLanes], per_sy[kLanes], per_y2[kLanes];  // 1 / (products of two cell lengths)
+  double area[kLanes], solid[kLanes], rest[6][kLanes], strain[5][kLanes];
   int corner[kLanes];  // lowest node
+};
+
+// What the loops over the cells need; see Membrane::step.  `cross_J` (branches, kLanes) and `square_J`
+// (kLanes) are added to.
+struct MembranePass {
+  const CellGroup *group;
+  int groups, nodes_across;
+  double c10_N_m, c01_N_m;
+  bool perforated;
+  const Branches *branches = nullptr;
+  const double *position_m = nullptr;
+  double *strain = nullptr, *stress = nullptr, *force_N = nullptr;
+  double *cross_J = nullptr, *square_J = nullptr;
 };
 
 // Force and energy of the membrane (adapters/panel/sheet_forms.py, perforated_sheet.py).
@@ -47,6 +60,8 @@ class Membrane {
   double energy_J(const double *position_m) const;
 
  private:
+  MembranePass pass() const;
+
   std::vector<CellGroup> groups_;
   double c10_N_m_, c01_N_m_;
   int nodes_across_;

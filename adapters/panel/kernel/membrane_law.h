@@ -6,37 +6,44 @@
 // (docs/theory/panel_sheet.md, perforated_panel.md), of the mid-surface's C.
 namespace flipflow {
 
+template <class V>
 struct Symmetric {
-  Lanes a11, a22, a12;
+  V a11, a22, a12;
 };
 
-FLIPFLOW_INLINE Lanes det(const Symmetric &C) { return C.a11 * C.a22 - C.a12 * C.a12; }
+template <class V>
+FLIPFLOW_INLINE V det(const Symmetric<V> &C) { return C.a11 * C.a22 - C.a12 * C.a12; }
 
-FLIPFLOW_INLINE Symmetric inverse(const Symmetric &C) {
-  const Lanes per_det = 1.0 / det(C);
+template <class V>
+FLIPFLOW_INLINE Symmetric<V> inverse(const Symmetric<V> &C) {
+  const V per_det = 1.0 / det(C);
   return {C.a22 * per_det, C.a11 * per_det, -C.a12 * per_det};
 }
 
 // Energy per area, and twice its derivative with respect to C.
-FLIPFLOW_INLINE Lanes solid_energy(double c10_N_m, double c01_N_m, const Symmetric &C) {
-  const Lanes trace = C.a11 + C.a22, d = det(C);
+template <class V>
+FLIPFLOW_INLINE V solid_energy(double c10_N_m, double c01_N_m, const Symmetric<V> &C) {
+  const V trace = C.a11 + C.a22, d = det(C);
   return c10_N_m * (trace + 1.0 / d - 3.0) + c01_N_m * (d + trace / d - 3.0);
 }
 
-FLIPFLOW_INLINE Symmetric solid_stress(double c10_N_m, double c01_N_m, const Symmetric &C) {
-  const Lanes trace = C.a11 + C.a22, d = det(C), per_d = 1.0 / d;
-  const Lanes by_trace = 2.0 * (c10_N_m + c01_N_m * per_d);
-  const Lanes by_det = 2.0 * (c01_N_m - (c10_N_m + c01_N_m * trace) * (per_d * per_d));
+template <class V>
+FLIPFLOW_INLINE Symmetric<V> solid_stress(double c10_N_m, double c01_N_m, const Symmetric<V> &C) {
+  const V trace = C.a11 + C.a22, d = det(C), per_d = 1.0 / d;
+  const V by_trace = 2.0 * (c10_N_m + c01_N_m * per_d);
+  const V by_det = 2.0 * (c01_N_m - (c10_N_m + c01_N_m * trace) * (per_d * per_d));
   return {by_trace + by_det * C.a22, by_trace + by_det * C.a11, -by_det * C.a12};
 }
 
 // The strain (C - 1/C) / 4 as a vector (11, 22, twice 12), and `rest` times it.
+template <class V>
 struct Voigt {
-  Lanes h[3], t[3];
+  V h[3], t[3];
 };
 
-FLIPFLOW_INLINE Voigt rest_law(const Lanes rest[6], const Symmetric &C, const Symmetric &per_C) {
-  Voigt v;
+template <class V>
+FLIPFLOW_INLINE Voigt<V> rest_law(const V rest[6], const Symmetric<V> &C, const Symmetric<V> &per_C) {
+  Voigt<V> v;
   v.h[0] = 0.25 * (C.a11 - per_C.a11);
   v.h[1] = 0.25 * (C.a22 - per_C.a22);
   v.h[2] = 0.5 * (C.a12 - per_C.a12);
@@ -46,18 +53,20 @@ FLIPFLOW_INLINE Voigt rest_law(const Lanes rest[6], const Symmetric &C, const Sy
   return v;
 }
 
-FLIPFLOW_INLINE Lanes rest_energy(const Lanes rest[6], const Symmetric &C) {
-  const Voigt v = rest_law(rest, C, inverse(C));
+template <class V>
+FLIPFLOW_INLINE V rest_energy(const V rest[6], const Symmetric<V> &C) {
+  const Voigt<V> v = rest_law(rest, C, inverse(C));
   return 0.5 * (v.h[0] * v.t[0] + v.h[1] * v.t[1] + v.h[2] * v.t[2]);
 }
 
 // (T + C^-1 T C^-1) / 2
-FLIPFLOW_INLINE Symmetric rest_stress(const Lanes rest[6], const Symmetric &C) {
-  const Symmetric k = inverse(C);
-  const Voigt v = rest_law(rest, C, k);
-  const Lanes t11 = v.t[0], t22 = v.t[1], t12 = v.t[2];
-  const Lanes kt11 = k.a11 * t11 + k.a12 * t12, kt12 = k.a11 * t12 + k.a12 * t22;
-  const Lanes kt21 = k.a12 * t11 + k.a22 * t12, kt22 = k.a12 * t12 + k.a22 * t22;
+template <class V>
+FLIPFLOW_INLINE Symmetric<V> rest_stress(const V rest[6], const Symmetric<V> &C) {
+  const Symmetric<V> k = inverse(C);
+  const Voigt<V> v = rest_law(rest, C, k);
+  const V t11 = v.t[0], t22 = v.t[1], t12 = v.t[2];
+  const V kt11 = k.a11 * t11 + k.a12 * t12, kt12 = k.a11 * t12 + k.a12 * t22;
+  const V kt21 = k.a12 * t11 + k.a22 * t12, kt22 = k.a12 * t12 + k.a22 * t22;
   return {0.5 * (t11 + kt11 * k.a11 + kt12 * k.a12), 0.5 * (t22 + kt21 * k.a12 + kt22 * k.a22),
           0.5 * (t12 + kt11 * k.a12 + kt12 * k.a22)};
 }
