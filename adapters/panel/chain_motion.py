@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from adapters.panel import _kernel
+from adapters.panel._kernel import Chain as CompiledChain
 from adapters.panel.chain import Chain
 from adapters.panel.maxwell import checked
 from orchestrator.hermite import Path
@@ -56,7 +56,7 @@ class ChainMotion:
         self._strain, self._stress = np.zeros(strains), np.zeros((len(branches), strains))
         self._energy_J, self._lost_J = np.zeros(len(branches)), np.zeros(1)
         ratio, time_s = checked(branches)
-        self._kernel = _kernel.Chain(
+        self._kernel = CompiledChain(
             **_links(chain),
             mass_kg=mass_kg,
             held=self.held.astype(np.int32),

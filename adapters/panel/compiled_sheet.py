@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from adapters.panel import _kernel
+from adapters.panel._kernel import LANES, Sheet
 from adapters.panel.elastic_panel import ElasticPanel
 from adapters.panel.grid import Grid, Surface
 from adapters.panel.maxwell import checked
@@ -55,7 +55,7 @@ class CompiledSheet:
         self.state = State(*np.zeros((3, len(nodes), 3)))
         self.memory = Memory(len(nodes), surface.grid, len(branches))
         ratio, time_s = checked(branches)
-        self._kernel = _kernel.Sheet(
+        self._kernel = Sheet(
             **_cells(plan, structure, surface.grid),
             **_diagonals(bending.matrix[nodes][:, nodes]),
             flat_m=self._flat_m,
@@ -112,10 +112,9 @@ class Memory:
     """
 
     def __init__(self, nodes: int, grid: Grid, branches: int) -> None:
-        lanes = _kernel.LANES
-        groups = -(-grid.shape[0] * grid.shape[1] // lanes)
-        self.strain = np.zeros((groups, 9, 3, lanes))
-        self.strain_stress = np.zeros((groups, 9, branches, 3, lanes))
+        groups = -(-grid.shape[0] * grid.shape[1] // LANES)
+        self.strain = np.zeros((groups, 9, 3, LANES))
+        self.strain_stress = np.zeros((groups, 9, branches, 3, LANES))
         self.elastic_N = np.zeros((nodes, 3))
         self.bending_stress_N = np.zeros((branches, nodes, 3))
         self.energy_J = np.zeros((2, branches))
