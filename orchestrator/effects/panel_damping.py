@@ -26,7 +26,7 @@ def judge(scene: Scene) -> Verdict:
         threshold="0.1 (loss factor 0.016)",
         matters=lost > TENTH if given else None,
         why=f"loss factor {factor:.2g} at {where}" if given else unknown,
-        cost="a twentieth of a strip's time, a fifth of a sheet's",
+        cost="hardly anything for a strip, an eighth to a quarter of a sheet's time",
     )
 
 

@@ -20,7 +20,7 @@ def judge(scene: Scene) -> Verdict:
         threshold="0.1",
         matters=matters,
         why=why,
-        cost="a strip little, a sheet up to the particles' time",
+        cost="a strip little, a sheet a tenth to a half of the particles' time",
     )
 
 
