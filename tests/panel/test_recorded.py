@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.panel import recorded
+from adapters.panel import recorded, rigid
 from orchestrator.clock import Interval
 from orchestrator.plans import PanelPlan
 from orchestrator.ports import Load
 from tests.panel import test_contract as contract_tests
-from tests.panel.contract import CASES, INTERVAL_S, Case, held, small
+from tests.panel.contract import CASES, INTERVAL_S, Case, held, shifted, small
 from tests.panel.recordings import PULL_N, SAMPLES, arch, moved, playback, rate
 
 STEP_RAD = 2 * np.pi / SAMPLES
@@ -120,3 +120,27 @@ def test_a_recording_checks_itself() -> None:
     good = playback(small("explicit"), 1.0).recording
     with pytest.raises(ValueError, match="pull_N"):
         replace(good, pull_N=good.pull_N[1:])
+
+
+def test_a_recording_of_a_flat_panel_is_a_rigid_one() -> None:
+    """Carried to and fro with a load that is not in the middle: place to rounding, the force on
+    each clamp to rounding, as both pass on by the lever rule."""
+    flat = replace(small("explicit"), playback=playback(small("explicit"), 0.0, sag_m=0.0))
+    panels = [recorded.build(flat), rigid.build(flat)]
+    s = flat.rectangle.length_m * np.array([0.2, 0.35, 0.8])
+    places = np.column_stack([s, np.array([0.01, 0.03, 0.04])])
+    force_N = np.array([[1.0, 0.0, -5.0], [0.0, 2.0, -3.0], [0.5, 0.0, -1.0]])
+    for index in range(20):
+        time_s = (index + 1) * INTERVAL_S
+        middles, firsts = [], []
+        for panel in panels:
+            H = panel.interpolation(places)
+            moved_m = np.array([4e-3, 0.0, 5e-3]) * np.sin(78.5 * time_s) ** 2
+            rate_m_s = np.array([4e-3, 0.0, 5e-3]) * 78.5 * np.sin(2 * 78.5 * time_s)
+            end = shifted(panel, moved_m, rate_m_s)
+            state = panel.advance(Interval(index, INTERVAL_S), end, Load(H.T @ force_N))
+            first = np.array([frame == "driving" for frame in panel.mount.frame])
+            middles.append(H @ state.surface.position_m)
+            firsts.append(state.reaction.force_N[first].sum(axis=0))
+        assert middles[0] == pytest.approx(middles[1], abs=1e-12)
+        assert firsts[0] - PULL_N == pytest.approx(firsts[1], abs=1e-9)
