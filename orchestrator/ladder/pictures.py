@@ -68,6 +68,10 @@ def _drawn(name: str, shown: Sequence[Row]) -> Any:
     return drawn
 
 
+def _known(name: str, table: Sequence[Row]) -> bool:
+    return any(name in row.error or (row.figures and name in row.figures.values) for row in table)
+
+
 def _points(name: str, rows: Sequence[Row]) -> Iterator[tuple[float, float]]:
     for row in rows:
         if row.figures is not None:
@@ -87,7 +91,7 @@ def page(title: str, table: Sequence[Row], pictures: dict[str, Path], folder: Pa
     text = environment.get_template("page.html").render(
         title=title,
         ladders={name: rows for name, rows in ladders.items() if rows},
-        quantities=QUANTITIES,
+        quantities={name: text for name, text in QUANTITIES.items() if _known(name, table)},
         short=SHORT,
         percent=percent,
         pictures={
