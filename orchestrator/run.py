@@ -30,6 +30,8 @@ from orchestrator.results.compute import results
 from orchestrator.results.seen import checked
 from orchestrator.results.store import store
 from orchestrator.scene.account import Entry, at_end
+from orchestrator.stability import words
+from orchestrator.stability.bound import Card
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.watch import Interrupted, Say, Stop, check_stable
 
@@ -41,12 +43,13 @@ class Run:
         self,
         loaded: LoadedCase,
         effects: Mapping[str, Entry],
+        stability: Card,
         folder: Path,
         world: Any,
         console: Console,
     ) -> None:
         self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
-        self._effects = effects
+        self._effects, self._stability = effects, stability
         self._case = loaded.case
         self._stopwatch = Stopwatch()
         self._started = time.perf_counter()
@@ -136,6 +139,7 @@ class Run:
             "effects": {name: one.figures() for name, one in self._effects.items()},
             "share_of_width": share(self._case.whole),
             "cycle_s": summary.cycle_s(self._case),
+            "stability": words.figures(self._stability),
             "wall_s": wall_s,
             "processor_s": time.process_time(),
             "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,

@@ -54,6 +54,12 @@ def hertz_s(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float
     return 2.87 * math.pow(mass_kg**2 / (radius_m * reduced_Pa**2 * speed_m_s), 0.2)
 
 
+def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float) -> float:
+    """Largest overlap of an elastic impact:  (15 m v^2 / (16 sqrt(R) E*))^(2/5), with reduced mass,
+    radius and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
+    return math.pow(15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)
+
+
 def smallest_diameters_m(case: Case) -> dict[str, float]:
     """The smallest diameter of each material that particles are made of."""
     bed = case.bed
@@ -64,6 +70,18 @@ def smallest_diameters_m(case: Case) -> dict[str, float]:
     for name, diameter_m in sizes:
         smallest[name] = min(diameter_m, smallest.get(name, math.inf))
     return smallest
+
+
+def largest_diameters_m(case: Case) -> dict[str, float]:
+    """The largest diameter of each material that particles are made of."""
+    bed = case.bed
+    sizes = [(p.material, p.diameter_m) for p in bed.particles.values()]
+    for source in bed.sources:
+        sizes += [(source.material, row.largest_m) for row in classes(source)]
+    largest: dict[str, float] = {}
+    for name, diameter_m in sizes:
+        largest[name] = max(diameter_m, largest.get(name, 0.0))
+    return largest
 
 
 def shortest_rayleigh_s(case: Case) -> float:
@@ -83,18 +101,3 @@ def impact_speed_m_s(case: Case) -> float:
     bed = case.bed
     speeds = [math.hypot(*row.velocity_m_s) for row in (*bed.particles.values(), *bed.sources)]
     return max([1.0, *speeds])
-
-
-def shortest_panel_contact_s(case: Case) -> float:
-    """Shortest duration of a particle's impact on a panel; infinite without particles."""
-    cap, speed = case.particles.largest_youngs_modulus_Pa, impact_speed_m_s(case)
-    found = [math.inf]
-    for name, diameter_m in smallest_diameters_m(case).items():
-        grain = case.materials[name]
-        mass_kg = math.pi / 6 * diameter_m**3 * grain.density_kg_m3
-        for panel in {panel.material for panel in case.screen.panels.values()}:
-            reduced_Pa = reduced_modulus_Pa(
-                contact_moduli(grain, cap), contact_moduli(case.materials[panel], cap)
-            )
-            found.append(hertz_s(mass_kg, diameter_m / 2, reduced_Pa, speed))
-    return min(found)

@@ -16,7 +16,6 @@ from orchestrator.checks import (
     drives,
     exits,
     feeds,
-    light_nodes,
     machine,
     materials,
     names,
@@ -89,11 +88,10 @@ def _as_given(loaded: LoadedCase, found: list[Mistake]) -> list[Mistake]:
 
 
 def warnings(loaded: LoadedCase) -> list[str]:
-    """What is allowed but doubtful, with numbers; for a case without mistakes."""
+    """What is allowed but doubtful, with numbers; for a case without mistakes.  The sync interval
+    has a card of its own: stability/card.py."""
     case = loaded.case
     return [
-        *steps.long_interval(case),
-        *light_nodes.light_nodes(case),
         *materials.fines(case),
         *recordings.other_speed(case, loaded.folder),
         *slices.doubtful_slice(case, loaded.folder),

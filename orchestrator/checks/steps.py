@@ -1,4 +1,4 @@
-"""Time steps and the sync interval against what limits them."""
+"""Time steps against what limits them."""
 
 from __future__ import annotations
 
@@ -6,20 +6,13 @@ from collections.abc import Iterator
 from importlib import import_module
 
 from orchestrator.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
-from orchestrator.bed.contact_times import (
-    LARGEST_RAYLEIGH_FRACTION,
-    impact_speed_m_s,
-    shortest_panel_contact_s,
-    shortest_rayleigh_s,
-)
+from orchestrator.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Mistake
 from orchestrator.planning import panel_plans
 from orchestrator.plans import SolverFailed, SolverMissing
-
-INTERVALS_PER_CONTACT = 10
 
 
 def particle_step(case: Case) -> Iterator[Mistake]:
@@ -82,19 +75,6 @@ def whole_times(case: Case) -> Iterator[Mistake]:
         if time_s < interval_s:
             what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"
             yield Mistake(key, what)
-
-
-def long_interval(case: Case) -> Iterator[str]:
-    """The rule of docs/theory/coupling.md: at most 1/10 of the shortest contact time that loads a
-    panel.  A warning, because the ledger shows what a longer one costs."""
-    contact_s, interval_s = shortest_panel_contact_s(case), case.coupling.sync_interval_s
-    if contact_s < INTERVALS_PER_CONTACT * interval_s:
-        yield (
-            f"coupling.sync_interval_s = {interval_s:.3g} s: the shortest impact on a panel lasts "
-            f"{contact_s:.3g} s (at {impact_speed_m_s(case):.3g} m/s), that is "
-            f"{contact_s / interval_s:.1f} intervals, fewer than {INTERVALS_PER_CONTACT}; "
-            f"{contact_s / INTERVALS_PER_CONTACT:.2g} s would resolve it"
-        )
 
 
 def missing_solvers(case: Case) -> Iterator[str]:

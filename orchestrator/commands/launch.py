@@ -26,6 +26,8 @@ from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
 from orchestrator.scene.account import account, at_start
+from orchestrator.stability import words
+from orchestrator.stability.card import card
 from orchestrator.watch import Interrupted
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
@@ -53,10 +55,14 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         console.print(f"running {loaded.name} {loaded.level} into {folder}")
-        for line in [*warnings(loaded), *at_start(entries)]:
+        stability = card(loaded.case)
+        for line in words.lines(stability):
+            LOG.info(line)
+        for line in [*warnings(loaded), *words.warnings(stability), *at_start(entries)]:
             LOG.warning(line)
             console.print(f"warning: {line}")
-        return _guarded(Run(loaded, entries, folder, world, console), folder, world, console)
+        opened = Run(loaded, entries, stability, folder, world, console)
+        return _guarded(opened, folder, world, console)
 
 
 def _console(quiet: bool = False) -> Console:

@@ -7,11 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.bed.contact_times import (
-    impact_speed_m_s,
-    shortest_panel_contact_s,
-    shortest_rayleigh_s,
-)
+from orchestrator.bed.contact_times import shortest_rayleigh_s
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
@@ -29,6 +25,8 @@ from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.planning import material_numbers
 from orchestrator.plans import SolverMissing
 from orchestrator.scene.account import account, at_start
+from orchestrator.stability import words
+from orchestrator.stability.card import card
 
 
 def overview(loaded: LoadedCase) -> Iterator[str]:
@@ -43,7 +41,10 @@ def overview(loaded: LoadedCase) -> Iterator[str]:
     yield from at_start(account(loaded.described, loaded.left_out))
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
-    for warning in [*warnings(loaded), *missing_solvers(case)]:
+    stability = card(case)
+    yield "stability:"
+    yield from words.lines(stability)
+    for warning in [*warnings(loaded), *words.warnings(stability), *missing_solvers(case)]:
         yield f"warning: {warning}"
     yield "the case can be run"
 
@@ -123,12 +124,7 @@ def _times(loaded: LoadedCase) -> Iterator[str]:
         f"({case.coupling.scheme}), {case.duration_s:g} s in all"
     )
     if has_particles(case):
-        contact_s = shortest_panel_contact_s(case)
-        yield (
-            f"  contact    the shortest impact on a panel lasts {contact_s:.3g} s at "
-            f"{impact_speed_m_s(case):.3g} m/s = {contact_s / interval_s:.1f} sync intervals of "
-            f"{steps_in(interval_s, particle_step_s(case))} steps each"
-        )
+        yield (f"  particles' steps in an interval  {steps_in(interval_s, particle_step_s(case))}")
 
 
 def case_lines(folder: Path) -> Iterator[str]:

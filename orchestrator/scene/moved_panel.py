@@ -72,6 +72,13 @@ class MovedPanel:
         return self.mass_kg_m2 * self.length_m * self.panel.rectangle.width_m
 
     @property
+    def whole_mass_kg(self) -> float:
+        """With what is under the clamps."""
+        clamps_m2 = 2 * self.panel.rectangle.clamp_m * self.panel.rectangle.width_m
+        law, thickness_m = self.material, self.panel.table.thickness_m
+        return self.free_mass_kg + law.density_kg_m3 * thickness_m * clamps_m2
+
+    @property
     def frequency_rad_s(self) -> float:
         """Lowest: bending between clamps and, where the panel is mounted taut, a string's."""
         law, thickness_m = self.material, self.panel.table.thickness_m
@@ -88,6 +95,11 @@ class MovedPanel:
         area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
         whole_N_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
         return whole_N_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
+
+    @property
+    def stiffening(self) -> float:
+        """Of fast changes against slow ones: Maxwell branches answer them like springs."""
+        return 1.0 + sum(ratio for ratio, _ in self.material.branches)
 
     @property
     def spring_N_m(self) -> float:

@@ -9,7 +9,7 @@ their drive's translation (its rotation is left out).  Theory: docs/theory/effec
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -86,6 +86,11 @@ def _joints(
         place_m = bushing.position_m
         stiffness = bushing_N_m(bushing, speed_rad_s, loss_factor)
         yield Joint(bushing.bodies, (place_m, place_m), stiffness)
+    yield from panel_joints(springs)
+
+
+def panel_joints(springs: Iterable[PanelSpring]) -> Iterator[Joint]:
+    """Panels as springs along themselves."""
     for spring in springs:
         stiffness = spring.stiffness_N_m * np.outer(spring.along, spring.along)
         yield Joint(spring.frames, (spring.ends_m[0], spring.ends_m[1]), stiffness)
@@ -114,18 +119,11 @@ def _shaking(
     freedoms: int,
     speed_rad_s: float,
 ) -> Shaking:
-    numbers = {body.name: number for number, body in enumerate(plan.bodies)}
-    dynamic = np.zeros((len(numbers), freedoms, len(numbers), freedoms), dtype=complex)
-    for joint in _joints(plan, springs, loss_factor, speed_rad_s):
-        ends = [
-            (numbers[name], sign * _moved(plan.bodies[numbers[name]], place_m, freedoms))
-            for name, place_m, sign in zip(joint.frames, joint.places_m, (-1, 1), strict=True)
-            if name in numbers
-        ]
-        for (row, one), (column, two) in product(ends, ends):
-            dynamic[row, :, column] += one.T @ joint.stiffness_N_m @ two
+    numbers = numbered(plan)
+    joints = _joints(plan, springs, loss_factor, speed_rad_s)
+    dynamic = assembled(plan, joints, freedoms)
     for number, body in enumerate(plan.bodies):
-        dynamic[number, :, number] -= speed_rad_s**2 * _mass(body, springs)[:freedoms, :freedoms]
+        dynamic[number, :, number] -= speed_rad_s**2 * mass_of(body, springs)[:freedoms, :freedoms]
     found = _solved(plan, numbers, dynamic, speed_rad_s)
     still = np.zeros(3, dtype=complex)
     turned = {name: row[3:] if freedoms > 3 else still for name, row in found.items()}
@@ -133,8 +131,28 @@ def _shaking(
     return Shaking(speed_rad_s, moved | {GROUND: still}, turned | {GROUND: still})
 
 
-def _mass(body: Body, springs: Sequence[PanelSpring]) -> Array:
-    """(6, 6); the panels' share rides at the centre of mass."""
+def numbered(plan: FramesPlan) -> dict[str, int]:
+    """The number of each frame."""
+    return {body.name: number for number, body in enumerate(plan.bodies)}
+
+
+def assembled(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array:
+    """Stiffness (frames, freedoms, frames, freedoms), complex, of joints between all frames."""
+    numbers = numbered(plan)
+    whole = np.zeros((len(numbers), freedoms, len(numbers), freedoms), dtype=complex)
+    for joint in joints:
+        ends = [
+            (numbers[name], sign * _moved(plan.bodies[numbers[name]], place_m, freedoms))
+            for name, place_m, sign in zip(joint.frames, joint.places_m, (-1, 1), strict=True)
+            if name in numbers
+        ]
+        for (row, one), (column, two) in product(ends, ends):
+            whole[row, :, column] += one.T @ joint.stiffness_N_m @ two
+    return whole
+
+
+def mass_of(body: Body, springs: Sequence[PanelSpring] = ()) -> Array:
+    """(6, 6) of a frame; the panels' share rides at the centre of mass."""
     halves_kg = [
         spring.mass_kg / 2 for spring in springs for end in spring.frames if end == body.name
     ]

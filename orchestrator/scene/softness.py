@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from orchestrator.bed.contact_times import contact_moduli, reduced_modulus_Pa, smallest_diameters_m
+from orchestrator.bed.contact_times import (
+    contact_moduli,
+    hertz_overlap_m,
+    reduced_modulus_Pa,
+    smallest_diameters_m,
+)
 from orchestrator.casefile.case import Case
 from orchestrator.scene.scene import Scene
 
@@ -71,8 +76,3 @@ def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
     half = 0.5 if both else 1.0
     mass_kg = half * 4 / 3 * math.pi * case.materials[grain].density_kg_m3
     return hertz_overlap_m(mass_kg, half, reduced_Pa, scene.impact_m_s)
-
-
-def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float) -> float:
-    """Largest overlap of an elastic impact, with reduced mass, radius and modulus."""
-    return math.pow(15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)

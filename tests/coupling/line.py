@@ -27,19 +27,23 @@ def push(force: float) -> Load:
 
 @dataclass
 class FreeFrame:
-    """A free mass."""
+    """A free mass, or one with a damper to the ground (which takes small steps)."""
 
     mass_kg: float
     x: float = 0.0
     v: float = 0.0
+    damping_N_s_m: float = 0.0
 
     def initial(self) -> Motion:
         return point(self.x, self.v)
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        h, a = interval.length_s, reaction.force_N[0, 0] / self.mass_kg
-        self.x += h * self.v + h * h * a / 2
-        self.v += h * a
+        steps = 40 if self.damping_N_s_m else 1
+        h, force = interval.length_s / steps, reaction.force_N[0, 0]
+        for _ in range(steps):
+            a = (force - self.damping_N_s_m * self.v) / self.mass_kg
+            self.x += h * self.v + h * h * a / 2
+            self.v += h * a
         return self.initial()
 
     def account(self) -> Account:
@@ -85,13 +89,16 @@ class HungPlate:
 
 @dataclass
 class Sphere:
-    """Touches the plate from below its position x < plate; a linear contact spring."""
+    """Overlaps the plate where x < plate; a linear contact spring and damper.  With ``stays`` it
+    never lets go, as if something pressed on it."""
 
     mass_kg: float
     stiffness_N_m: float
     x: float
     v: float
     steps: int = 40
+    damping_N_s_m: float = 0.0
+    stays: bool = False
 
     def initial(self) -> Load:
         return push(0.0)
@@ -110,7 +117,11 @@ class Sphere:
         return push(-impulse / interval.length_s)
 
     def _force(self, path: Path, fraction: float) -> float:
-        return self.stiffness_N_m * max(0.0, path.position_m(fraction)[0, 0] - self.x)
+        overlap = path.position_m(fraction)[0, 0] - self.x
+        rate = path.velocity_m_s(fraction)[0, 0] - self.v
+        if overlap <= 0.0 and not self.stays:
+            return 0.0
+        return self.stiffness_N_m * overlap + self.damping_N_s_m * rate
 
     def snapshot(self) -> None:
         raise NotImplementedError

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.bed.contact_times import hertz_overlap_m
 from orchestrator.casefile.levels import load
-from orchestrator.scene.softness import hertz_overlap_m
 from tests.case.cases import BLOCK, FEED, written
 from tests.effects.verdicts import (
     APERTURES,
