@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from orchestrator.bed.contact_times import shortest_rayleigh_s
 from orchestrator.casefile.contents import has_particles
 from orchestrator.scene.moved_panel import loss_factor
-from orchestrator.scene.scene import Scene, bed_kg_m2
+from orchestrator.scene.scene import Scene
 from orchestrator.stability.frame_modes import FrameMatrices
 
 
@@ -30,7 +30,7 @@ def facts(
 def _of_particles(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "Rayleigh time", f"{shortest_rayleigh_s(scene.case):.3g} s, the smallest particle's"
     if scene.panels:
-        bed = bed_kg_m2(scene.case)
+        bed = scene.bed_kg_m2
         ratio = bed / min(panel.mass_kg_m2 for panel in scene.panels)
         yield "bed on panel", f"{ratio:.3g} times the panel's mass, up to {bed:.3g} kg/m2"
     restitution = [row.restitution for row in scene.case.contacts]

@@ -100,7 +100,8 @@ def _worst(
 def _seats(
     scene: Scene, modes_rad_s: dict[str, float], frames: FrameMatrices | None
 ) -> Iterator[Seat]:
-    """A sphere alone presses on the lightest point; many side by side share the area."""
+    """What carries a sphere: the lightest point where it is alone, of many side by side the area
+    that each takes, and of a few that crowd on the lightest point its share."""
     for name, panel in scene.case.screen.panels.items():
         for touch in touches(scene, panel.material):
             mass_kg = _mass_kg(scene, panel, touch, frames)
@@ -114,7 +115,8 @@ def _mass_kg(
     """None where nothing moves under a load."""
     if scene.case.panel.solver != "rigid":
         alone_kg = lightest_point_kg(scene.case, panel)
-        return min(alone_kg, areal_kg_m2(scene.case, panel) * touch.area_m2)
+        crowded_kg = areal_kg_m2(scene.case, panel) * touch.area_m2
+        return min(alone_kg, max(crowded_kg, alone_kg / touch.most))
     wanted = scene.case.hand_over
     if frames is None or not (wanted.panel_reaction and wanted.frame_motion):
         return None

@@ -14,7 +14,7 @@ from orchestrator.bed.contact_times import (
     smallest_diameters_m,
 )
 from orchestrator.casefile.case import Case
-from orchestrator.scene.scene import Scene, bed_kg_m2
+from orchestrator.scene.scene import Scene, deck_m2, fed_kg_m2
 
 HEXAGONAL = math.sqrt(3) / 2  # of the square of the diameter: what each needs, lying side by side
 
@@ -31,7 +31,7 @@ class Contact:
 class Touch:
     """Spheres of one size on a panel.  ``deepest``: in an impact or under the bed, whichever goes
     deeper; ``resting``: under the bed.  ``impact_s`` is the duration of an impact, ``area_m2`` what
-    each takes of the surface where they lie side by side."""
+    each takes of the surface where they lie side by side, ``most`` how many there can be."""
 
     material: str
     diameter_m: float
@@ -40,6 +40,7 @@ class Touch:
     resting: Contact
     impact_s: float
     area_m2: float
+    most: float
 
     def __str__(self) -> str:
         return f"{self.material} of {1e3 * self.diameter_m:.3g} mm"
@@ -72,7 +73,8 @@ def _touch(scene: Scene, name: str, diameter_m: float, panel_material: str) -> T
         for one_m in (depth_m, pressed_m)
     )
     impact_s = hertz_s(mass_kg, radius_m, reduced_Pa, speed_m_s)
-    return Touch(name, diameter_m, mass_kg, deepest, resting, impact_s, area_m2)
+    most = max(1.0, fed_kg_m2(case) * deck_m2(case) / mass_kg)
+    return Touch(name, diameter_m, mass_kg, deepest, resting, impact_s, area_m2, most)
 
 
 def _contact(stiffness_N_m: float, mass_kg: float, restitution: float) -> Contact:
@@ -87,7 +89,7 @@ def _contact(stiffness_N_m: float, mass_kg: float, restitution: float) -> Contac
 
 def _pressure_Pa(scene: Scene) -> float:
     """Of the bed on a panel that throws it."""
-    return bed_kg_m2(scene.case) * scene.gravity_m_s2 * (1 + scene.panels_throw)
+    return scene.bed_kg_m2 * scene.gravity_m_s2 * (1 + scene.panels_throw)
 
 
 def _restitution(case: Case, one: str, two: str) -> float:

@@ -1,0 +1,130 @@
+"""The card of whole cases: which bounds there are, by hand where that is possible."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from orchestrator.casefile.levels import load
+from orchestrator.commands.launch import run
+from orchestrator.scene.scene import scene
+from orchestrator.stability import words
+from orchestrator.stability.bound import Bound, Card
+from orchestrator.stability.card import card
+from orchestrator.stability.panel_masses import lightest_point_kg
+from tests.case.cases import BLOCK, loaded
+from tests.effects.verdicts import BARE, written
+
+CASES = Path("cases")
+# finite elements and triangles share their corners, and the ball lands on one of them
+COARSE_AND_LIGHT = ["panel.cells=[22,12]", "panel.surface_cells=[22,12]"]
+STRIP = ["panel.solver=strip", "panel.cells=[22,1]", "panel.surface_cells=[22,4]"]
+
+
+def by_name(found: Card) -> dict[str, Bound]:
+    return {bound.name: bound for bound in found.bounds}
+
+
+def test_one_ball_on_a_strip_by_hand(tmp_path: Path) -> None:
+    """Ball of 20 mm, 1430 kg/m3, E = 10 MPa; the panel's small-strain values; the speed of the
+    panel's middle.  The ball is alone, so a whole row of the strip carries it."""
+    case = loaded(tmp_path, STRIP).case
+    found, speed_m_s = card(case), scene(case).impact_m_s
+    mass_kg, radius_m = math.pi / 6 * 0.02**3 * 1430, 0.01
+    modulus_Pa = 1 / ((1 - 0.3**2) / 1e7 + (1 - 0.49825**2) / 20.963e6)
+    depth_m = (15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * modulus_Pa)) ** 0.4
+    stiffness = 2 * modulus_Pa * math.sqrt(radius_m * depth_m)
+    row_kg = 1150 * 0.004 * 0.2 * 0.3 / 22
+    assert f"{stiffness:.3g} N/m" in by_name(found)["light points"].why
+    assert f"on {1e3 * row_kg:.3g} g" in by_name(found)["light points"].why
+    duration_s = 2.87 * (mass_kg**2 / (radius_m * modulus_Pa**2 * speed_m_s)) ** 0.2
+    accurate = found.accurate
+    assert accurate is not None
+    assert accurate.interval_s == pytest.approx(duration_s / 10, rel=1e-3)
+
+
+def test_many_side_by_side_share_the_panel(tmp_path: Path) -> None:
+    """Ten thousand spheres of 6 mm: each has the panel's mass on sqrt(3)/2 of its square."""
+    many = BLOCK.replace("count=1", "count=10000").replace(
+        "smallest_m=0.01, largest_m=0.02", "smallest_m=0.006, largest_m=0.006"
+    )
+    found = by_name(card(loaded(tmp_path, [*STRIP, many]).case))
+    share_g = 1e3 * 1150 * 0.004 * math.sqrt(3) / 2 * 0.006**2
+    assert f"on {share_g:.3g} g" in found["light points"].why
+
+
+def test_what_is_not_handed_over_sets_no_bound(tmp_path: Path) -> None:
+    unloaded = card(loaded(tmp_path, [*STRIP, "hand_over.particle_load=false"]).case)
+    assert "light points" not in by_name(unloaded)
+    unpushed = card(loaded(tmp_path, [*STRIP, "hand_over.panel_reaction=false"]).case)
+    assert "extrapolated clamps" not in by_name(unpushed)
+    still = card(loaded(tmp_path, ["panel.solver=rigid", "frames.solver=prescribed"]).case)
+    assert [bound.kind for bound in still.bounds] == ["accuracy"]
+
+
+def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
+    """The late reaction: 2 bushings without dampers hold the frame, so nothing is short enough."""
+    found = card(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
+    assert set(by_name(found)) >= {"late contacts", "late reaction", "carried mass"}
+    assert found.safe_s == 0.0
+    (said, *_) = words.warnings(found)
+    assert "no interval is short enough for serial-staggered (late reaction" in said
+
+
+def test_no_particles_no_contacts(tmp_path: Path) -> None:
+    bare = load(written(tmp_path, BARE), None, STRIP)
+    assert set(by_name(card(bare.case))) == {"carried mass", "extrapolated clamps"}
+    assert not list(words.warnings(card(bare.case)))
+
+
+def test_in_words_and_in_numbers() -> None:
+    bounds = (
+        Bound("a", 2e-4, "there", "one"),
+        Bound("b", 1e-4, "there", "two"),
+        Bound("c", math.inf, "there", "three"),
+        Bound("d", 5e-5, "there", "four", "accuracy"),
+    )
+    found = Card("particles-first", 1.5e-4, bounds, (), {})
+    stability, accuracy = words.warnings(found)
+    assert "1.5 times what is sure to be stable, 0.0001 s (b: two; there)" in stability
+    assert "the d wants 5e-05 s for accuracy (four)" in accuracy
+    assert words.figures(found) == {
+        "safe_interval_s": 1e-4,
+        "limited_by": "b",
+        "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
+    }
+    assert "takes 0.00015 s, 1.5 of it" in words.verdict(found)
+
+
+@pytest.mark.solver
+@pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
+def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
+    found = card(load(CASES / "ball-on-panel", "default", overrides).case)
+    assert bool(list(words.warnings(found))) is warned
+    assert found.stable is not None
+    assert found.stable.name == "light points"
+
+
+def test_corners_on_corners_are_nine_times_lighter_than_middles() -> None:
+    """Quadratic cells: corners have 1/9 of a cell's mass, its middle has 4/9."""
+    light = load(CASES / "ball-on-panel", "default", COARSE_AND_LIGHT).case
+    panel = light.screen.panels["deck"]
+    cell_kg = 1150 * panel.thickness_m * panel.length_m * panel.width_m / (22 * 12)
+    assert lightest_point_kg(light, panel) == pytest.approx(cell_kg / 9)
+
+
+@pytest.mark.solver
+@pytest.mark.slow
+@pytest.mark.parametrize(("overrides", "stable"), [([], True), (COARSE_AND_LIGHT, False)])
+def test_light_corners_are_unstable(tmp_path: Path, overrides: list[str], stable: bool) -> None:
+    """Energy created by the coupling against the 4.7 mJ with which the ball lands: below 1 %
+    where the card sees no danger, above 10 % where it does."""
+    short = ["duration_s=0.15", "output.pictures=false", "output.interval_s=0.05"]
+    assert run(CASES / "ball-on-panel", "default", tmp_path / "run", [*overrides, *short]) == 0
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert (summary["stability"]["safe_interval_s"] > 2e-5) is stable
+    created = abs(summary["energy_ledger_J"]["created.particles-panel"]) / 4.7e-3
+    assert created < 0.01 if stable else created > 0.1
