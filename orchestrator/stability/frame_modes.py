@@ -56,7 +56,7 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
         replace(spring, stiffness_N_m=panel.taut_stiffness_N_m * panel.stiffening)
         for spring, panel in zip(scene.springs, scene.panels, strict=True)
     ]
-    if case.panel.solver == "rigid":
+    if case.panel.solver in ("rigid", "recorded"):  # no springs
         springs = []
     bodies = {body.name: body for body in plan.bodies}
     masses = [mass_of(bodies[name])[:freedoms, :freedoms] for name in free_frames(plan)]

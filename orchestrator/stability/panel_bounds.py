@@ -19,6 +19,7 @@ from orchestrator.stability.panel_masses import areal_kg_m2, lightest_point_kg
 from orchestrator.stability.touching import Contact, Touch, touches
 from orchestrator.tables.screen import Panel
 
+CARRIED = ("rigid", "recorded")  # panels that hand every load to their frames
 SOURCE = "docs/theory/stability.md, "
 
 
@@ -113,7 +114,7 @@ def _mass_kg(
     scene: Scene, panel: Panel, touch: Touch, frames: FrameMatrices | None
 ) -> float | None:
     """None where nothing moves under a load."""
-    if scene.case.panel.solver != "rigid":
+    if scene.case.panel.solver not in CARRIED:
         alone_kg = lightest_point_kg(scene.case, panel)
         crowded_kg = areal_kg_m2(scene.case, panel) * touch.area_m2
         return min(alone_kg, max(crowded_kg, alone_kg / touch.most))
