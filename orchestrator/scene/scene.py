@@ -165,7 +165,13 @@ def bed_kg_m2(case: Case) -> float:
     square of its diameter: so much lies where it lies.  0 without particles or panels."""
     if not has_particles(case) or not case.screen.panels:
         return 0.0
-    return max(sum(_masses_kg(case)) / deck_m2(case), _lying_kg_m2(case))
+    return max(bed_kg(case) / deck_m2(case), _lying_kg_m2(case))
+
+
+def bed_kg(case: Case) -> float:
+    """Mass of the particles, at most: what is there at the start, and what a feed brings in the
+    time that material stays."""
+    return sum(_masses_kg(case))
 
 
 def _lying_kg_m2(case: Case) -> float:

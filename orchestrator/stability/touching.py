@@ -14,7 +14,7 @@ from orchestrator.bed.contact_times import (
     smallest_diameters_m,
 )
 from orchestrator.casefile.case import Case
-from orchestrator.scene.scene import Scene, deck_m2, fed_kg_m2
+from orchestrator.scene.scene import Scene, bed_kg
 
 HEXAGONAL = math.sqrt(3) / 2  # of the square of the diameter: what each needs, lying side by side
 
@@ -73,7 +73,7 @@ def _touch(scene: Scene, name: str, diameter_m: float, panel_material: str) -> T
         for one_m in (depth_m, pressed_m)
     )
     impact_s = hertz_s(mass_kg, radius_m, reduced_Pa, speed_m_s)
-    most = max(1.0, fed_kg_m2(case) * deck_m2(case) / mass_kg)
+    most = max(1.0, bed_kg(case) / mass_kg)
     return Touch(name, diameter_m, mass_kg, deepest, resting, impact_s, area_m2, most)
 
 
