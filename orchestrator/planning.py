@@ -29,6 +29,7 @@ from orchestrator.plans import (
     FramesPlan,
     GrainMaterial,
     Hyperelastic,
+    Motor,
     PanelPlan,
     ParticlesPlan,
 )
@@ -143,9 +144,23 @@ def _exciters(case: Case) -> list[Exciter]:
             run_up_s=exciter.run_up_s,
             phase_rad=exciter.phase_rad,
             start_s=exciter.start_s,
+            motor=_motor(exciter.motor) if case.frames.solver == "planar" else None,
         )
         for exciter in case.screen.exciters.values()
     ]
+
+
+def _motor(motor: tables.Motor | None) -> Motor | None:
+    if motor is None:
+        return None
+    return Motor(
+        rated_power_W=motor.rated_power_W,
+        synchronous_rad_s=motor.synchronous_speed_rad_s,
+        rated_slip=motor.rated_slip,
+        breakdown_ratio=motor.breakdown_ratio,
+        inertia_kg_m2=motor.moment_of_inertia_kg_m2,
+        bearing_N_m_s=motor.bearing_loss_N_m_s,
+    )
 
 
 def _drives(case: Case) -> list[Drive]:

@@ -101,6 +101,21 @@ class Bushing:
 
 
 @dataclass(frozen=True)
+class Motor:
+    """An induction motor by its rating: lags behind ``synchronous_rad_s`` by ``rated_slip`` of it
+    at ``rated_power_W``; its breakdown torque is ``breakdown_ratio`` times the rated one.
+    ``inertia_kg_m2`` of all that turns, the unbalance included; ``bearing_N_m_s`` torque lost per
+    speed."""
+
+    rated_power_W: float
+    synchronous_rad_s: float
+    rated_slip: float
+    breakdown_ratio: float
+    inertia_kg_m2: float
+    bearing_N_m_s: float
+
+
+@dataclass(frozen=True)
 class Exciter:
     """A rotating unbalance: force of size  mass_moment * speed^2  turning about ``axis``.
 
@@ -108,7 +123,9 @@ class Exciter:
     speed(t) = speed_rad_s * (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``, then constant; at
     angle = ``phase_rad`` the force points along ``start`` (a unit vector normal to ``axis``;
     positive rotation about ``axis``).  The force is the unbalance's inertia force:
-    mass_moment * (speed^2 radial - d(speed)/dt tangential).
+    mass_moment * (speed^2 radial - d(speed)/dt tangential).  With a ``motor``, where the solver
+    knows motors, the speed is what its torque makes of it, and ``run_up_s`` is that of the
+    synchronous speed.
     """
 
     body: str
@@ -120,6 +137,7 @@ class Exciter:
     run_up_s: float
     phase_rad: float = 0.0
     start_s: float = 0.0
+    motor: Motor | None = None
 
 
 @dataclass(frozen=True)

@@ -19,11 +19,13 @@ STAGES = 6
 @dataclass(frozen=True)
 class Gauss:
     """One step.  ``node_s``, ``weight_s`` (stages,): times from the step's start, and weights
-    that sum to the step.  ``inner`` maps (state, loads) to all stage states, ``outer`` to the
+    that sum to the step; ``integral_s`` (stages, stages): rates at the nodes to what they add up
+    to there.  ``inner`` maps (state, loads) to all stage states, ``outer`` to the
     state at the end; a state is (x, x') in one vector."""
 
     node_s: Array
     weight_s: Array
+    integral_s: Array
     inner: Array
     outer: Array
 
@@ -51,7 +53,7 @@ def gauss(mass: Array, damping: Array, stiffness: Array, step_s: float) -> Gauss
     outer = step_s * np.kron(weight, rate) @ inner
     outer[:, : 2 * n] += np.eye(2 * n)
     outer[:, 2 * n :] += step_s * np.kron(weight, push)
-    return Gauss(step_s * node, step_s * weight, inner, outer)
+    return Gauss(step_s * node, step_s * weight, step_s * integral, inner, outer)
 
 
 def onward() -> Array:

@@ -25,6 +25,7 @@ from adapters.frames.planar_drive import planar_drives
 from adapters.frames.planar_forces import Bushings, Forces, Pulls
 from adapters.frames.plane import Complex, Poses, carrying, in_space, wrench
 from adapters.frames.rounds import Rounds
+from adapters.frames.shaft import shafts
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan, SolverFailed
 from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
@@ -74,6 +75,9 @@ class PlanarFrames:
         carrier = linear.numbers(plan, plan.carrier)
         self._carried = carrying(carrier, plan.points_m, drawn_m)
         self._bushings = Bushings(plan, drawn_m, (machine.stretch @ sag).reshape(-1, 3))
+        self._shafts = shafts(plan, drawn_m)
+        self._inertia = np.full((len(plan.bodies), 3), np.inf)  # driven bodies feel nothing
+        self._inertia[self._free] = np.diag(machine.mass).reshape(-1, 3)
         self._forces = Forces(plan, drawn_m, self._carried)
         self._coordinates = self._driven_at(np.zeros(1))
         self._poses = Poses.of(*self._coordinates)
@@ -97,16 +101,23 @@ class PlanarFrames:
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))
-        return self._books.account(self._poses, elastic_J)
+        return self._books.account(self._poses, elastic_J, self._shafts)
 
     def save(self) -> Saved:
         ratio = np.array(self._rounds.ratio)
-        return taken(self, *_STATE) | {"ratio": ratio, "books": self._books.save()}
+        turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
+        return taken(self, *_STATE) | {
+            "ratio": ratio,
+            "books": self._books.save(),
+            "shafts": turning,
+        }
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_STATE)
         self._rounds.ratio = float(saved["ratio"])
         self._books.restore(saved["books"])
+        for number, shaft in enumerate(self._shafts):
+            shaft.restore(saved["shafts"][str(number)])
 
     def close(self) -> None:
         pass
@@ -120,18 +131,21 @@ class PlanarFrames:
     def _step(self, start_s: float, reaction: Complex) -> None:
         time_s = start_s + self._gauss.node_s
         exciter_N = self._forces.exciter_N(time_s)
-        nodes = self._nodes(time_s, self._forces.given(exciter_N, reaction))
+        nodes = self._nodes(start_s, self._forces.given(exciter_N, reaction))
         self._book(nodes, exciter_N, reaction)
+        for shaft in self._shafts:
+            shaft.end(self._gauss)
         coordinates = self._driven_at(np.array([start_s + self._step_s]))
         x, v = self._freedoms()
         ends = self._gauss.end(x, v, nodes.load)
         coordinates[:, 0, self._free] = np.reshape(ends, (2, -1, 3))
         self._coordinates, self._poses = coordinates, Poses.of(*coordinates)
 
-    def _nodes(self, time_s: Array, given: Complex) -> Nodes:
+    def _nodes(self, start_s: float, given: Complex) -> Nodes:
         """The collocation's equations, solved in rounds: each shrinks what the last got wrong
         by the share that finite rotations have in the bushings' forces, times (step w)^2."""
         x, v = self._freedoms()
+        time_s = start_s + self._gauss.node_s
         coordinates = self._driven_at(time_s)
         ahead = np.exp(1j * self._poses.spin_rad_s * self._gauss.node_s[:, None])
         expected = wrench(given, self._poses.turn * ahead)[:, self._free].reshape(len(time_s), -1)
@@ -142,16 +156,26 @@ class PlanarFrames:
             coordinates[:, :, self._free] = np.reshape((xs, vs), (2, len(time_s), -1, 3))
             poses = Poses.of(*coordinates)
             pulls = self._bushings.pulls(poses)
-            total = wrench(given + pulls.force, poses.turn)
+            force = given + pulls.force
+            for shaft in self._shafts:
+                force = force + shaft.force(self._gauss, start_s)
+            total = wrench(force, poses.turn)
             total[..., 2] += pulls.couple_N_m
+            for shaft in self._shafts:
+                shaft.feel(self._acceleration(poses, total))
             before, load = load, total[:, self._free].reshape(xs.shape) + self._linear(xs, vs)
             size = np.abs(load).max(initial=0.0) + np.abs(pulls.pull_N).max(initial=0.0)
             if self._rounds.settled(np.abs(load - before).max(initial=0.0), size):
                 self._added = load - expected
                 return Nodes(load, poses, pulls)
         raise SolverFailed(
-            f"planar frames at {time_s[0]} s: its rounds do not end; take a smaller frames.step_s"
+            f"planar frames at {start_s} s: its rounds do not end; take a smaller frames.step_s"
         )
+
+    def _acceleration(self, poses: Poses, total: Array) -> Complex:
+        """Of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
+        share = total / self._inertia
+        return poses.acceleration(share[..., 0] + 1j * share[..., 1], share[..., 2])
 
     def _linear(self, xs: Array, vs: Array) -> Array:
         """What the left side of the equations says of the bushings, (nodes, freedoms)."""

@@ -7,12 +7,14 @@ all bodies in the plane: what pushes across goes into them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from adapters.frames import linear
 from adapters.frames.plane import Complex, Poses, in_plane, in_space, power
+from adapters.frames.shaft import Shaft
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Array, Indices, Saved
 from orchestrator.state import put_back, taken
@@ -61,7 +63,7 @@ class Books:
         self._pushed_J += float(work_J[self._driven].sum())
         self._outside_N_s -= length_s * (force_N * self._into_outside).sum(axis=0)
 
-    def account(self, now: Poses, elastic_J: float) -> Account:
+    def account(self, now: Poses, elastic_J: float, shafts: Sequence[Shaft]) -> Account:
         """``now`` at one time."""
         kinetic_J, gravitational_J = self._kinetic_J(now), self._gravitational_J(now)
         supplied_J = {"exciter": self._exciter_J}
@@ -69,6 +71,11 @@ class Books:
             gained_J = kinetic_J - self._kinetic_J(self._start)
             gained_J += gravitational_J - self._gravitational_J(self._start)
             supplied_J["drive"] = float(gained_J[self._driven].sum()) - self._pushed_J
+        stored_J, lost_J = {"bushing_elastic": elastic_J}, {"bushing_damping": self._lost_J}
+        if shafts:
+            supplied_J["motor"] = sum(shaft.motor_J for shaft in shafts)
+            stored_J["shaft"] = sum(shaft.stored_J(now.rate[0]) for shaft in shafts)
+            lost_J["shaft_bearing"] = sum(shaft.lost_J for shaft in shafts)
         momentum = self._mass_kg * now.velocity_m_s[0]
         gained = momentum - self._mass_kg * self._start.velocity_m_s[0]
         return Account(
@@ -76,10 +83,10 @@ class Books:
             self._outside_N_s + in_space(gained[self._driven].sum()),
             stored_J={
                 "kinetic": float(kinetic_J.sum()),
-                "bushing_elastic": elastic_J,
                 "gravitational": float(gravitational_J.sum()),
+                **stored_J,
             },
-            lost_J={"bushing_damping": self._lost_J},
+            lost_J=lost_J,
             supplied_J=supplied_J,
             received_J={"reaction": self._received_J},
         )

@@ -81,13 +81,16 @@ class Bushings:
 
 
 class Forces:
-    """All but the bushings, as forces on the natural coordinates.  ``carried`` (2 bodies, n):
-    displacements of the points that the reaction acts on, per coordinate."""
+    """All but bushings and unbalances with motors, as forces on the natural coordinates.
+
+    ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per
+    coordinate."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, carried: Complex) -> None:
-        self._unbalances = [Unbalance(exciter) for exciter in plan.exciters]
-        excited = linear.numbers(plan, tuple(e.body for e in plan.exciters))
-        place_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
+        exciters = [exciter for exciter in plan.exciters if exciter.motor is None]
+        self._unbalances = [Unbalance(exciter) for exciter in exciters]
+        excited = linear.numbers(plan, tuple(e.body for e in exciters))
+        place_m = np.array([e.position_m for e in exciters]).reshape(-1, 3)
         self._excited = carrying(excited, place_m, drawn_m)
         mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._weight = np.concatenate([mass_kg * in_plane(plan.gravity_m_s2), 0 * mass_kg])

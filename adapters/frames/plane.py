@@ -91,6 +91,13 @@ class Poses:
         """Of the centres of mass, (times, bodies)."""
         return self.place[:, : self.turn.shape[1]]
 
+    def acceleration(self, body_m_s2: Complex, spin_rad_s2: Array) -> Complex:
+        """Of the natural coordinates, (times, 2 bodies), from that of the centres of mass and of
+        the angles, (times, bodies) each."""
+        return np.concatenate(
+            [body_m_s2, (1j * spin_rad_s2 - self.spin_rad_s**2) * self.turn], axis=1
+        )
+
     @property
     def velocity_m_s(self) -> Complex:
         return self.rate[:, : self.turn.shape[1]]

@@ -179,7 +179,12 @@ def _bushing(row: Bushing, part: float) -> Bushing:
 
 
 def _exciter(row: Exciter, part: float) -> Exciter:
-    return row.model_copy(update={"mass_moment_kg_m": part * row.mass_moment_kg_m})
+    update: dict[str, object] = {"mass_moment_kg_m": part * row.mass_moment_kg_m}
+    if row.motor is not None:
+        extensive = ("rated_power_W", "moment_of_inertia_kg_m2", "bearing_loss_N_m_s")
+        share = {key: part * getattr(row.motor, key) for key in extensive}
+        update["motor"] = row.motor.model_copy(update=share)
+    return row.model_copy(update=update)
 
 
 def _panel(row: Panel, y_m: tuple[float, float]) -> Panel:

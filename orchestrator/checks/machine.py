@@ -13,7 +13,7 @@ from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Key, Mistake
 from orchestrator.deck.panels import axes
 from orchestrator.tables.quantities import GROUND
-from orchestrator.tables.screen import Panel
+from orchestrator.tables.screen import Exciter, Motor, Panel
 
 
 def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
@@ -91,6 +91,18 @@ def bushings_and_exciters(case: Case) -> Iterator[Mistake]:
         if exciter.frame == GROUND:
             yield Mistake((*key, "frame"), "the ground cannot be excited", "name a frame")
         yield from _right_angle(key, "axis", exciter.axis, "start", exciter.start)
+        if exciter.motor is not None:
+            yield from _motor(case, (*key, "motor"), exciter, exciter.motor)
+
+
+def _motor(case: Case, key: Key, exciter: Exciter, motor: Motor) -> Iterator[Mistake]:
+    synchronous = motor.synchronous_speed_rad_s
+    if exciter.speed_rad_s > synchronous:
+        what = f"{synchronous:g} is below the exciter's speed_rad_s = {exciter.speed_rad_s:g}"
+        yield Mistake((*key, "synchronous_speed_rad_s"), what, "a motor lags behind it")
+    if case.frames.solver == "planar" and (exciter.axis[0] or exciter.axis[2]):
+        what = "turns a shaft that is not across the deck, which planar frames know alone"
+        yield Mistake(key, what, "axis = [0, 1, 0], or another frames.solver, without slip")
 
 
 def panel_solver(case: Case) -> Iterator[Mistake]:

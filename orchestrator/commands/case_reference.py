@@ -38,6 +38,8 @@ UNITS = {
     "_rad_s": "rad/s",
     "_deg": "degree",
     "_Hz": "Hz",
+    "_W": "W",
+    "_N_m_s": "N m s",
 }
 DIMENSIONLESS = frozenset(
     {
@@ -58,6 +60,8 @@ DIMENSIONLESS = frozenset(
         "mass_fraction",
         "loss_factor",
         "storage_ratio",
+        "rated_slip",
+        "breakdown_ratio",
     }
 )
 HEAD = """\
@@ -100,6 +104,7 @@ of the case's physics:
 | `variation-across` | `panel.solver = "strip"` |
 | `frame-rotation` | `frames.solver = "two-mass"` |
 | `sideways-motion` | `frames.solver = "planar"` |
+| `motor-slip` | another `frames.solver` than "planar" in a case with a motor |
 | `frame-dynamics` | `frames.solver = "prescribed"` in a case with frames that forces move |
 | `rolling-friction` | `particles.rolling = "none"` in a case with rolling friction |
 | `adhesion` | `particles.adhesion = "none"` in a case with works of adhesion |

@@ -6,9 +6,10 @@ deck and up.  ``inclination_deg`` turns them about y into the world's axes.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from annotated_types import Ge, Gt, Le
+from pydantic import Field, Strict
 
 from orchestrator.tables.apertures import Apertures
 from orchestrator.tables.deck import Deck
@@ -80,6 +81,24 @@ class Bushing(Table):
     """Turns the bushing's axes from the deck axes: about x, then y, then z."""
 
 
+class Motor(Table):
+    """An induction motor on the ground that turns an exciter's shaft, so that its speed dips under
+    load.  Of the solvers, "planar" knows it; the others turn the shaft at ``speed_rad_s``."""
+
+    rated_power_W: Positive
+    """Rated power, of all motors of the shaft."""
+    synchronous_speed_rad_s: Positive
+    """Speed of the shaft without any load; gears and belts are already in it."""
+    rated_slip: Annotated[float, Strict(), Gt(0), Le(0.2)]
+    """Lag behind the synchronous speed at rated power, as a share of it."""
+    breakdown_ratio: Annotated[float, Strict(), Ge(1), Le(10)] = 2.5
+    """Breakdown torque over rated torque."""
+    moment_of_inertia_kg_m2: Positive
+    """Of all that turns about the shaft, the unbalance and the rotor included, at its speed."""
+    bearing_loss_N_m_s: NotNegative = 0.0
+    """Torque that the bearings take, per speed."""
+
+
 class Exciter(Table):
     """A rotating unbalance on a frame."""
 
@@ -100,7 +119,9 @@ class Exciter(Table):
     start_s: NotNegative = 0.0
     """When it starts; until then it stands still, and what was dropped can settle."""
     run_up_s: NotNegative = 0.0
-    """Time to reach full speed, from ``start_s``."""
+    """Time to reach full speed, from ``start_s``; of a motor, for its synchronous speed."""
+    motor: Motor | None = None
+    """Turns it; without, its speed is prescribed."""
 
 
 class Panel(Table):
