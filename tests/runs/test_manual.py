@@ -26,6 +26,10 @@ LEDGER = documented("### `energy_ledger_J`")
 WEAR = "contacts.1.specific_wear_m3_N_m=1e-12"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
 RECORDED = {"supplied.panel.recording"}  # tests/runs/test_recorded.py has a run
+MOTOR = (
+    "screen.exciters.shaft.motor={rated_power_W=900, synchronous_speed_rad_s=80, rated_slip=0.04, "
+    "moment_of_inertia_kg_m2=0.05}"
+)
 SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
 
 
@@ -105,7 +109,8 @@ def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
     """Together with the next, every documented term is one that a solver has."""
     cheap = ledger_of((), "quickstart", tmp_path / "a")
     moved = ledger_of((), "panel-cycle", tmp_path / "b")
-    assert cheap | moved == LEDGER - SOLID - RECORDED
+    turned = ledger_of(("frames.solver=planar", MOTOR), "quickstart", tmp_path / "c")
+    assert cheap | moved | turned == LEDGER - SOLID - RECORDED
 
 
 @pytest.mark.solver
