@@ -60,3 +60,11 @@ def test_motors_that_cannot_be(tmp_path: Path) -> None:
     assert "a motor lags behind it" in only_complaint(tmp_path, slow)
     along = "screen.exciters.shaft.axis=[1.0, 0.0, 0.0]"
     assert "not across the deck" in only_complaint(tmp_path, MOTOR, PLANAR, along)
+
+
+def test_slip_that_is_not_named_takes_the_motor_away(tmp_path: Path) -> None:
+    before = loaded(tmp_path, [MOTOR, PLANAR]).case
+    others = [name for name in EFFECTS if present(before, name) and name != "motor-slip"]
+    case = loaded(tmp_path, [MOTOR, PLANAR, f"effects={others}"])
+    assert case.case.screen.exciters["shaft"].motor is None
+    assert set(case.left_out) == {"motor-slip", "sideways-motion"}
