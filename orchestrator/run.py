@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import logging
-import subprocess
-import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -18,6 +16,7 @@ from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.build import build
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.casefile.slice import share
+from orchestrator.children import python
 from orchestrator.clock import Interval, exact, intervals, steps_in
 from orchestrator.coupling import State, initial
 from orchestrator.ledger import Ledger
@@ -189,7 +188,6 @@ def written(time_s: float) -> Iterator[None]:
 
 def draw(folder: Path) -> None:
     """Pictures in a process of their own; one that fails is a warning in the log."""
-    command = [sys.executable, "-m", "orchestrator.records.pictures", str(folder)]
-    drawn = subprocess.run(command, capture_output=True, text=True, check=False)
+    drawn = python("-m", "orchestrator.records.pictures", str(folder), capture_output=True)
     if drawn.returncode:
         LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

@@ -25,9 +25,11 @@ from orchestrator.tables.quantities import (
     Box,
     Name,
     NotNegative,
+    OneLine,
     Positive,
     Share,
     Table,
+    Text,
     Vector,
 )
 from orchestrator.tables.screen import Screen
@@ -112,16 +114,16 @@ class Probe(Table):
     """The panel it is on; with ``at``."""
     at: tuple[Share, Share] | None = None
     """Where it is on the panel: fractions of the free length and of the width."""
-    particle: Annotated[int, Strict(), Ge(1)] | None = None
+    particle: Annotated[int, Strict(), Ge(1), Lt(2**63)] | None = None
     """The particle's id."""
 
 
 class Case(Table):
     """One case with its level."""
 
-    title: str
+    title: OneLine
     """One line that says what the case shows."""
-    description: str = ""
+    description: Text = ""
     """More about it: sources, assumptions."""
     default_level: str = ""
     """The level taken when none is asked for."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
@@ -11,6 +12,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 Key = tuple[str | int, ...]
+MOST = 50  # mistakes that are said
+LONGEST = 600  # characters of a line about one
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,7 @@ class Mistake:
 
     def __str__(self) -> str:
         place = " ".join(part for part in (self.file, dotted(self.key)) if part)
-        return f"{place}: {self.what}" + (f"; {self.hint}" if self.hint else "")
+        return visible(f"{place}: {self.what}" + (f"; {self.hint}" if self.hint else ""))
 
 
 class CaseError(Exception):
@@ -37,12 +40,29 @@ class CaseError(Exception):
         self.mistakes = tuple(mistakes)
         count = len(self.mistakes)
         head = "1 mistake" if count == 1 else f"{count} mistakes"
-        super().__init__("\n".join([f"{head} in the case:", *(f"  {m}" for m in self.mistakes)]))
+        lines = [f"{head} in the case:", *(f"  {mistake}" for mistake in self.mistakes[:MOST])]
+        if count > MOST:
+            lines.append(f"  and {count - MOST} more")
+        super().__init__("\n".join(lines))
 
 
 def dotted(key: Key) -> str:
     """('bed', 'sizes', 0, 'diameter_m') -> bed.sizes.0.diameter_m, as --set takes it."""
-    return ".".join(str(part) for part in key)
+    return ".".join(shortened(str(part)) for part in key)
+
+
+def visible(text: str) -> str:
+    """On one line, and nothing in it that a terminal would obey: characters without a shape are
+    escaped, and a line that is too long is cut."""
+    text = text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+    return "".join(
+        one if one.isprintable() else one.encode("unicode_escape").decode() for one in text
+    )
+
+
+def shortened(text: str) -> str:
+    """Cut to a readable length."""
+    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
@@ -56,14 +76,16 @@ def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
 
 def shown(value: Any) -> str:
     """A value as a user knows it, cut to a readable length."""
-    text = repr(value) if not isinstance(value, bool) else str(value).lower()
-    return text if len(text) <= 60 else text[:57] + "..."
+    try:
+        return shortened(repr(value) if not isinstance(value, bool) else str(value).lower())
+    except ValueError:  # Python does not write whole numbers of more than 4300 digits
+        return "a number of thousands of digits"
 
 
 def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Mistake]:
     """One mistake for each that pydantic found.  A missing key is left out where a misspelt one
     was meant to be it."""
-    details = error.errors(include_url=False)
+    details = error.errors(include_url=False)[: 2 * MOST]
     mistakes: list[Mistake] = []
     meant: set[Key] = set()
     for detail in details:
@@ -89,13 +111,14 @@ def _mistake(detail: ErrorDetails) -> Mistake:
             return Mistake(key[:-1], f"{value} has too few values")
         return Mistake(key, "missing")
     if key and key[-1] == "[key]":
-        return Mistake(key[:-1], "a name is made of letters, digits, _ and -")
-    said = detail["msg"].removeprefix("Input should be ").removeprefix("Input should ")
+        return Mistake(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
+    if kind == "string_pattern_mismatch":
+        return Mistake(key, f"{value} has characters that cannot be shown")
+    said = re.sub("^(Input|String) should (be )?", "", detail["msg"])
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in said.replace(" or ", ",").split(",")]
-        return Mistake(
-            key, f"{value} is not one of {said}", did_you_mean(str(detail["input"]), allowed)
-        )
+        word = detail["input"] if isinstance(detail["input"], str) else ""
+        return Mistake(key, f"{value} is not one of {said}", did_you_mean(word, allowed))
     if kind == "model_type":
         said = "a table"
     return Mistake(key, f"{value} is wrong, {said} is wanted")

@@ -5,7 +5,6 @@ An overlay may give any key; overlays.py says how it is laid over what is there.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +15,16 @@ from pydantic import ValidationError
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.deck_layout import laid_out
 from orchestrator.casefile.effect_choice import Choice, chosen, shaped
-from orchestrator.casefile.errors import CaseError, Mistake, did_you_mean, from_validation, shown
+from orchestrator.casefile.errors import (
+    CaseError,
+    Mistake,
+    did_you_mean,
+    from_validation,
+    shown,
+    visible,
+)
 from orchestrator.casefile.overlays import Layers, changed, parsed
+from orchestrator.casefile.toml_file import read_toml
 from orchestrator.scene.catalogue import dropped, left_out
 
 NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice", "watch")
@@ -58,7 +65,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     if not file.is_file():
         raise CaseError([Mistake((), "no such case: there is no case.toml", file=str(path))])
     folder = file.resolve().parent
-    given = read_toml(file)
+    given = read_toml(file.resolve())
     layers = Layers(given, file.name)
     at_level = chosen_level(folder, given, level)
     without = _lay_level(layers, folder, at_level) if at_level else ()
@@ -68,7 +75,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     case = validated(layers, choice.mistakes)
     physics = (key for key in changed(given, layers.merged) if key[0] not in NO_PHYSICS)
     return LoadedCase(
-        name=folder.name,
+        name=visible(folder.name),
         folder=folder,
         level=at_level,
         case=case,
@@ -98,21 +105,6 @@ def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
     return str(wanted)
 
 
-def read_toml(file: Path) -> dict[str, Any]:
-    """Raises CaseError when the file cannot be read or is not TOML."""
-    try:
-        return tomllib.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        what = f"cannot be read: {error.strerror}"
-    except UnicodeDecodeError:
-        what = "is no text file (UTF-8 is wanted)"
-    except tomllib.TOMLDecodeError as error:
-        what = f"is not TOML: {error}"
-    except RecursionError:
-        what = "is nested too deeply"
-    raise CaseError([Mistake((), what, file=str(file))])
-
-
 def validated(layers: Layers, besides: Sequence[Mistake] = ()) -> Case:
     """As ``shaped``.  Raises CaseError with every mistake found, and those ``besides``."""
     try:
@@ -136,7 +128,7 @@ def _lay_level(layers: Layers, folder: Path, level: str) -> tuple[str, ...]:
     """Lays the level over the case and checks that it names what it leaves out; the names."""
     bare = dict(layers.merged)
     source = f"levels/{level}.toml"
-    overlay = read_toml(folder / source)
+    overlay = read_toml(folder / source, folder)
     without = overlay.pop("without", [])
     overlay.pop("about", None)
     layers.lay(overlay, source)

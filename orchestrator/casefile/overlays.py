@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from orchestrator.casefile.errors import CaseError, Key, Mistake
+from orchestrator.casefile.toml_file import TOO_DEEP, is_too_deep
 
 
 class Layers:
@@ -82,13 +83,15 @@ def parsed(override: str) -> dict[str, Any]:
     value: Any = _value(text.strip())
     for word in reversed(words):
         value = {word: value}
+    if is_too_deep(value):
+        raise CaseError([Mistake((), TOO_DEEP, file=f"--set {override}")])
     return dict(value)
 
 
 def _value(text: str) -> Any:
     try:
         found = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return text
     return found["value"] if list(found) == ["value"] else text
 

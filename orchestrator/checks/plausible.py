@@ -11,6 +11,7 @@ from typing import Any
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.errors import Key, Mistake
 
+DIRECTION = (0.0, 1e3)  # of any length; nobody writes a huge one
 # key: (smallest, largest) size of a value that is not zero
 RANGES: dict[str, tuple[float, float]] = {
     "duration_s": (1e-6, 1e4),
@@ -60,6 +61,33 @@ RANGES: dict[str, tuple[float, float]] = {
     "specific_wear_m3_N_m": (1e-18, 1e-7),
     "sjkr_diameter_m": (2e-5, 0.5),
     "sync_interval_s": (1e-7, 0.02),
+    "step_s": (1e-10, 0.02),
+    "feed_interval_s": (0.0, 10.0),
+    "interval_s": (1e-7, 1e4),
+    "series_s": (1e-7, 1e4),
+    "jam_s": (1e-6, 1e4),
+    "start_s": (0.0, 1e4),
+    "stop_s": (1e-6, 1e4),
+    "run_up_s": (0.0, 1e4),
+    "phase_rad": (0.0, 100.0),
+    "rotation_phase_rad": (0.0, 100.0),
+    "rotation_deg": (0.0, 360.0),
+    "edges_m": (0.0, 100.0),
+    "along": DIRECTION,
+    "across": DIRECTION,
+    "axis": DIRECTION,
+    "start": DIRECTION,
+    "height_m": (1e-3, 10.0),
+    "depth_m": (0.0, 10.0),
+    "gap_m": (0.0, 1.0),
+    "drop_m": (0.0, 10.0),
+    "smallest_fed_m": (2e-5, 0.5),
+    "cut_size_m": (2e-5, 0.5),
+    "largest_youngs_modulus_Pa": (1e4, 2e12),
+    "sliding_friction": (0.0, 10.0),
+    "rolling_friction": (0.0, 10.0),
+    "ratio": (1e-9, 1e3),
+    "rayleigh_fraction": (1e-4, 1.0),
 }
 OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # smaller than panels are
 # unit: what it may have been mistaken for, and that unit in SI

@@ -21,7 +21,7 @@ def stl_files(case: Case, folder: Path) -> Iterator[Mistake]:
             continue
         key: Key = ("screen", "surfaces", name, "stl")
         try:
-            facets = stl.read(folder / surface.stl)
+            facets = stl.read(folder, surface.stl)
         except stl.Unreadable as error:
             yield Mistake(key, f'"{surface.stl}": {error}')
             continue

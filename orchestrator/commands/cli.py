@@ -246,7 +246,7 @@ def bench(
     if not effects and not has_particles(loaded.case):
         _refuse("the case has no particles: there is nothing to compare", 2)
     try:
-        console = Console()
+        console = Console(markup=False)
         if not console.is_terminal:
             console.width = 180 if effects else 120  # into a file: as wide as the table
         if effects:

@@ -12,9 +12,10 @@ from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, level_names, load, read_toml
+from orchestrator.casefile.errors import CaseError, visible
+from orchestrator.casefile.levels import LoadedCase, level_names, load
 from orchestrator.casefile.loss_curve import compared, moduli, rows
+from orchestrator.casefile.toml_file import read_toml
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
@@ -136,5 +137,5 @@ def case_lines(folder: Path) -> Iterator[str]:
         except CaseError:
             title, default = f"(has mistakes: flipflow check {file.parent})", ""
         names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
-        yield f"{file.parent}  {title}"
-        yield f"    levels: {', '.join(names) or 'none'}"
+        yield visible(f"{file.parent}  {title}")
+        yield visible(f"    levels: {', '.join(names) or 'none'}")

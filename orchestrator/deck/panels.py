@@ -118,7 +118,7 @@ def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
 def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
     """Corners (n, 3) in deck axes and triangles (m, 3)."""
     if surface.stl is not None:
-        facets = stl.read(folder / surface.stl)
+        facets = stl.read(folder, surface.stl)
         return facets.position_m, facets.triangles
     return plate_corners_m(surface), np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int64)
 

@@ -44,7 +44,7 @@ class Series:
             f"<Collection>\n{rows}\n</Collection>\n</VTKFile>\n"
         )
         fresh = self._folder / f".{self._name}.pvd"
-        fresh.write_text(text)
+        fresh.write_text(text, encoding="utf-8")
         fresh.replace(self._folder / f"{self._name}.pvd")
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+
+from orchestrator.children import python
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ def film(folder: Path, lasting_s: float) -> Film:
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / "film.webp"
         words = ["-m", "orchestrator.report.animation", str(folder), str(lasting_s), str(made)]
-        done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
+        done = python(*words, capture_output=True)
         if done.returncode or not made.is_file():
             why = done.stderr.strip().splitlines()[-1:] or ["the renderer ended without a word"]
             return Film(b"", reason=why[0])

@@ -64,7 +64,7 @@ def _logged(folder: Path) -> list[str]:
     if not log.is_file():
         return []
     kinds = (" WARNING ", " ERROR ")
-    lines = log.read_text(errors="replace").splitlines()
+    lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
     found = [line.split(kind, 1)[1].strip() for line in lines for kind in kinds if kind in line]
     once = list(dict.fromkeys(found))
     more = [f"and {len(once) - SHOWN} more in run.log"] if len(once) > SHOWN else []

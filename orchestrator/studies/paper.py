@@ -16,12 +16,12 @@ from pydantic import ValidationError
 from rich.table import Table as Printed
 
 from orchestrator.casefile.errors import CaseError, Mistake, from_validation
-from orchestrator.casefile.levels import read_toml
+from orchestrator.casefile.toml_file import read_toml
 from orchestrator.studies import sweep
 from orchestrator.studies.points import parsed
 from orchestrator.studies.quantities import QUANTITIES, UNITS, Sweep, Unknown
 from orchestrator.studies.steady import NotSteady
-from orchestrator.tables.quantities import Name, Number, Switch, Table
+from orchestrator.tables.quantities import Name, Number, OneLine, Switch, Table
 
 FILE = "paper.toml"
 
@@ -29,28 +29,28 @@ FILE = "paper.toml"
 class Runs(Table):
     """Runs of the case over values of one key."""
 
-    vary: str
+    vary: OneLine
     """As ``flipflow study sweep --vary``."""
 
 
 class Row(Table):
     """One value of the paper, and how ours is found."""
 
-    what: str
+    what: OneLine
     """What it is, in the paper's words."""
-    of: str
+    of: OneLine
     """The runs it is taken from."""
-    at: str = ""
+    at: OneLine = ""
     """The value that picks one of them; without it, all together."""
-    quantity: str
+    quantity: OneLine
     """How it is computed (``quantities.QUANTITIES``)."""
-    point: str = ""
+    point: OneLine = ""
     """The frame, probe, panel or pair of frames that it is about."""
-    axis: str = "x"
+    axis: OneLine = "x"
     """x along the deck, z normal to it."""
     between: tuple[Number, Number] | None = None
     """Part of a sweep."""
-    unit: str = "mm"
+    unit: OneLine = "mm"
     """Unit of this row's numbers."""
     paper: Number | None = None
     """The paper's simulation; none where the paper has a figure only."""
@@ -65,7 +65,7 @@ class Row(Table):
 class Paper(Table):
     """``paper.toml``."""
 
-    source: str
+    source: OneLine
     """The paper."""
     runs: dict[Name, Runs]
     """What must be run."""
@@ -106,7 +106,7 @@ class Line:
 def read(case: Path) -> Paper:
     """Raises CaseError."""
     file = (case if case.is_dir() else case.parent) / FILE
-    given = read_toml(file)
+    given = read_toml(file, file.parent)
     try:
         found = Paper.model_validate(given)
     except ValidationError as error:
@@ -166,7 +166,7 @@ def table(paper: Paper, lines: Sequence[Line]) -> Printed:
 def write(lines: Sequence[Line], folder: Path) -> Path:
     """``paper.csv``"""
     file = folder / "paper.csv"
-    with file.open("w", newline="") as text:
+    with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.writer(text)
         names = ("what", "paper", "experiment", "ours", "unit", "error", "band", "verdict")
         writer.writerow(names)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-import os
 import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, load, read_toml
+from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.casefile.overlays import changed
+from orchestrator.casefile.toml_file import read_toml
 from orchestrator.checks import mistakes
+from orchestrator.children import python
 from orchestrator.records.folder_lock import at_work
 from orchestrator.records.run_folder import FolderUnusable, resolved
 from orchestrator.studies.points import Vary
@@ -95,13 +95,12 @@ def _run(point: Point) -> str:
     _put_aside(point.folder)
     log = point.folder.with_name(f"{point.folder.name}.log")
     log.parent.mkdir(parents=True, exist_ok=True)
-    with log.open("w") as said:
-        code = subprocess.run(
-            [sys.executable, "-c", MAIN, *point.words],
+    with log.open("w", encoding="utf-8") as said:
+        code = python(
+            *("-c", MAIN, *point.words),
             stdout=said,
             stderr=subprocess.STDOUT,
-            env=os.environ | {"OMP_NUM_THREADS": "1"},
-            check=False,
+            env={"OMP_NUM_THREADS": "1"},
         ).returncode
     return f"{point.folder.name}: {point.status()}" + (f" ({log})" if code else "")
 

@@ -45,7 +45,7 @@ def write(table: Sequence[Row], vary: Vary, folder: Path) -> list[Path]:
     """Both files; the picture only where values are numbers and two or more were run."""
     columns = list(dict.fromkeys(name for row in table for name in row))
     file = folder / "sweep.csv"
-    with file.open("w", newline="") as text:
+    with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, columns)
         writer.writeheader()
         writer.writerows(table)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from annotated_types import Ge, Gt, Le, Len
+from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
 
 
@@ -29,13 +29,15 @@ NotNegative = Annotated[float, Strict(), Ge(0)]
 Share = Annotated[float, Strict(), Ge(0), Le(1)]
 Particles = Annotated[int, Strict(), Gt(0), Le(10_000_000)]  # what one machine can hold
 Few = Annotated[int, Strict(), Gt(0), Le(1000)]
-Whole = Annotated[int, Strict(), Ge(0)]
+Whole = Annotated[int, Strict(), Ge(0), Lt(2**63)]
 Switch = Annotated[bool, Strict()]
 Vector = tuple[Number, Number, Number]
 NotNegativeVector = tuple[NotNegative, NotNegative, NotNegative]
 Vectors = Annotated[tuple[Vector, ...], Len(1)]
 Box = tuple[Vector, Vector]
 Cells = tuple[Few, Few]
-Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]+$")]
+Name = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,60}$")]
+OneLine = Annotated[str, StringConstraints(pattern=r"^\P{C}*$", max_length=200)]
+Text = Annotated[str, StringConstraints(pattern=r"^[\P{C}\t\r\n]*$", max_length=20_000)]
 
 GROUND = "ground"

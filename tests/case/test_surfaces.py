@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import meshio
@@ -62,16 +63,50 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     file = tmp_path / "wall.stl"
     for content, said in (
         (None, "no such file"),
-        (b"", "has no triangles"),
+        (b"", "is cut off, or no STL file"),
         (b"solid empty\nendsolid\n", "has no triangles"),
-        (b"this is\nno stl file\n", "is no STL file"),
-        (bytes(range(256)) * 4, "is no STL file"),
-        (b"\0" * 80 + b"\x02\0\0\0" + b"\0" * 50, "has no triangles"),  # one of two is missing
+        (b"this is\nno stl file\n", "is cut off, or no STL file"),
+        (b"solid words\nendsolid words\n words\n", "is no STL file"),
+        (bytes(range(256)) * 4, "is cut off, or no STL file"),
+        (b"\0" * 80 + b"\x02\0\0\0" + b"\0" * 50, "is cut off"),  # one of two is missing
+        (b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50, "is cut off"),  # 200 GB are
     ):
         if content is not None:
             file.write_bytes(content)
         with pytest.raises(Unreadable, match=said):
-            read(file)
+            read(tmp_path, file.name)
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
+    """Also where a triangle ends, which would leave a wall with a hole."""
+    mesh = meshio.Mesh(CUBE_M, [("triangle", OUTWARD)])
+    meshio.stl.write(tmp_path / "wall.stl", mesh, binary=binary)
+    whole = (tmp_path / "wall.stl").read_bytes()
+    assert len(read(tmp_path, "wall.stl").triangles) == 12
+    for kept in range(0, whole.rindex(b"endsolid") if not binary else len(whole), 7):
+        (tmp_path / "wall.stl").write_bytes(whole[:kept])
+        with pytest.raises(Unreadable, match="is cut off"):
+            read(tmp_path, "wall.stl")
+
+
+def test_a_file_of_somebody_else(tmp_path: Path) -> None:
+    """A case reads what lies in its folder, nothing else."""
+    folder = tmp_path / "case"
+    folder.mkdir()
+    write(tmp_path)
+    (folder / "link.stl").symlink_to(tmp_path / "wall.stl")
+    for name in ("../wall.stl", str(tmp_path / "wall.stl"), "link.stl", "levels/../../wall.stl"):
+        (folder / "levels").mkdir(exist_ok=True)
+        with pytest.raises(Unreadable, match="outside of the case's folder"):
+            read(folder, name)
+    for name in ("/dev/zero", "levels", "x" * 5000, "nul\0.stl", "/etc"):
+        with pytest.raises(Unreadable, match=r"no such file|no name of a file"):
+            read(folder, name)
+    (folder / "large.stl").touch()
+    os.truncate(folder / "large.stl", 10**12)  # takes no room on the disk
+    with pytest.raises(Unreadable, match="is larger than"):
+        read(folder, "large.stl")
 
 
 def test_a_surface_of_a_case_is_checked_and_read(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 import pytest
+from annotated_types import Le, Lt
 from pydantic import BaseModel, ValidationError
 
 from orchestrator.casefile.case import Case
@@ -41,6 +42,23 @@ def test_every_float_has_a_unit_or_is_listed_as_having_none(key: str) -> None:
 
 def test_the_list_of_keys_without_unit_has_no_leftovers() -> None:
     assert case_reference.DIMENSIONLESS <= FLOATS
+
+
+def marks(kind: Any) -> Iterator[Any]:
+    yield from getattr(kind, "__metadata__", ())
+    for argument in get_args(kind):
+        yield from marks(argument)
+
+
+def test_every_float_has_a_largest_value() -> None:
+    """By its type or by its plausible range: nothing absurd gets as far as a solver."""
+    bounded = {
+        key
+        for table in tables()
+        for key, field in table.model_fields.items()
+        if any(isinstance(one, Le | Lt) for one in [*field.metadata, *marks(field.annotation)])
+    }
+    assert FLOATS - bounded - set(RANGES) == {"mass_fraction"}  # they must add up to 1
 
 
 def test_plausible_ranges_are_of_keys_that_exist() -> None:

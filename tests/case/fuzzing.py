@@ -1,0 +1,113 @@
+"""flipflow in a child of this process: as from outside, but without the seconds of starting.
+
+A child has its own limits of time and memory, may crash or hang, and is looked at from outside:
+exit code, what it said, and what it wrote.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import resource
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+
+MEMORY_BYTES = 4 * 1024**3  # of addresses; the libraries alone take 1.5
+LIMIT_S = 60.0  # no command here takes more than some seconds
+INTERVALS = 3  # of a run
+
+
+@dataclass(frozen=True)
+class Ended:
+    """``code`` as a shell has it (128 + signal where it was killed)."""
+
+    code: int
+    out: str
+    err: str
+    wall_s: float
+    written: frozenset[str]
+
+
+def flipflow(words: Sequence[str], place: Path) -> Ended:
+    """Runs ``flipflow WORDS`` in ``place``, a run for three intervals only.  ``written``: what is
+    in the folder afterwards and was not before, or has changed."""
+    before, started = _files(place), time.monotonic()
+    child = os.fork()
+    if child == 0:
+        _be(words, place)
+    code = _waited(child, started + LIMIT_S)
+    said = [_taken(place.parent / name) for name in ("out", "err")]
+    return Ended(code, *said, time.monotonic() - started, frozenset(_files(place) - before))
+
+
+def _be(words: Sequence[str], place: Path) -> None:
+    """The child: never returns."""
+    code = 1
+    try:
+        os.setsid()
+        for number, name in ((1, "out"), (2, "err")):
+            os.dup2(os.open(place.parent / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+        sys.stdout = io.TextIOWrapper(io.FileIO(1, "w"), encoding="utf-8")
+        sys.stderr = io.TextIOWrapper(io.FileIO(2, "w"), "utf-8", "backslashreplace")
+        os.chdir(place)
+        (place.parent / "tmp").mkdir(exist_ok=True)
+        os.environ |= {"TMPDIR": str(place.parent / "tmp"), "COLUMNS": "100"}
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+        code = _main(words)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def _main(words: Sequence[str]) -> int:
+    from orchestrator import run
+    from orchestrator.commands import cli
+
+    intervals = run.intervals
+    run.intervals = lambda *times: islice(intervals(*times), INTERVALS)
+    run.draw = lambda folder: None
+    sys.argv = ["flipflow", *words]
+    try:
+        cli.main()
+    except SystemExit as ended:
+        return ended.code if isinstance(ended.code, int) else 1
+    return 0
+
+
+def _waited(child: int, end: float) -> int:
+    """The exit code; a child that takes too long is killed."""
+    pause_s = 0.002
+    while True:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            code = os.waitstatus_to_exitcode(status)
+            return code if code >= 0 else 128 - code
+        if time.monotonic() > end:
+            os.killpg(child, signal.SIGKILL)
+        time.sleep(pause_s)
+        pause_s = min(2 * pause_s, 0.05)
+
+
+def _taken(file: Path) -> str:
+    text = file.read_text(encoding="utf-8", errors="replace")
+    file.unlink()
+    return text
+
+
+def _files(place: Path) -> set[str]:
+    found = set()
+    for folder, _, names in os.walk(place):
+        for name in names:
+            path = os.path.join(folder, name)
+            at = os.lstat(path)
+            found.add(f"{os.path.relpath(path, place)} {at.st_size} {at.st_mtime_ns}")
+    return found

@@ -1,0 +1,129 @@
+"""Files of a case that are none, or somebody else's, or far too large; and words that would do
+harm where they are shown."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from orchestrator.casefile.errors import LONGEST, MOST, CaseError
+from orchestrator.casefile.levels import load
+from tests.case.cases import CASE, LEVEL, complaints, only_complaint, written
+
+
+def refusal(folder: Path, level: str | None = None) -> str:
+    with pytest.raises(CaseError) as refused:
+        load(folder, level)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"title = \xff", "case.toml: is no text file (UTF-8 is wanted)"),
+        (b'title = "\0"', "case.toml: is not TOML: "),
+        (b"x = 1\n" * 2, "case.toml: is not TOML: Cannot overwrite"),
+        (b"seed = " + b"9" * 5000, "case.toml: is not TOML: Exceeds the limit"),
+        (b"x = " + b"[" * 5000, "case.toml: is nested too deeply"),
+        (b"x = " + b"{a=" * 5000, "case.toml: is nested too deeply"),
+        (b"screen.frames" + b".a" * 5000 + b" = 1", "case.toml: is nested too deeply"),
+        (b"#" * 1_000_001, "case.toml: is larger than 1000000 bytes"),
+    ],
+    ids=["bytes", "NUL", "twice", "digits", "lists", "tables", "dots", "large"],
+)
+def test_what_is_no_case(tmp_path: Path, content: bytes, said: str) -> None:
+    written(tmp_path)
+    (tmp_path / "case.toml").write_bytes(content)
+    assert said in refusal(tmp_path)
+    assert len(refusal(tmp_path).splitlines()) == 2
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+    written(tmp_path, "\ufeff" + CASE.replace("\n", "\r\n"))
+    assert load(tmp_path).case.title == "a test"
+
+
+def test_a_level_that_is_no_file(tmp_path: Path) -> None:
+    written(tmp_path)
+    (tmp_path / "levels/folder.toml").mkdir()
+    os.mkfifo(tmp_path / "levels/pipe.toml")  # reading it would wait for ever
+    (tmp_path / "levels/null.toml").symlink_to("/dev/zero")
+    (tmp_path / "levels/loop.toml").symlink_to("loop.toml")
+    (tmp_path / "levels/lost.toml").symlink_to("nowhere.toml")
+    assert "folder.toml: is no file" in refusal(tmp_path, "folder")
+    assert "pipe.toml: is no file" in refusal(tmp_path, "pipe")
+    assert "null.toml: is a link to a file outside" in refusal(tmp_path, "null")
+    assert "loop.toml: is a link to itself" in refusal(tmp_path, "loop")
+    assert "lost.toml: cannot be read: No such file" in refusal(tmp_path, "lost")
+
+
+def test_a_level_of_somebody_else(tmp_path: Path) -> None:
+    folder = written(tmp_path / "case", own=LEVEL)
+    (tmp_path / "secret.toml").write_text("[panel]\nsolver = 'strip'")
+    (folder / "levels/link.toml").symlink_to("../../secret.toml")
+    (folder / "levels/own-link.toml").symlink_to("own.toml")
+    assert "link.toml: is a link to a file outside of the case's folder" in refusal(folder, "link")
+    assert load(folder, "own-link").case.panel.solver == "strip"
+    for level in ("../../secret", "/etc/passwd", "x" * 5000, "nul\0", ""):
+        with pytest.raises(CaseError, match="no level") if level else pytest.raises(CaseError):
+            load(folder, level or "none")
+
+
+def test_a_case_may_be_reached_by_a_link(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to(written(tmp_path / "case", draft=LEVEL))
+    (tmp_path / "file.toml").symlink_to("case/case.toml")
+    for path in (tmp_path / "link", tmp_path / "file.toml"):
+        assert load(path, "draft").folder == tmp_path / "case"
+
+
+@pytest.mark.parametrize("word", ["\x1b]0;owned\x07", "\x00", "\u202egpj.exe", "a\nb", "\ud800"])
+def test_messages_have_nothing_that_a_terminal_obeys(tmp_path: Path, word: str) -> None:
+    spoilt = [f"probes.p.frame='''{word}'''", f"{word}=1", f"probes.{word}.particle=1"]
+    for override in [*spoilt, f"screen.panels.deck.{word}=2"]:
+        found = complaints(tmp_path, override)
+        assert found
+        assert all(complaint.isprintable() for complaint in found)
+        assert all(complaint.isprintable() for complaint in refusal_lines(tmp_path, override))
+
+
+def refusal_lines(folder: Path, override: str) -> list[str]:
+    try:
+        load(folder, None, [override])
+    except CaseError as error:
+        return str(error).splitlines()
+    return []
+
+
+def test_a_title_is_one_line_that_can_be_shown(tmp_path: Path) -> None:
+    for title in ("\\u001b[2J", "two\\nlines", "\\u202e"):
+        said = only_complaint(tmp_path, f'title="{title}"')
+        assert said.startswith("--set title: ")
+        assert said.endswith("has characters that cannot be shown")
+    assert "at most 200 characters" in only_complaint(tmp_path, f"title='{'x' * 201}'")
+    for title in ("Übergröße 篩い分け", "e\u0301 <b>&amp; $x$ [bold]", "غربال"):
+        assert complaints(tmp_path, f"title='{title}'") == []
+
+
+def test_names_are_short_enough_for_files(tmp_path: Path) -> None:
+    assert complaints(tmp_path, f"probes.{'x' * 60}.particle=1") == []
+    assert "at most 60" in only_complaint(tmp_path, f"probes.{'x' * 61}.particle=1")
+
+
+def test_a_hundred_thousand_mistakes_are_not_all_said(tmp_path: Path) -> None:
+    written(tmp_path, CASE + "".join(f"[x{number}]\n" for number in range(50_000)))
+    said = refusal(tmp_path).splitlines()
+    assert len(said) == MOST + 2
+    assert all(len(line) <= LONGEST + 2 for line in said)
+    assert said[-1].endswith(" more")
+
+
+@pytest.mark.parametrize("value", ["0x" + "f" * 900_000, "'" + "\U0001f4a5" * 200_000 + "'"])
+def test_huge_values_are_said_in_short(tmp_path: Path, value: str) -> None:
+    for key in ("duration_s", "coupling.scheme", "bed.blocks.x.seed", "title", "panel.cells"):
+        (tmp_path / key).mkdir(exist_ok=True)
+        written(tmp_path / key, f"{key} = {value}\n" + CASE)
+        said = refusal(tmp_path / key)
+        assert key in said
+        assert len(said) < 3 * LONGEST
