@@ -65,6 +65,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "feed_interval_s": (0.0, 10.0),
     "interval_s": (1e-7, 1e4),
     "series_s": (1e-7, 1e4),
+    "shapes_s": (1e-7, 1e4),
     "jam_s": (1e-6, 1e4),
     "start_s": (0.0, 1e4),
     "stop_s": (1e-6, 1e4),
