@@ -163,13 +163,14 @@ def _panels(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelP
     found = []
     for number, (piece, single) in enumerate(zip(panels, single_panels(case), strict=True)):
         surface, clamps, at = together.surface[number], together.clamps[number], single.rectangle
-        along_m = (together.mount.position_m[clamps] - at.corner_m) @ at.along
+        end_of_held = clamps.stop - 3 * piece.stops
+        held, stops = np.arange(clamps.start, end_of_held), np.arange(end_of_held, clamps.stop)
+        along_m = (together.mount.position_m[held] - at.corner_m) @ at.along
         first = along_m < at.span_m / 2
-        first_clamp, second_clamp = (clamps.start + np.flatnonzero(end) for end in (first, ~first))
         line = surface.start + piece.centre_line
         shape = surface.start + piece.shape
         found.append(
-            PanelPoints(piece.name, surface, clamps, line, shape, first_clamp, second_clamp)
+            PanelPoints(piece.name, surface, clamps, line, shape, held[first], held[~first], stops)
         )
     return tuple(found)
 

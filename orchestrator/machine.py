@@ -16,8 +16,8 @@ from orchestrator.stopwatch import Stopwatch
 @dataclass(frozen=True)
 class PanelPoints:
     """Where one panel lies in the concatenated surface and clamps; ``centre_line`` and ``shape``
-    (what is recorded of it for playing back) index the surface, ``first_clamp`` and
-    ``second_clamp`` the clamps."""
+    (what is recorded of it for playing back) index the surface, ``first_clamp``,
+    ``second_clamp`` and ``stops`` (points of beams below it) the clamps."""
 
     name: str
     surface: slice
@@ -26,6 +26,7 @@ class PanelPoints:
     shape: Indices
     first_clamp: Indices
     second_clamp: Indices
+    stops: Indices
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ import numpy as np
 
 from orchestrator import adapter
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.mapping import Grid, Mapped
@@ -39,7 +40,8 @@ class Piece:
 
     ``triangles`` (m, 3), ``centre_line`` and ``shape`` (the points of its ``RecordedGrid``, where
     it is recorded) hold the piece's own point numbers; ``points`` maps the names of points looked
-    at (probes, centres of mass) to their numbers.
+    at (probes, centres of mass) to their numbers.  The last three times ``stops`` of its clamps are
+    points of beams below it.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Piece:
     material: str = ""
     centre_line: Indices = field(default_factory=_nothing(0))
     shape: Indices = field(default_factory=_nothing(0))
+    stops: int = 0
 
 
 def panel_pieces(
@@ -80,6 +83,8 @@ def _panel(
 
     def opened() -> Panel:
         own = cast(MeshedPanel, adapter.opened("panel", solver, plan))
+        if plan.stops:
+            own = _on_stops(own, plan)
         timed = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
         return Mapped(timed, own.interpolation(coordinates))
 
@@ -88,11 +93,22 @@ def _panel(
         name=plan.name,
         open=opened,
         points={name: first + number for number, name in enumerate(at)},
+        stops=len(plan.stops),
         triangles=touched.triangles,
         material=material,
         centre_line=touched.centre_line,
         shape=np.arange(len(coordinates) - len(shape_m), len(coordinates)),
     )
+
+
+def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
+    from orchestrator.stopped_panel import StoppedPanel
+
+    try:
+        return StoppedPanel(panel, plan)
+    except ValueError as error:
+        key = ("screen", "panels", plan.name, "stops")
+        raise CaseError([Mistake(key, str(error), "lower it, or tighten the panel")]) from error
 
 
 def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:

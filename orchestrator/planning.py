@@ -19,6 +19,7 @@ from orchestrator.bed.sources import combined_feed, initial_particles, largest_d
 from orchestrator.casefile.case import Case, Material
 from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes, single_panels, to_world, unit
+from orchestrator.deck.stops import planned_stops
 from orchestrator.geometry import TriangleSurface
 from orchestrator.plans import (
     Body,
@@ -56,6 +57,7 @@ def panel_plans(
             sync_interval_s=case.coupling.sync_interval_s,
             apertures=panel.apertures,
             playback=(playbacks or {}).get(panel.name),
+            stops=planned_stops(case, panel),
         )
         for panel in single_panels(case)
     )

@@ -50,13 +50,30 @@ class Hyperelastic:
 
 
 @dataclass(frozen=True)
+class Stop:
+    """The flat top of a beam under the free length of a panel from ``from_m`` to ``to_m``, carried
+    by ``frame``, ``gap_m`` below the panel as it is mounted straight.  The layer on it has the
+    stiffness ``stiffness_Pa_m`` and the damping ``damping_Pa_s_m``: pressure per depth, per speed.
+    """
+
+    name: str
+    frame: str
+    from_m: float
+    to_m: float
+    gap_m: float
+    stiffness_Pa_m: float
+    damping_Pa_s_m: float
+
+
+@dataclass(frozen=True)
 class PanelPlan:
     """One panel: geometry, material, and how finely to solve it.
 
     ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
     free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
     ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
-    recorded motion that it follows, where its shape is prescribed.
+    recorded motion that it follows, where its shape is prescribed.  ``stops``: beams that it can
+    come to lie on (``orchestrator/stopped_panel.py``, no matter of the solver).
     """
 
     name: str
@@ -71,6 +88,7 @@ class PanelPlan:
     sync_interval_s: float
     apertures: Apertures | None = None
     playback: Playback | None = None
+    stops: tuple[Stop, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def as_given(mistake: Mistake, decks: Mapping[str, Any]) -> Mistake:
             name = next((name for name in decks if part.startswith(f"{name}-")), None)
             if name is not None:
                 field = inner[:1] if inner and inner[0] in Deck.model_fields else []
-                if field == ["apertures"]:  # the same table in both
+                if field in (["apertures"], ["stops"]):  # the same tables in both
                     field = inner
                 key = ("screen", "decks", name, *field)
                 what = mistake.what if part in mistake.what else f"{part}: {mistake.what}"
@@ -128,6 +128,7 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
                 clamp_m=deck.clamp_m,
                 tension_m=tension_m,
                 apertures=deck.apertures,
+                stops=deck.stops,
             ),
         )
 

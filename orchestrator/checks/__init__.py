@@ -24,6 +24,7 @@ from orchestrator.checks import (
     slices,
     start,
     steps,
+    stops,
     surfaces,
 )
 
@@ -43,6 +44,7 @@ OF_TABLES = (
     machine.bushings_and_exciters,
     machine.panels,
     apertures.openings,
+    stops.stops,
     machine.panel_solver,
     recordings.named_recording,
     machine.probes,

@@ -53,6 +53,9 @@ def _frames_named(case: Case) -> Iterator[tuple[Key, str]]:
     for name, panel in screen.panels.items():
         for end in (0, 1):
             yield ("screen", "panels", name, "frames", end), panel.frames[end]
+        for stop, row in panel.stops.items():
+            if row.frame is not None:
+                yield ("screen", "panels", name, "stops", stop, "frame"), row.frame
     for name, exciter in screen.exciters.items():
         yield ("screen", "exciters", name, "frame"), exciter.frame
     for name, surface in screen.surfaces.items():

@@ -13,7 +13,7 @@ from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.records.frame_rotation import rotations
 from orchestrator.records.history import History
 
-FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N")
+FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
 
 
 class TimeSeries:
@@ -45,6 +45,8 @@ class TimeSeries:
         mean_N = self._sum_N / self._summed
         for number, panel in enumerate(self._machine.panels):
             values = dict(zip(FORCES, mean_N[:, number], strict=True))
+            if not len(panel.stops):
+                del values["stops_N"]
             self._history.add(f"forces/{panel.name}", time_s, values)
         self._sum_N[:], self._summed = 0.0, 0
 
@@ -58,7 +60,7 @@ class TimeSeries:
             self._history.add(f"frames/{frame}", time_s, values)
 
     def _forces_N(self, state: State) -> Array:
-        """(4, panels, 3), in the order of FORCES."""
+        """(5, panels, 3), in the order of FORCES."""
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
         return np.array(
             [
@@ -66,6 +68,7 @@ class TimeSeries:
                 [_sum(reaction_N, panel.clamps) for panel in self._machine.panels],
                 [_sum(reaction_N, panel.first_clamp) for panel in self._machine.panels],
                 [_sum(reaction_N, panel.second_clamp) for panel in self._machine.panels],
+                [_sum(reaction_N, panel.stops) for panel in self._machine.panels],
             ]
         ).reshape(self._sum_N.shape)
 

@@ -5,17 +5,19 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from annotated_types import Ge, Le
-from pydantic import BeforeValidator, Strict
+from pydantic import BeforeValidator, Field, Strict
 
 from orchestrator.tables.apertures import Apertures
 from orchestrator.tables.quantities import (
     Few,
+    Name,
     NotNegative,
     Number,
     Positive,
     Table,
     Vector,
 )
+from orchestrator.tables.stop import Stop
 
 
 def _listed(value: Any) -> Any:
@@ -96,6 +98,8 @@ class Deck(Table):
     many panels.  None: one segment along the deck axes (``screen.inclination_deg``)."""
     apertures: Apertures | None = None
     """The panels' openings."""
+    stops: dict[Name, Stop] = Field(default_factory=dict)
+    """Beams below each panel that it may come to lie on, by name."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None

@@ -26,6 +26,7 @@ from orchestrator.tables.quantities import (
     Vector,
     Vectors,
 )
+from orchestrator.tables.stop import Stop
 
 
 class Drive(Table):
@@ -159,6 +160,8 @@ class Panel(Table):
     """Distance from panel to panel of a row."""
     apertures: Apertures | None = None
     """Its openings."""
+    stops: dict[Name, Stop] = Field(default_factory=dict)
+    """Beams below it that it may come to lie on, by name."""
 
 
 class Surface(Table):

@@ -36,6 +36,7 @@ def record() -> tuple[WearRecord, TriangleSurface]:
         shape=NONE,
         first_clamp=NONE,
         second_clamp=NONE,
+        stops=NONE,
     )
     return WearRecord(surface, [panel], [AT]), surface
 
