@@ -79,3 +79,14 @@ def test_width_over_length(tmp_path: Path) -> None:
         tmp_path, "variation-across", "panel.solver=strip", "screen.panels.deck.width_m=0.8"
     )
     assert wide.lacking
+
+
+def test_a_beam_below_is_reached_where_the_sag_exceeds_the_gap(tmp_path: Path) -> None:
+    """In the middle of the length it is the sag itself; without beams nothing can be said."""
+    assert of_driven(tmp_path, "beam-contact").verdict.matters is None
+    slack = "screen.panels.deck.tension_m=-0.002"
+    bar = "screen.panels.deck.stops.bar={from_m=0.14, to_m=0.16, gap_m=0.01}"
+    found = of_driven(tmp_path, "beam-contact", slack, bar)
+    sag_m = 2 / math.pi * math.sqrt(0.3 * (0.003 + 0.002))
+    assert found.verdict.value == pytest.approx(sag_m / 0.01, rel=1e-3)
+    assert (found.present, found.verdict.matters) == (True, True)

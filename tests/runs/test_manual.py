@@ -24,6 +24,7 @@ def documented(heading: str, column: int = 1) -> set[str]:
 
 LEDGER = documented("### `energy_ledger_J`")
 WEAR = "contacts.1.specific_wear_m3_N_m=1e-12"
+STOPS = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.003}"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
 RECORDED = {"supplied.panel.recording"}  # tests/runs/test_recorded.py has a run
 MOTOR = (
@@ -37,7 +38,7 @@ SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short run with everything in it."""
     folder = tmp_path_factory.mktemp("manual") / "run"
-    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02", WEAR]))
+    done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02", WEAR, STOPS]))
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -107,7 +108,7 @@ def test_the_time_series(folder: Path) -> None:
 
 def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
     """Together with the next, every documented term is one that a solver has."""
-    cheap = ledger_of((), "quickstart", tmp_path / "a")
+    cheap = ledger_of((STOPS,), "quickstart", tmp_path / "a")
     moved = ledger_of((), "panel-cycle", tmp_path / "b")
     turned = ledger_of(("frames.solver=planar", MOTOR), "quickstart", tmp_path / "c")
     assert cheap | moved | turned == LEDGER - SOLID - RECORDED
