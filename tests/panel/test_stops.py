@@ -23,6 +23,7 @@ SOLVERS = [
     pytest.param("sheet", marks=pytest.mark.solver),
     pytest.param("solid", marks=pytest.mark.solver),
 ]
+ALONG = {"strip": 12, "sheet": 6, "solid": 4}  # cells, as many as half cells over the stop
 DENSITY_KG_M3, THICKNESS_M = 1200.0, 0.004
 AREAL_KG_M2 = DENSITY_KG_M3 * THICKNESS_M
 INTERVAL_S = 1e-4
@@ -38,7 +39,7 @@ def stop(
 
 
 def stopped(solver: str, stops: tuple[Stop, ...], **changes: object) -> StoppedPanel:
-    cells = {"strip": (12, 1), "sheet": (6, 1), "solid": (4, 1)}[solver]
+    cells = (ALONG[solver], 1)
     made: PanelPlan = plan(length_m=0.12, cells=cells, clamp_m=0.02, **changes)
     if solver == "solid":
         made = replace(made, integrator="implicit")
@@ -88,15 +89,16 @@ def test_a_panel_pressed_on_a_stop_rests_on_its_layer(solver: str) -> None:
     weight_N = 9.81 * AREAL_KG_M2 * 0.16 * 0.05
     assert state.reaction.force_N.sum(axis=0)[2] == pytest.approx(-weight_N, rel=1e-3)
     assert carried_N[2] > 1.0  # many times the weight
-    through_m = depths_m(panel, state, clamps)
+    through_m = depths_m(solver, panel, state, clamps)
     assert through_m.max() > 0
     spring_N = stop(0.05).stiffness_Pa_m * 0.06 * 0.05 * np.mean(np.maximum(through_m, 0.0))
     assert carried_N[2] == pytest.approx(spring_N, rel=2e-3)
 
 
-def depths_m(panel: StoppedPanel, state: PanelState, clamps: Motion) -> Array:
-    """Of 400 places evenly over the stop, from the panel's own interpolation."""
-    s, y = np.meshgrid(0.03 + 0.06 * (np.arange(40) + 0.5) / 40, 0.05 * (np.arange(10) + 0.5) / 10)
+def depths_m(solver: str, panel: StoppedPanel, state: PanelState, clamps: Motion) -> Array:
+    """Of the middles of cells half as large as the panel's, which is what the layer looks at."""
+    along = ALONG[solver]
+    s, y = np.meshgrid(0.03 + 0.06 * (np.arange(along) + 0.5) / along, [0.0125, 0.0375])
     places = panel.interpolation(np.column_stack([s.ravel(), y.ravel()]))
     top_m = clamps.position_m[-3, 2]
     return np.asarray(top_m - (places @ state.surface.position_m)[:, 2])
