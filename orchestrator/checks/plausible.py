@@ -47,6 +47,8 @@ RANGES: dict[str, tuple[float, float]] = {
     "clamp_m": (1e-4, 0.5),
     "tension_m": (0.0, 0.1),
     "span_m": (0.01, 5.0),
+    "from_m": (0.0, 5.0),
+    "to_m": (1e-3, 5.0),
     "pitch_m": (0.01, 10.0),
     "pitch_along_m": (1e-4, 1.0),
     "pitch_across_m": (1e-4, 1.0),
