@@ -165,11 +165,23 @@ class Case(Table):
     """What is written."""
 
     _whole: Case | None = PrivateAttr(default=None)
+    _fine: Case | None = PrivateAttr(default=None)
 
     @property
     def whole(self) -> Case:
         """The case of the whole machine: itself, or what this slice was cut from."""
         return self._whole or self
+
+    @property
+    def as_given(self) -> Case:
+        """The whole machine with particles as fine as the user gave them."""
+        return self.whole._fine or self.whole
+
+    def with_coarse(self, update: dict[str, object]) -> Case:
+        """A copy with coarse particles."""
+        coarse = self.model_copy(update=update)
+        coarse._fine = self
+        return coarse
 
     def cut_to(self, update: dict[str, object]) -> Case:
         """A slice of it: a copy with some tables in the place of its own."""

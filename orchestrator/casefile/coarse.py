@@ -37,7 +37,7 @@ def coarsened(case: Case) -> Case:
         row.model_copy(update={"work_of_adhesion_J_m2": k * row.work_of_adhesion_J_m2})
         for row in case.contacts
     )
-    return case.model_copy(update={"bed": _bed(case.bed, k), "contacts": contacts})
+    return case.with_coarse({"bed": _bed(case.bed, k), "contacts": contacts})
 
 
 def _single_particles(case: Case) -> list[Mistake]:

@@ -51,7 +51,7 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
 
 def resolved(loaded: LoadedCase) -> dict[str, Any]:
     """The case with its level, every ``--set`` and every default, as the run's folder has it."""
-    table = loaded.case.whole.model_dump(mode="json", exclude_none=True)
+    table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
             surface["stl"] = f"{name}.stl"

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 
 from orchestrator.bed.sources import initial_particles, inlets
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.planning import material_numbers
+from orchestrator.records.run_folder import resolved
 from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written
 from tests.case.test_apertures import SLOTTED
 
@@ -47,6 +49,17 @@ def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
         assert large.smallest_m == pytest.approx(2 * small.smallest_m)
         assert large.largest_m == pytest.approx(2 * small.largest_m)
         assert large.mass_fraction == small.mass_fraction
+
+
+def test_the_resolved_case_is_the_same_case(tmp_path: Path) -> None:
+    first = of(tmp_path, BED, WET, COARSE)
+    (tmp_path / "again").mkdir()
+    text = tomli_w.dumps(resolved(first))
+    (tmp_path / "again" / "case.toml").write_text(text, encoding="utf-8")
+    again = load(tmp_path / "again")
+    assert again.case.bed == first.case.bed  # and not coarser still
+    assert again.case.contacts == first.case.contacts
+    assert resolved(again) == resolved(first)
 
 
 def test_it_is_named_as_left_out(tmp_path: Path) -> None:
