@@ -46,7 +46,8 @@ def steps_in(length_s: float, largest_step_s: float) -> int:
     return max(1, -(-exact(length_s) // exact(largest_step_s)))
 
 
-def intervals(duration_s: float, length_s: float) -> Iterator[Interval]:
-    """The sync intervals that cover ``duration_s``; the last may reach beyond it."""
-    for index in range(steps_in(duration_s, length_s)):
+def intervals(duration_s: float, length_s: float, first: int = 0) -> Iterator[Interval]:
+    """The sync intervals, from number ``first``, that cover ``duration_s``; the last may reach
+    beyond it."""
+    for index in range(first, steps_in(duration_s, length_s)):
         yield Interval(index, length_s)

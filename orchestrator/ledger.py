@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -97,6 +98,15 @@ class Ledger:
             change = now[member].momentum_kg_m_s - opening.momentum_kg_m_s
             residual[member] = _relative([change, -outside, *(-i for i in impulses)])
         return residual
+
+    def figures(self, pending: Pending) -> dict[str, Any]:
+        """For ``summary.json``."""
+        residuals = self.momentum_residual(pending)
+        return {
+            "momentum_residual_relative": max(residuals.values()),
+            "momentum_residuals": residuals,
+            "energy_ledger_J": self.energy_J(),
+        }
 
 
 def _change(now: Mapping[str, float], opening: Mapping[str, float]) -> dict[str, float]:

@@ -75,8 +75,9 @@ def check_stable(state: State, time_s: float) -> None:
 class Say:
     """Progress with time left: a bar on a terminal, a line now and then elsewhere."""
 
-    def __init__(self, intervals: int, interval_s: float, console: Console) -> None:
-        self._intervals, self._interval_s = intervals, interval_s
+    def __init__(self, first: int, intervals: int, interval_s: float, console: Console) -> None:
+        """Of so many ``intervals``, the ``first`` were done before."""
+        self._first, self._intervals, self._interval_s = first, intervals, interval_s
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -86,7 +87,7 @@ class Say:
             disable=not console.is_terminal,
         )
         self._console = console
-        self._task = self._bar.add_task("simulating", total=intervals)
+        self._task = self._bar.add_task("simulating", total=intervals, completed=first)
         self._started = self._said = time.monotonic()
 
     def __enter__(self) -> Say:
@@ -104,7 +105,7 @@ class Say:
             return
         self._said = now
         spent_s = now - self._started
-        left_s = spent_s * (self._intervals - intervals) / intervals
+        left_s = spent_s * (self._intervals - intervals) / (intervals - self._first)
         line = (
             f"t = {intervals * self._interval_s:.4f} of {self._intervals * self._interval_s:g} s, "
             f"{100 * intervals / self._intervals:.0f} %, {spent_s:.0f} s spent, "

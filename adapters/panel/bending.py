@@ -20,7 +20,8 @@ from scipy.sparse import csr_matrix
 
 from adapters.panel.compiled import form
 from adapters.panel.maxwell import Branches
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import put_back, taken
 
 # 3 is the least with which the matrix has no negative eigenvalue (docs/theory/panel_sheet.md).
 PENALTY = 4.0
@@ -147,6 +148,13 @@ class Bending:
         )
         self._position_m[:] = position_m
         self._elastic_N[:] = self._trial_N
+
+    def save(self) -> Saved:
+        return taken(self, "_position_m", "_elastic_N") | {"branches": self.branches.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_position_m", "_elastic_N")
+        self.branches.restore(saved["branches"])
 
     def close(self) -> None:
         self._multiply.close()

@@ -21,7 +21,8 @@ from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
 from orchestrator.plans import PanelPlan
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, Indices, Saved
+from orchestrator.state import taken
 
 
 def panel(
@@ -98,6 +99,14 @@ class CompiledSheet:
     def lost_J(self) -> float:
         """What the Maxwell branches dissipated since the start."""
         return float(self.memory.lost_J[0])
+
+    def save(self) -> Saved:
+        """``state`` is saved by its owner."""
+        return taken(self.memory, *vars(self.memory))
+
+    def restore(self, saved: Saved) -> None:
+        for name, array in vars(self.memory).items():
+            array[:] = saved[name]
 
     def close(self) -> None:
         """Nothing is open."""

@@ -12,10 +12,24 @@ from adapters.panel.state import Action, HeldForce, State
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.ports import Account, Array, Indices, Load, Motion, Mount, PanelState, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Indices,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Restorable,
+    Saved,
+    counted,
+)
+from orchestrator.state import put_back, taken
+
+_STATE = ("_clamps", "_impulse_N_s", "_load_J", "_clamps_J")
 
 
-class Body(Protocol):
+class Body(Restorable, Protocol):
     """What moves: mass (nodes,), which nodes are held, and what it stores and loses."""
 
     mass_kg: Array
@@ -28,7 +42,7 @@ class Body(Protocol):
     def close(self) -> None: ...
 
 
-class Integrator(Protocol):
+class Integrator(Restorable, Protocol):
     def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
         """Move ``state`` to the interval's end under ``action``."""
         ...
@@ -111,6 +125,16 @@ class ElasticPanel:
             lost_J={"panel_damping": self._body.lost_J()},
             received_J={"load": self._load_J, "clamps": self._clamps_J},
         )
+
+    def save(self) -> Saved:
+        parts = {"state": self._state, "body": self._body, "integrator": self._integrator}
+        return taken(self, *_STATE) | {name: part.save() for name, part in parts.items()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        self._state.restore(saved["state"])
+        self._body.restore(saved["body"])
+        self._integrator.restore(saved["integrator"])
 
     def close(self) -> None:
         self._integrator.close()

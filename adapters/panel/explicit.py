@@ -11,6 +11,7 @@ import numpy as np
 from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
 from orchestrator.clock import Interval
+from orchestrator.ports import Saved
 
 
 class Explicit:
@@ -42,6 +43,13 @@ class Explicit:
             v[held] = action.held.velocity_m_s(fraction)
             on_held.add(step_s, 0.5 * (before_N + state.internal_N[held]), x[held] - before_m)
         return on_held
+
+    def save(self) -> Saved:
+        """A step remembers nothing that ``State`` and the structure do not know."""
+        return {}
+
+    def restore(self, saved: Saved) -> None:
+        """Nothing to restore."""
 
     def close(self) -> None:
         """Nothing is open."""

@@ -19,7 +19,8 @@ from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
 from orchestrator.clock import Interval
 from orchestrator.plans import SolverFailed
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import put_back, taken
 
 SPECTRAL_RADIUS = 0.8
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
@@ -68,6 +69,14 @@ class GeneralizedAlpha:
                     f"the step halved {HALVINGS} times: {failure}"
                 ) from failure
         return on_held
+
+    def save(self) -> Saved:
+        """With the tangent, which Newton's iteration keeps for many steps."""
+        return taken(self, "_factorised_for_s") | {"tangent": self._tangent.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_factorised_for_s")
+        self._tangent.restore(saved["tangent"])
 
     def close(self) -> None:
         self._tangent.close()

@@ -14,7 +14,8 @@ from dolfinx import fem
 
 from adapters.panel.compiled import expression, form, function_space
 from adapters.panel.maxwell import Branches
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import put_back, taken
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,13 @@ class ViscousStrain:
         np.subtract(now, self._before, out=self._change)
         self._before[:] = now
         self.branches.end(self._change * self._weight, self._change)
+
+    def save(self) -> Saved:
+        return taken(self, "_before") | {"branches": self.branches.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_before")
+        self.branches.restore(saved["branches"])
 
 
 class Material:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestrator.hermite import Path
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import taken
 
 
 @dataclass
@@ -28,6 +29,14 @@ class State:
     def moved(self) -> list[Array]:
         """What an explicit step changes, in the order of the fields."""
         return [self.position_m, self.velocity_m_s, self.internal_N]
+
+    def save(self) -> Saved:
+        return taken(self, *vars(self))
+
+    def restore(self, saved: Saved) -> None:
+        """Into the arrays that are there: compiled code works on them."""
+        for name, array in vars(self).items():
+            array[:] = saved[name]
 
     @staticmethod
     def at_rest(position_m: Array, internal_N: Array) -> State:

@@ -12,7 +12,8 @@ from adapters.panel.bending import Bending
 from adapters.panel.compiled import form
 from adapters.panel.material import Law, Material
 from adapters.panel.maxwell import Branches
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, Indices, Restorable, Saved
+from orchestrator.state import taken
 
 
 def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
@@ -25,7 +26,7 @@ def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
     return mass
 
 
-class Memory(Protocol):
+class Memory(Restorable, Protocol):
     """A part whose force depends on its past."""
 
     branches: Branches
@@ -84,6 +85,15 @@ class Structure:
     def end_step(self) -> None:
         for memory in self._memories:
             memory.end_step(self._position_m)
+
+    def save(self) -> Saved:
+        parts = {str(number): memory.save() for number, memory in enumerate(self._memories)}
+        return taken(self, "_position_m") | parts
+
+    def restore(self, saved: Saved) -> None:
+        self._position_m[:] = saved["position_m"]
+        for number, memory in enumerate(self._memories):
+            memory.restore(saved[str(number)])
 
     def close(self) -> None:
         if self.bending:

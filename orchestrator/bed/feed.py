@@ -11,10 +11,13 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.bed.packing import places
+from orchestrator.bed.particle_lists import joined, nobody
 from orchestrator.bed.particle_sizes import SizeClass, mass_kg, shares
+from orchestrator.bed.random_state import set_words, words
 from orchestrator.clock import Interval
 from orchestrator.plans import ParticleList
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
+from orchestrator.state import put_back, taken
 
 SAME_PLACE_M = 1e-9
 ROUNDS = 20  # of proposals for the particles of one interval
@@ -71,6 +74,9 @@ class Inlet:
         return np.asarray(corners @ self.axes.T)
 
 
+_STATE = ("_drawn_kg", "_waiting_m", "_offered", "_next_m", "_class", "due_kg", "fed_kg")
+
+
 class RateFeed:
     """``Feed`` of one inlet.  Picklable; the same inlet gives the same particles everywhere.
 
@@ -110,6 +116,13 @@ class RateFeed:
         self.fed_kg += float(np.sum(mass_kg(self._waiting_m[fed], self.inlet.density_kg_m3)))
         self._waiting_m = np.delete(self._waiting_m, fed)
         self._offered = np.empty(0, dtype=np.int64)
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE) | {"generator": words(self._generator)}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        set_words(self._generator, saved["generator"])
 
     def _draw(self) -> None:
         drawn_m = []
@@ -170,6 +183,13 @@ class Feeds:
         for feed, part in zip(self.feeds, parts, strict=True):
             feed.settle(part)
 
+    def save(self) -> Saved:
+        return {str(number): feed.save() for number, feed in enumerate(self.feeds)}
+
+    def restore(self, saved: Saved) -> None:
+        for number, feed in enumerate(self.feeds):
+            feed.restore(saved[str(number)])
+
 
 def apart(one: Inlet, two: Inlet) -> bool:
     """Whether two boxes cannot overlap, by their bounds along the axes of either."""
@@ -180,20 +200,3 @@ def apart(one: Inlet, two: Inlet) -> bool:
         if (second.max(axis=0) <= first.min(axis=0) + SAME_PLACE_M).any():
             return True
     return False
-
-
-def nobody() -> ParticleList:
-    places, nothing = np.empty((0, 3)), np.empty(0)
-    return ParticleList(places, places, places, nothing, nothing, nothing.astype(np.int64))
-
-
-def joined(lists: Sequence[ParticleList]) -> ParticleList:
-    """One list of at least one list, in order."""
-    return ParticleList(
-        np.concatenate([one.position_m for one in lists]),
-        np.concatenate([one.velocity_m_s for one in lists]),
-        np.concatenate([one.spin_rad_s for one in lists]),
-        np.concatenate([one.diameter_m for one in lists]),
-        np.concatenate([one.density_kg_m3 for one in lists]),
-        np.concatenate([one.material for one in lists]),
-    )

@@ -17,7 +17,8 @@ from orchestrator.bed.material_watch import MaterialWatch
 from orchestrator.bed.particle_sizes import mass_kg
 from orchestrator.clock import Interval
 from orchestrator.plans import Exit, ParticleList, SolverFailed
-from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
+from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed, Saved
+from orchestrator.state import as_arrays, like, put_back, taken
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,21 @@ class CountedFeed:
 
     def taken(self) -> Fed:
         """Who came in since this was last asked."""
-        since, self._since = self._since, []
-        if not since:
-            since = [_rows(self._offered, np.empty(0, dtype=np.int64), 1, 0.0)]
+        since, self._since = self._noted(), []
+        return since
+
+    def save(self) -> Saved:
+        feeds = self._feed.save() if self._feed is not None else {}
+        return taken(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_count")
+        self._since = [like(self._noted(), saved["since"])]
+        if self._feed is not None:
+            self._feed.restore(saved["feeds"])
+
+    def _noted(self) -> Fed:
+        since = self._since or [_rows(self._offered, np.empty(0, dtype=np.int64), 1, 0.0)]
         return Fed(*(np.concatenate([getattr(one, f.name) for one in since]) for f in fields(Fed)))
 
     def _note(self, accepted: npt.NDArray[np.bool_]) -> None:
@@ -93,6 +106,9 @@ class Amount:
     def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
         self.number += len(some.diameter_m[rows])
         self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_m3[rows])))
+
+
+_AMOUNTS = ("fed", "on_deck", "lost", "escaped")
 
 
 class MaterialBook:
@@ -125,6 +141,17 @@ class MaterialBook:
         self._watch.escaped(removed, self.exits)
         for feed in self.feed.feeds:
             self._watch.feed(time_s, feed)
+
+    def save(self) -> Saved:
+        through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
+        books = {"feed": self.feed.save(), "watch": self._watch.save(), "through": through}
+        return taken(self, *_AMOUNTS) | books
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_AMOUNTS)
+        self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
+        self.feed.restore(saved["feed"])
+        self._watch.restore(saved["watch"])
 
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.bed.feed import RateFeed
 from orchestrator.plans import Exit, SolverFailed
-from orchestrator.ports import Indices, Removed
+from orchestrator.ports import Indices, Removed, Saved
 from orchestrator.tables.numerics import Watch
 
 LOG = logging.getLogger("flipflow")
@@ -78,6 +78,17 @@ class MaterialWatch:
                 "something fills its box (bed.feeds), or the rate is too large for it"
             )
             self._say(f"jam {name}", what, self._wanted.jammed_feed)
+
+    def save(self) -> Saved:
+        before = {name: np.array(rows) for name, rows in self._before.items()}
+        return {"before": before, "said": np.array(sorted(self._said), dtype=str)}
+
+    def restore(self, saved: Saved) -> None:
+        self._before = {
+            name: deque((time_s, due_kg, fed_kg) for time_s, due_kg, fed_kg in rows.tolist())
+            for name, rows in saved["before"].items()
+        }
+        self._said = set(saved["said"].tolist())
 
     def _say(self, key: str, what: str, then: str) -> None:
         if then == "stop":

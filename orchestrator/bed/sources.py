@@ -7,8 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from orchestrator.bed.feed import Feeds, Inlet, joined
+from orchestrator.bed.feed import Feeds, Inlet
 from orchestrator.bed.packing import block
+from orchestrator.bed.particle_lists import joined
 from orchestrator.bed.size_distribution import classes, share_left_out
 from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import axes, to_world

@@ -19,6 +19,7 @@ from orchestrator.tables.numerics import (
     Output,
     PanelSolver,
     ParticlesSolver,
+    Save,
     Watch,
 )
 from orchestrator.tables.quantities import (
@@ -161,6 +162,8 @@ class Case(Table):
     """Solver of the particles."""
     watch: Watch = Field(default_factory=Watch)
     """What stops a run."""
+    save: Save = Field(default_factory=Save)
+    """When the run is saved."""
     output: Output = Field(default_factory=Output)
     """What is written."""
 

@@ -27,7 +27,17 @@ from orchestrator.casefile.overlays import Layers, changed, parsed
 from orchestrator.casefile.toml_file import read_toml
 from orchestrator.scene.catalogue import dropped, left_out
 
-NUMERICS = ("coupling", "hand_over", "frames", "panel", "particles", "output", "slice", "watch")
+NUMERICS = (
+    "coupling",
+    "hand_over",
+    "frames",
+    "panel",
+    "particles",
+    "output",
+    "save",
+    "slice",
+    "watch",
+)
 NO_PHYSICS = (*NUMERICS, "effects")
 
 

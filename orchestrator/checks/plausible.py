@@ -69,6 +69,8 @@ RANGES: dict[str, tuple[float, float]] = {
     "interval_s": (1e-7, 1e4),
     "series_s": (1e-7, 1e4),
     "shapes_s": (1e-7, 1e4),
+    "every_s": (1e-7, 1e4),
+    "wall_min": (1e-3, 1e5),
     "jam_s": (1e-6, 1e4),
     "start_s": (0.0, 1e4),
     "stop_s": (1e-6, 1e4),

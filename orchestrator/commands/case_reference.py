@@ -20,6 +20,7 @@ from orchestrator.scene.effect import Part
 
 # by the end of a key; the longest that fits counts
 UNITS = {
+    "_min": "min",
     "_m": "m",
     "_m_s": "m/s",
     "_m_s2": "m/s2",

@@ -36,6 +36,8 @@ Examples:
 
   flipflow record RUN --out panels.h5                  its panels, to be played back
 
+  flipflow resume runs/quickstart-1                    go on with it, if it was interrupted
+
   flipflow report runs/quickstart-1                    one HTML page about a run
 
   flipflow ladder cases/empty-machine --duration 0.6   every model of its parts: cost, error
@@ -99,11 +101,28 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
     The case is checked first; nothing is written if it is wrong.  The folder of the run holds
     the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
 
-    Ctrl-C ends the run at the next sync point with all results written; twice, at once.
+    Ctrl-C ends the run at the next sync point with all results written, to be resumed; twice, at
+    once.
     """
     from orchestrator.commands.launch import run as launch
 
     raise typer.Exit(launch(case, level, out, overrides or []))
+
+
+@app.command()
+def resume(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")],
+    overrides: Overrides = None,
+) -> None:
+    """Go on with a run from its last save.
+
+    Runs are saved every now and then ([save] in a case), at their end, and by Ctrl-C.  What goes
+    on is, bit for bit, the run that never stopped; on as many processes as it was saved.  It may
+    be given a later end (--set duration_s=...) and other output; any other change is refused.
+    """
+    from orchestrator.commands.resume import resume as go_on
+
+    raise typer.Exit(go_on(run, overrides or []))
 
 
 @app.command()

@@ -7,9 +7,10 @@ missing, 4 a solver failed or the run became unstable or its results could not b
 
 from __future__ import annotations
 
+import shlex
 import signal
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -18,14 +19,15 @@ from rich.console import Console
 
 from orchestrator import ranks
 from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import load
+from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
 from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import run_folder, summary
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
-from orchestrator.scene.account import account, at_start
+from orchestrator.saves.files import Save
+from orchestrator.scene.account import Entry, account, at_start
 from orchestrator.stability import words
 from orchestrator.stability.card import card
 from orchestrator.watch import Interrupted
@@ -37,31 +39,55 @@ AT_ONCE = 128 + signal.SIGINT
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
     """Runs a case on every rank; returns the exit code."""
     world = ranks.communicator()
-    first = ranks.is_first(world)
-    console = _console(quiet=not first)
     try:
         loaded = load(path, level, overrides)
         if found := mistakes(loaded):
             raise CaseError(found)
         entries = account(loaded.described, loaded.left_out)
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
-    except (CaseError, FolderUnusable) as error:
-        wrong = str(error)
-        return ranks.in_turn(world, lambda: _console().print(wrong), WRONG)
     except Exception as error:
-        broken = f"a mistake in flipflow: {type(error).__name__}: {error}"
-        return ranks.in_turn(world, lambda: _console().print(broken), BROKEN)
+        return refused(world, error)
+    return carried_out(loaded, entries, folder, world)
+
+
+def refused(world: Any, error: Exception) -> int:
+    """Says, once, why nothing is run; returns the exit code."""
+    if isinstance(error, CaseError | FolderUnusable):
+        return ranks.in_turn(world, lambda: _console().print(str(error)), WRONG)
+    broken = f"a mistake in flipflow: {type(error).__name__}: {error}"
+    return ranks.in_turn(world, lambda: _console().print(broken), BROKEN)
+
+
+def carried_out(
+    loaded: LoadedCase,
+    entries: Mapping[str, Entry],
+    folder: Path,
+    world: Any,
+    save: Save | None = None,
+    said: Sequence[str] = (),
+) -> int:
+    """Runs the case in its folder, or goes on from ``save``; returns the exit code.
+
+    ``entries``: the account of its effects; ``said``: what else is to be said before.  Raises
+    FolderUnusable where another process is at work.
+    """
+    first = ranks.is_first(world)
+    console = _console(quiet=not first)
     alone = held(folder / OF_A_RUN) if first else nullcontext()
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
-        console.print(f"running {loaded.name} {loaded.level} into {folder}")
+        doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
+        line = f"{doing} {loaded.name} {loaded.level} into {folder}"
+        LOG.info(line)
+        console.print(line)
         stability = card(loaded.case)
         for line in words.lines(stability):
             LOG.info(line)
-        for line in [*warnings(loaded), *words.warnings(stability), *at_start(entries)]:
+        before = [*said, *warnings(loaded), *words.warnings(stability), *at_start(entries)]
+        for line in before:
             LOG.warning(line)
             console.print(f"warning: {line}")
-        opened = Run(loaded, entries, stability, folder, world, console)
+        opened = Run(loaded, entries, stability, folder, world, console, save)
         return _guarded(opened, folder, world, console)
 
 
@@ -92,7 +118,7 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     if not ranks.is_first(world):
         return code
     try:
-        _close(run.finish(status, reason), folder, console)
+        _close(run.finish(status, reason), folder, world, console)
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
@@ -109,10 +135,10 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
         LOG.error(reason)
         console = _console()
         console.print(reason)
-        if status == "refused":
-            run_folder.discard(folder)
-        else:
+        if status != "refused":
             _leave_usable(run, status, reason, folder, console)
+        elif run.resumes is None:
+            run_folder.discard(folder)
     return ranks.end_all(world, code)
 
 
@@ -125,7 +151,13 @@ def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Con
         console.print(f"no summary: {error}")
 
 
-def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
+def go_on(folder: Path, world: Any) -> str:
+    """The command that takes the run up again."""
+    with_ranks = [] if world is None else ["mpirun", "-n", str(world.size)]
+    return shlex.join([*with_ranks, "flipflow", "resume", str(folder)])
+
+
+def _close(figures: dict[str, Any], folder: Path, world: Any, console: Console) -> None:
     """The closing table, and where everything is."""
     if figures["status"] == "done":
         console.print(summary.closing_table(figures))
@@ -135,5 +167,5 @@ def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
     else:
         line = f"{figures['reason']} at t = {figures['simulated_s']:g} s"
         LOG.info(line)
-        console.print(line)
+        console.print(f"{line}\nto go on: {go_on(folder, world)}")
     console.print(f"results in {folder}")

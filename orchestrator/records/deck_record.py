@@ -23,7 +23,7 @@ class DeckRecord:
         across = np.array([-deck.along[1], deck.along[0], 0.0])
         station_m = np.interp(openings_m @ deck.along, deck.over_m, deck.station_m)
         self._deck, self._points = deck, joined(deck.panels, centre_lines)
-        self._held = Held(cycle_s, across, np.column_stack([station_m, openings_m @ across]))
+        self.held = Held(cycle_s, across, np.column_stack([station_m, openings_m @ across]))
 
     def at(
         self, time_s: float, surface: Motion, particles: ParticleSnapshot
@@ -33,7 +33,7 @@ class DeckRecord:
         seen = over(self._deck, line.position_m, line.velocity_m_s, particles.position_m)
         return {
             "profile": dict(profile(self._deck, particles, seen)),
-            "held": dict(self._held.at(time_s, particles, seen)),
+            "held": dict(self.held.at(time_s, particles, seen)),
         }
 
 

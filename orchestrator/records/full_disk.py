@@ -11,20 +11,21 @@ import io
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 RESERVE_BYTES = 16 * 1024**2  # enough for the rows in memory, the file's tables and a summary
 
 
 class Reserved(io.RawIOBase):
-    """The new file ``path``, to read and write.  Raises OSError if there is no room at all."""
+    """The file ``path``, to read and write: a new one, or the one that is there.  Raises OSError if
+    there is no room at all."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, mode: Literal["w+b", "r+b"] = "w+b") -> None:
         self._reserve = path.with_name(f".{path.name}.reserve")
         self._error: OSError | None = None
         with self._reserve.open("wb") as reserve:
             os.posix_fallocate(reserve.fileno(), 0, RESERVE_BYTES)
-        self._file = path.open("w+b", buffering=0)
+        self._file = path.open(mode, buffering=0)
 
     def check(self) -> None:
         """Raises the OSError of the first write that found no room."""

@@ -7,7 +7,8 @@ import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from orchestrator.deck.line import Over
-from orchestrator.ports import Array, Indices, ParticleSnapshot
+from orchestrator.ports import Array, Indices, ParticleSnapshot, Saved
+from orchestrator.state import put_back, taken
 
 Mask = npt.NDArray[np.bool_]
 HELD_CYCLES = 5
@@ -15,6 +16,7 @@ NEAR = 0.25  # diameters between panel and particle that still count as lying on
 STAYS = 0.5  # diameters along and across that still count as the same place
 SEATED = 0.75  # radii from centre to surface that only an opening allows
 GRAVITY_M_S2 = 9.81
+_STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_s")
 
 
 class Held:
@@ -56,6 +58,12 @@ class Held:
             "mass_kg": float(mass[held].sum()),
             "openings": float(self._blinded(place[held & (seen.height_m < SEATED * radius)])),
         }
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
 
     def _row(self, ids: Indices) -> tuple[Indices, Mask]:
         """Row of each particle at the last time, and whether it was there."""

@@ -23,9 +23,10 @@ ROWS_IN_MEMORY = 500
 class History:
     """Rows are gathered in memory and appended in blocks; ``flush`` writes what is there."""
 
-    def __init__(self, path: Path) -> None:
-        self._disk = Reserved(path)
-        self._file = h5py.File(self._disk, "w")
+    def __init__(self, path: Path, goes_on: bool = False) -> None:
+        """A new file, or one that goes on."""
+        self._disk = Reserved(path, "r+b" if goes_on else "w+b")
+        self._file = h5py.File(self._disk, "r+" if goes_on else "w")
         self._rows: dict[str, list[dict[str, Array]]] = {}
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:

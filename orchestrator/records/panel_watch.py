@@ -9,7 +9,7 @@ import numpy as np
 from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import single_panels
 from orchestrator.plans import SolverFailed
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Saved
 
 LOG = logging.getLogger("flipflow")
 FOLD_LENGTHS = 4.0  # in thicknesses: less than this apart along the panel is no fold but a bend
@@ -38,6 +38,12 @@ class PanelWatch:
         if panel not in self._said:
             LOG.warning(what)
             self._said.add(panel)
+
+    def save(self) -> Saved:
+        return {"said": np.array(sorted(self._said), dtype=str)}
+
+    def restore(self, saved: Saved) -> None:
+        self._said = set(saved["said"].tolist())
 
 
 def touches_itself_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:

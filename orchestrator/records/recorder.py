@@ -20,7 +20,7 @@ from orchestrator.deck.opening_places import openings_m
 from orchestrator.deck.panels import single_panels
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
-from orchestrator.ports import Array, Motion, ParticleSnapshot
+from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
 from orchestrator.ranks import is_first
 from orchestrator.records.deck_record import deck_record
 from orchestrator.records.history import History
@@ -42,20 +42,26 @@ class Recorder:
         start: State,
         case: Case,
         world: Any,
+        goes_on: bool = False,
     ):
+        """``goes_on``: in what an earlier process recorded, to be restored before the first row."""
         self._machine, self._ledger, self._start = machine, ledger, start
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
         self._every = rows_every(case)
         self._shapes_every = shapes_every(case)
         if self._writes:
-            self._history = History(folder / "history.h5")
+            self._history = History(folder / "history.h5", goes_on)
             self._panel_watch = PanelWatch(case)
             self._series = TimeSeries(machine, start, self._history)
+            self._parts: dict[str, Restorable] = {
+                "panel_watch": self._panel_watch,
+                "series": self._series,
+            }
             if len(machine.surface.triangles):
-                self._surface = Series(folder, "surface")
+                self._parts["surface"] = self._surface = Series(folder, "surface")
             if machine.material is not None:
-                self._particles = Series(folder, "particles")
+                self._parts["particles"] = self._particles = Series(folder, "particles")
                 exits = machine.material.exits
                 self._history.describe("removed", "names", [one.name for one in exits])
                 self._history.describe("removed", "products", [one.product for one in exits])
@@ -64,6 +70,8 @@ class Recorder:
                 rectangles = [panel.rectangle for panel in single_panels(case)]
                 self._wear = WearRecord(machine.surface, machine.panels, rectangles)
             self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
+            if self._deck is not None:
+                self._parts["held"] = self._deck.held
 
     def sync_point(self, done: int, time_s: float, state: State) -> None:
         """Every sync point; ``done`` counts them."""
@@ -115,6 +123,18 @@ class Recorder:
         """The material's balance at the last output time, on rank 0."""
         book = self._machine.material
         return book.figures() if book is not None else None
+
+    def save(self) -> Saved:
+        """What is recorded goes to the disk; what later rows depend on is returned."""
+        if not self._writes:
+            return {}
+        self._history.flush()
+        return {name: part.save() for name, part in self._parts.items()}
+
+    def restore(self, saved: Saved) -> None:
+        if self._writes:
+            for name, part in self._parts.items():
+                part.restore(saved[name])
 
     def close(self) -> None:
         if self._writes:

@@ -44,9 +44,13 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
             shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
     if loaded.case.panel.recording is not None:
         shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
-    text = tomli_w.dumps(resolved(loaded))
-    (folder / "case.toml").write_text(text, encoding="utf-8")
+    write_case(folder, loaded)
     write_json(folder / "provenance.json", provenance(ranks))
+
+
+def write_case(folder: Path, loaded: LoadedCase) -> None:
+    """The resolved case."""
+    write_text(folder / "case.toml", tomli_w.dumps(resolved(loaded)))
 
 
 def resolved(loaded: LoadedCase) -> dict[str, Any]:

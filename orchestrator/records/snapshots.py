@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 import meshio
 import numpy as np
 
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 
 
 class Series:
@@ -20,24 +20,39 @@ class Series:
 
     def __init__(self, folder: Path, name: str) -> None:
         self._folder, self._name = folder, name
-        self._files: list[tuple[float, str]] = []
-        (folder / name).mkdir()
+        self._time_s: list[float] = []
+        (folder / name).mkdir(exist_ok=True)
 
     def add(self, time_s: float, mesh: meshio.Mesh) -> None:
-        file = f"{self._name}/{self._name}_{len(self._files):05d}.vtu"
+        file = self._file(len(self._time_s))
         try:
             mesh.write(self._folder / file)
         except OSError:  # half a file would not open
             (self._folder / file).unlink(missing_ok=True)
             raise
-        self._files.append((time_s, file))
+        self._time_s.append(time_s)
         self._write_list()
+
+    def save(self) -> Saved:
+        return {"time_s": np.array(self._time_s)}
+
+    def restore(self, saved: Saved) -> None:
+        """Files of later times are removed."""
+        self._time_s = saved["time_s"].tolist()
+        kept = {self._folder / self._file(number) for number in range(len(self._time_s))}
+        for file in (self._folder / self._name).glob("*.vtu"):
+            if file not in kept:
+                file.unlink()
+        self._write_list()
+
+    def _file(self, number: int) -> str:
+        return f"{self._name}/{self._name}_{number:05d}.vtu"
 
     def _write_list(self) -> None:
         """Whole again at every time, so that an interrupted run opens, too."""
         rows = "\n".join(
-            f'<DataSet timestep="{time_s!r}" file={quoteattr(file)}/>'
-            for time_s, file in self._files
+            f'<DataSet timestep="{time_s!r}" file={quoteattr(self._file(number))}/>'
+            for number, time_s in enumerate(self._time_s)
         )
         text = (
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'

@@ -9,9 +9,10 @@ import numpy as np
 
 from orchestrator.coupling import State
 from orchestrator.machine import Machine, Probe
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 from orchestrator.records.frame_rotation import rotations
 from orchestrator.records.history import History
+from orchestrator.state import put_back, taken
 
 FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
 
@@ -49,6 +50,12 @@ class TimeSeries:
                 del values["stops_N"]
             self._history.add(f"forces/{panel.name}", time_s, values)
         self._sum_N[:], self._summed = 0.0, 0
+
+    def save(self) -> Saved:
+        return taken(self, "_sum_N", "_summed")
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_sum_N", "_summed")
 
     def _frames(self, time_s: float, state: State) -> None:
         clamps, points = state.clamps, self._centres

@@ -112,6 +112,16 @@ class Watch(Table):
     """How long."""
 
 
+class Save(Table):
+    """When a run is saved while it goes on, so that ``flipflow resume`` can take it up again.  At
+    its end, and where it is interrupted, it is saved in any case."""
+
+    every_s: NotNegative = 0.0
+    """Simulated time between two saves; 0: none for that."""
+    wall_min: NotNegative = 10.0
+    """Wall time between two saves; 0: none for that."""
+
+
 class Output(Table):
     """What is written how often."""
 

@@ -1,0 +1,68 @@
+"""A run that goes on from its last save, in its own folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from orchestrator import ranks
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import LoadedCase, load
+from orchestrator.checks import mistakes
+from orchestrator.commands.launch import carried_out, refused
+from orchestrator.records.folder_lock import at_work
+from orchestrator.records.run_folder import FolderUnusable, write_case, write_json
+from orchestrator.saves import files
+from orchestrator.saves.files import Save
+from orchestrator.saves.origin import origin, refuse_another_run, warnings
+from orchestrator.scene.account import account
+
+
+def resume(folder: Path, overrides: Sequence[str]) -> int:
+    """Goes on with a run on every rank; returns the exit code."""
+    world = ranks.communicator()
+    try:
+        save = ranks.first_rank_does(world, lambda: _last(folder))
+        as_saved = load(folder, None, overrides)
+        loaded = replace(as_saved, name=save.about["name"], level=save.about["level"])
+        if found := mistakes(loaded):
+            raise CaseError(found)
+        entries = account(loaded.described, loaded.left_out)
+        said = ranks.first_rank_does(world, lambda: _prepare(folder, save, loaded, world))
+        return carried_out(loaded, entries, folder, world, save, said)
+    except Exception as error:
+        return refused(world, error)
+
+
+def _last(folder: Path) -> Save:
+    """The last save that is whole.  Raises FolderUnusable."""
+    if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
+        raise FolderUnusable(f"{folder}: is not the folder of a run")
+    if at_work(folder):
+        raise FolderUnusable(f"{folder}: the run is still going on")
+    save = files.newest(folder)
+    if save is None:
+        raise FolderUnusable(
+            f"{folder}: nothing was saved; [save] in a case says when that is done, and what ends "
+            "a run with Ctrl-C does it, too"
+        )
+    return save
+
+
+def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[str]:
+    """The folder as it was at the save; what there is to be said of that.  Raises FolderUnusable
+    for what is another run."""
+    now = origin(loaded, folder, world)
+    refuse_another_run(save, now)
+    files.drop_later(folder, save)
+    save.put_back(folder)
+    for of_the_end in ("failure.txt", "summary.json"):
+        (folder / of_the_end).unlink(missing_ok=True)
+    write_case(folder, loaded)
+    provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    resumed = [*provenance.get("resumed", []), {"at_s": save.simulated_s, **now["provenance"]}]
+    write_json(folder / "provenance.json", provenance | {"resumed": resumed})
+    return [*save.torn, *warnings(save, now)]

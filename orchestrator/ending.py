@@ -1,0 +1,99 @@
+"""What a run leaves at its end, whatever that was: its summary, its results and its pictures."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from resource import RUSAGE_SELF, getrusage
+from typing import Any
+
+from rich.console import Console
+
+from orchestrator.casefile.levels import LoadedCase
+from orchestrator.casefile.slice import share
+from orchestrator.children import python
+from orchestrator.progress import Progress
+from orchestrator.records import summary
+from orchestrator.records.run_folder import LOG, write_json
+from orchestrator.results.compute import results
+from orchestrator.results.seen import checked
+from orchestrator.results.store import store
+from orchestrator.scene.account import Entry, at_end
+from orchestrator.stability import words
+from orchestrator.stability.bound import Card
+
+
+@dataclass(frozen=True)
+class Ending:
+    """``effects``, ``stability``: what was judged of them before the run."""
+
+    loaded: LoadedCase
+    effects: Mapping[str, Entry]
+    stability: Card
+    folder: Path
+    console: Console
+
+    def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
+        """``summary.json``, which is returned, and the pictures.
+
+        ``status``: "done", "interrupted" or "failed", with the ``reason``.
+        """
+        case, folder, wall_s = self.loaded.case, self.folder, progress.wall_s
+        by_part = summary.wall_by_part_s(progress.stopwatch.wall_s, wall_s)
+        rate = progress.particle_steps / by_part["particles"] if by_part["particles"] else 0.0
+        figures = {
+            "status": status,
+            "reason": reason,
+            "case": self.loaded.name,
+            "level": self.loaded.level,
+            "left_out": self.loaded.left_out,
+            "effects": {name: one.figures() for name, one in self.effects.items()},
+            "share_of_width": share(case.whole),
+            "cycle_s": summary.cycle_s(case),
+            "stability": words.figures(self.stability),
+            "wall_s": wall_s,
+            "processor_s": time.process_time(),
+            "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,
+            "wall_by_part_s": by_part,
+            "particle_steps_per_s": rate,
+            **progress.figures,
+        }
+        if figures["sync_intervals"]:
+            figures["probes"] = summary.probes(folder / "history.h5", figures["cycle_s"])
+        write_json(folder / "summary.json", figures)
+        if figures["sync_intervals"]:
+            self._add_results(figures)
+        if case.output.pictures and figures["sync_intervals"]:
+            _draw(folder)
+        return figures
+
+    def _add_results(self, figures: dict[str, Any]) -> None:
+        """To ``summary.json`` and ``history.h5``.  A mistake in them loses nothing else."""
+        try:
+            figures["results"] = results(self.folder)
+            write_json(self.folder / "summary.json", figures)
+            store(self.folder / "history.h5", figures["results"])
+            self._check_effects(figures)
+        except OSError:
+            raise
+        except Exception as error:
+            LOG.exception("no results: %s", error)
+
+    def _check_effects(self, figures: dict[str, Any]) -> None:
+        """What was judged before the run, by what it recorded."""
+        after = checked(self.effects, self.loaded.described, self.folder, figures["results"])
+        figures["effects"] = {name: one.figures() for name, one in after.items()}
+        write_json(self.folder / "summary.json", figures)
+        for line in at_end(after):
+            LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
+            self.console.print(line)
+
+
+def _draw(folder: Path) -> None:
+    """Pictures in a process of their own; one that fails is a warning in the log."""
+    drawn = python("-m", "orchestrator.records.pictures", str(folder), capture_output=True)
+    if drawn.returncode:
+        LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

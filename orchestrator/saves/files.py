@@ -1,0 +1,173 @@
+"""Saves on the disk: ``saves/<sync point>/`` in the folder of the run.
+
+Each holds the arrays of every rank, a copy of what the run had recorded by then, and
+``save.json``, which says what it is of and has the checksum of every other file.  A save is written
+aside and renamed when all of it is on the disk; the last ``KEPT`` stay.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.ports import Saved
+from orchestrator.ranks import is_first
+
+KEPT = 2
+FOLDER, ABOUT = "saves", "save.json"
+
+
+class TornSave(Exception):
+    """A save that is not as it was written; the message says what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class Save:
+    """A whole save; ``about``: what ``save.json`` says, ``torn``: what is wrong with later ones."""
+
+    folder: Path
+    about: dict[str, Any]
+    torn: tuple[str, ...] = ()
+
+    @property
+    def sync_points(self) -> int:
+        return int(self.about["sync_points"])
+
+    @property
+    def simulated_s(self) -> float:
+        return float(self.about["progress"]["figures"]["simulated_s"])
+
+    def state(self, world: Any) -> Saved:
+        """This rank's arrays."""
+        with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
+            return _nested({name: file[name] for name in file.files})
+
+    def put_back(self, run: Path) -> None:
+        """The files that were copied, into the folder of the run."""
+        for name in self.about["copies"]:
+            aside = run / f".{name}"
+            shutil.copyfile(self.folder / name, aside)
+            aside.replace(run / name)
+
+
+def write(
+    run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
+) -> None:
+    """A new save in the folder of a run, of every rank of ``world``; ``about`` needs
+    ``sync_points``.  Raises OSError."""
+    parent, name = run / FOLDER, f"{about['sync_points']:012d}"
+    aside = parent / f".{name}"
+    if is_first(world):
+        shutil.rmtree(aside, ignore_errors=True)
+        aside.mkdir(parents=True)
+    if world is not None:
+        world.barrier()
+    mine = aside / _of_rank(world)
+    np.savez(mine, **_flat(state))
+    checked = {mine.name: _on_disk(mine)}
+    ranks = [checked] if world is None else world.gather(checked)
+    if not is_first(world):
+        return
+    for copy in copies:
+        shutil.copyfile(copy, aside / copy.name)
+        ranks.append({copy.name: _on_disk(aside / copy.name)})
+    sums = {name: digest for rank in ranks for name, digest in rank.items()}
+    about = about | {"copies": [copy.name for copy in copies], "sha256": sums}
+    (aside / ABOUT).write_text(json.dumps(about, indent=2, default=float), encoding="utf-8")
+    _on_disk(aside / ABOUT)
+    _sync(aside)
+    shutil.rmtree(parent / name, ignore_errors=True)
+    aside.replace(parent / name)
+    _sync(parent)
+    for old in _names(parent)[:-KEPT]:
+        shutil.rmtree(parent / old)
+
+
+def newest(run: Path) -> Save | None:
+    """The last save that is whole."""
+    torn: list[str] = []
+    for name in reversed(_names(run / FOLDER)):
+        try:
+            return Save(run / FOLDER / name, _checked(run / FOLDER / name), tuple(torn))
+        except TornSave as wrong:
+            torn.append(f"{wrong}; the one before is taken")
+    return None
+
+
+def drop_later(run: Path, save: Save) -> None:
+    """Removes what came after ``save``, and what was left half written."""
+    for folder in (run / FOLDER).iterdir():
+        if folder.name.startswith(".") or folder.name > save.folder.name:
+            shutil.rmtree(folder)
+
+
+def _checked(folder: Path) -> dict[str, Any]:
+    """What ``save.json`` says, if the files are as it says.  Raises TornSave."""
+    try:
+        about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        for name, digest in about["sha256"].items():
+            if _digest(folder / name) != digest:
+                raise TornSave(f"{folder / name} is not what was written")
+    except (OSError, ValueError, KeyError, AttributeError, TypeError) as error:
+        raise TornSave(f"{folder} cannot be read: {error}") from error
+    return about
+
+
+def _names(parent: Path) -> list[str]:
+    """Saves in order of time."""
+    if not parent.is_dir():
+        return []
+    return sorted(folder.name for folder in parent.iterdir() if folder.name.isdigit())
+
+
+def _of_rank(world: Any) -> str:
+    return f"rank-{0 if world is None else world.rank}.npz"
+
+
+def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
+    """Names with slashes; one that ends with a slash stands for "nothing in here"."""
+    flat: dict[str, Any] = {} if saved else {within: np.empty(0)}
+    for name, value in saved.items():
+        flat |= (
+            _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
+        )
+    return flat
+
+
+def _nested(flat: dict[str, Any]) -> Saved:
+    saved: Saved = {}
+    for path, value in flat.items():
+        *parents, name = path.split("/")
+        inner = saved
+        for parent in parents:
+            inner = inner.setdefault(parent, {})
+        if name:
+            inner[name] = value
+    return saved
+
+
+def _on_disk(file: Path) -> str:
+    """Waits until the file is there to stay; its checksum."""
+    _sync(file)
+    return _digest(file)
+
+
+def _digest(file: Path) -> str:
+    with file.open("rb") as opened:
+        return hashlib.file_digest(opened, "sha256").hexdigest()
+
+
+def _sync(path: Path) -> None:
+    number = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)

@@ -1,0 +1,94 @@
+"""When a run is saved, and what of it: everything that decides how it goes on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from orchestrator.clock import steps_in
+from orchestrator.coupling import State
+from orchestrator.machine import Machine
+from orchestrator.ports import Saved
+from orchestrator.ranks import first_rank_does
+from orchestrator.records.recorder import Recorder
+from orchestrator.saves import files
+from orchestrator.saves.files import Save
+from orchestrator.state import as_arrays, like
+from orchestrator.tables.numerics import Save as Wanted
+
+
+class Schedule:
+    """When it is time: by the simulated time, or by the clock on the wall of the first rank."""
+
+    def __init__(self, wanted: Wanted, interval_s: float, world: Any) -> None:
+        self._every = steps_in(wanted.every_s, interval_s) if wanted.every_s else 0
+        self._wall_s, self._world = 60.0 * wanted.wall_min, world
+        self._last_s = time.monotonic()
+
+    def due(self, done: int) -> bool:
+        """After ``done`` sync intervals; alike on all ranks."""
+        if self._every and done % self._every == 0:
+            return True
+        return self._wall_s > 0 and first_rank_does(self._world, self._long_ago)
+
+    def _long_ago(self) -> bool:
+        return time.monotonic() - self._last_s >= self._wall_s
+
+    def done(self) -> None:
+        """It has been saved now."""
+        self._last_s = time.monotonic()
+
+
+class Keeper:
+    """Saves a run into its folder, and takes one back to a save.
+
+    ``about`` says what the save is of, at the moment that it is asked.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        machine: Machine,
+        recorder: Recorder,
+        about: Callable[[], dict[str, Any]],
+        world: Any,
+    ) -> None:
+        self._folder, self._machine, self._recorder = folder, machine, recorder
+        self._about, self._world = about, world
+        self._last = -1
+
+    def save(self, state: State, done: int) -> None:
+        """After ``done`` sync intervals, once.  Raises OSError."""
+        if done == self._last:
+            return
+        books = {"recorder": self._recorder.save()}
+        if self._machine.material is not None:
+            books["material"] = self._machine.material.save()
+        saved = {"members": self._members(), "coupling": as_arrays(state)} | books
+        about = self._about() | {"sync_points": done}
+        files.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
+        self._last = done
+
+    def restore(self, save: Save, start: State) -> State:
+        """All that was saved, into a machine freshly opened whose state is ``start``; the state at
+        the sync point of the save."""
+        saved, members = save.state(self._world), self._machine.members
+        members.frames.restore(saved["members"]["frames"])
+        members.panel.restore(saved["members"]["panel"])
+        if members.particles is not None:
+            members.particles.restore(saved["members"]["particles"])
+        if self._machine.material is not None:
+            self._machine.material.restore(saved["material"])
+        self._recorder.restore(saved["recorder"])
+        self._last = save.sync_points
+        state: State = like(start, saved["coupling"])
+        return state
+
+    def _members(self) -> Saved:
+        members = self._machine.members
+        saved = {"frames": members.frames.save(), "panel": members.panel.save()}
+        if members.particles is not None:
+            saved["particles"] = members.particles.save()
+        return saved

@@ -1,0 +1,63 @@
+"""Comparison of what two runs left behind, to the last bit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from orchestrator.ports import Saved
+from orchestrator.saves import files
+from tests.saved_states import differences
+
+OF_THE_CLOCK = (
+    "wall_s",
+    "wall_by_part_s",
+    "particle_steps_per_s",
+    "processor_s",
+    "peak_memory_MiB",
+)
+OF_THE_CLOCK += ("status", "reason")
+
+
+def run_differences(one: Path, other: Path) -> list[str]:
+    """Names of what differs: series, files for ParaView, summary, and the state at the end."""
+    found = differences(_history(one), _history(other), "history.h5")
+    found += differences(_pictured(one), _pictured(other), "files")
+    found += differences(_summary(one), _summary(other), "summary.json")
+    return found + differences(_end(one), _end(other), "end")
+
+
+def _history(run: Path) -> Saved:
+    series: Saved = {}
+    with h5py.File(run / "history.h5") as history:
+        history.visititems(
+            lambda name, item: (
+                series.update({name: item[()]})
+                if isinstance(item, h5py.Dataset) and not name.startswith("results")
+                else None
+            )
+        )
+    return series
+
+
+def _pictured(run: Path) -> Saved:
+    shown = [*run.glob("*.pvd"), *run.glob("*/*.vtu")]
+    return {
+        str(file.relative_to(run)): np.frombuffer(file.read_bytes(), np.uint8) for file in shown
+    }
+
+
+def _summary(run: Path) -> Saved:
+    figures: dict[str, Any] = json.loads((run / "summary.json").read_text())
+    text = json.dumps({name: figures[name] for name in figures if name not in OF_THE_CLOCK})
+    return {"text": np.array(text)}
+
+
+def _end(run: Path) -> Saved:
+    save = files.newest(run)
+    assert save is not None
+    return save.state(None)

@@ -1,0 +1,213 @@
+"""A run that is resumed is, to the last bit, the run that never stopped."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import signal
+import subprocess
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from orchestrator.commands import launch
+from orchestrator.commands.resume import resume
+from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
+from tests.runs.same_run import run_differences
+
+UNSAVED = ["save.every_s=0", "save.wall_min=0"]  # but at the end
+OFTEN = ["save.every_s=0.0003"]
+# 30 pieces of coal fall onto two panels from 1 ms on; 120 sync intervals
+FEW = ["bed.blocks.coal.count=30", "duration_s=0.012", "output.interval_s=0.003"]
+QUICKSTART = ["quickstart", *QUICK, *FEW]
+STICKY = [*QUICKSTART, "contacts.1.work_of_adhesion_J_m2=5", "contacts.2.work_of_adhesion_J_m2=5"]
+# LIGGGHTS, fed from the start, with openings and exits; periodic sides
+FED = ["ffs0827-slice", *QUICK, "duration_s=0.05", "output.interval_s=0.01"]
+FED += ["bed.feeds.coal.start_s=0.0"]
+# LIGGGHTS, the sheet and Exudyn
+DEAR = [
+    *QUICKSTART,
+    "particles.solver=liggghts",
+    "panel.solver=sheet",
+    "panel.cells=[8, 3]",
+    "frames.solver=exudyn",
+]
+
+
+def run(folder: Path, case: Sequence[str], sets: Sequence[str]) -> Path:
+    name, *changes = case
+    code = launch.run(ROOT / "cases" / name, "draft", folder, [*changes, *sets])
+    assert code == launch.DONE
+    return folder
+
+
+def saves(folder: Path) -> list[Path]:
+    """In order of time."""
+    return sorted(save for save in (folder / "saves").iterdir() if save.name.isdigit())
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The quickstart's run, not stopped, not saved."""
+    return run(tmp_path_factory.mktemp("whole") / "run", QUICKSTART, UNSAVED)
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same, saved at 0.0077 s and at its end."""
+    folder = tmp_path_factory.mktemp("saved") / "run"
+    return run(folder, QUICKSTART, ["save.every_s=0.0077"])
+
+
+@pytest.fixture
+def stopped(saved: Path, tmp_path: Path) -> Path:
+    """A copy of that, as if it had been killed after 0.0077 s."""
+    folder = Path(shutil.copytree(saved, tmp_path / "stopped"))
+    shutil.rmtree(saves(folder)[-1])
+    return folder
+
+
+def test_saving_changes_nothing(whole: Path, saved: Path) -> None:
+    assert [save.name for save in saves(saved)] == [f"{77:012d}", f"{120:012d}"]
+    assert run_differences(whole, saved) == []
+
+
+def test_it_is_the_run_that_never_stopped(whole: Path, stopped: Path) -> None:
+    assert resume(stopped, []) == launch.DONE
+    assert run_differences(whole, stopped) == []
+
+
+@pytest.mark.solver
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [STICKY, FED, DEAR], ids=["sticky", "fed", "dear"])
+def test_so_it_is_with_other_physics_and_solvers(tmp_path: Path, case: list[str]) -> None:
+    whole = run(tmp_path / "whole", case, UNSAVED)
+    part_s = "0.031" if case is FED else "0.0071"
+    stopped = run(tmp_path / "stopped", case, [f"save.every_s={part_s}"])
+    shutil.rmtree(saves(stopped)[-1])
+    assert resume(stopped, []) == launch.DONE
+    assert run_differences(whole, stopped) == []
+
+
+def test_a_finished_run_may_go_on_to_a_later_end(whole: Path, tmp_path: Path) -> None:
+    longer = run(tmp_path / "longer", QUICKSTART, [*UNSAVED, "duration_s=0.006"])
+    assert resume(longer, ["duration_s=0.012"]) == launch.DONE
+    assert run_differences(whole, longer) == []
+
+
+@pytest.mark.parametrize("torn", ["cut", "changed", "half"])
+def test_a_torn_save_is_left_for_the_one_before(
+    whole: Path, saved: Path, tmp_path: Path, torn: str
+) -> None:
+    folder = Path(shutil.copytree(saved, tmp_path / "torn"))
+    last = saves(folder)[-1]
+    arrays, about = last / "rank-0.npz", last / "save.json"
+    match torn:
+        case "cut":
+            arrays.write_bytes(arrays.read_bytes()[:-100])
+        case "changed":
+            half = len(arrays.read_bytes()) // 2
+            arrays.write_bytes(arrays.read_bytes()[:half] + b"?" + arrays.read_bytes()[half + 1 :])
+        case "half":
+            about.write_text(about.read_text()[:-20])
+    assert resume(folder, []) == launch.DONE
+    assert f"{last}" in (folder / "run.log").read_text()
+    assert "going on from t = 0.0077 s" in (folder / "run.log").read_text()
+    assert run_differences(whole, folder) == []
+
+
+def test_another_case_is_refused_with_all_that_changed(
+    stopped: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = {file: file.read_bytes() for file in stopped.rglob("*") if file.is_file()}
+    sets = ["duration_s=0.005", "coupling.sync_interval_s=2e-4", "output.series_s=1e-3"]
+    assert resume(stopped, sets) == launch.WRONG
+    said = capsys.readouterr().err
+    assert "duration_s: 0.012 was saved, now it is 0.005" in said  # before the save
+    assert "coupling.sync_interval_s: 0.0001 was saved, now it is 0.0002" in said
+    assert "series_s" not in said
+    assert {file: file.read_bytes() for file in stopped.rglob("*") if file.is_file()} == before
+
+
+def test_what_is_no_run_or_was_not_saved_is_refused(
+    stopped: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert resume(tmp_path, []) == launch.WRONG
+    assert "is not the folder of a run" in capsys.readouterr().err
+    shutil.rmtree(stopped / "saves")
+    assert resume(stopped, []) == launch.WRONG
+    assert "nothing was saved" in capsys.readouterr().err
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_told_to_stop_it_saves_and_says_how_to_go_on(
+    whole: Path, tmp_path: Path, name: str
+) -> None:
+    folder, number = tmp_path / "run", getattr(signal, name)
+    stopping = started(*run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNSAVED]))
+    wait_until(lambda: (folder / "particles" / "particles_00001.vtu").exists())
+    stopping.send_signal(number)
+    said = stopping.communicate(timeout=HANG_S)[1]
+    assert stopping.returncode == 128 + number, said
+    assert f"to go on: flipflow resume {folder}\n" in said
+    done = flipflow("resume", str(folder))
+    assert done.returncode == 0, done.stderr
+    assert run_differences(whole, folder) == []
+
+
+# the first rank waits where everything is written but the name that makes a save one
+STUCK = """
+import pathlib, time
+from orchestrator.saves import files
+sync = files._sync
+def stuck(path):
+    if path.is_dir() and path.name == ".{at:012d}":
+        pathlib.Path({marker!r}).touch()
+        time.sleep(300)
+    sync(path)
+files._sync = stuck
+"""
+
+
+@pytest.mark.process
+def test_killed_inside_a_save_it_goes_on_from_the_one_before(whole: Path, tmp_path: Path) -> None:
+    folder, marker = tmp_path / "run", tmp_path / "stuck"
+    words = run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *OFTEN])
+    killed = started(*words, before=STUCK.format(at=60, marker=str(marker)))
+    wait_until(marker.exists)
+    killed.kill()
+    killed.communicate(timeout=HANG_S)
+    done = flipflow("resume", str(folder))
+    assert done.returncode == 0, done.stderr
+    assert "going on from t = 0.0057 s" in done.stderr
+    assert run_differences(whole, folder) == []
+
+
+@pytest.mark.process
+@pytest.mark.slow
+def test_killed_again_and_again_it_comes_to_the_same_end(whole: Path, tmp_path: Path) -> None:
+    """At random instants, half of them in the midst of a save."""
+    folder, chance = tmp_path / "run", random.Random(4)
+    words, kills = run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *OFTEN]), 0
+    while True:
+        there = newest(folder)
+        going = started(*words)
+        wait_until(lambda: going.poll() is not None or newest(folder) != there)  # noqa: B023
+        with suppress(subprocess.TimeoutExpired):
+            going.wait(timeout=chance.uniform(0.0, 0.3))
+        if going.poll() is not None:
+            break
+        going.kill()
+        going.communicate(timeout=HANG_S)
+        words, kills = ["resume", str(folder)], kills + 1
+    said = going.communicate()[1]
+    assert going.returncode == 0, said
+    assert kills >= 3
+    assert run_differences(whole, folder) == []
+
+
+def newest(folder: Path) -> str:
+    return saves(folder)[-1].name if (folder / "saves").is_dir() and saves(folder) else ""
