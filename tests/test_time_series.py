@@ -32,6 +32,7 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
             clamps=slice(2 * n, 2 * n + 2),
             first_clamp=np.array([2 * n]),
             second_clamp=np.array([2 * n + 1]),
+            stops=np.empty(0, dtype=np.int64),
         )
         for n in range(2)
     ]

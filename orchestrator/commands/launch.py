@@ -17,7 +17,7 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator import ranks
+from orchestrator import adapter, ranks
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
@@ -41,8 +41,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     world = ranks.communicator()
     try:
         loaded = load(path, level, overrides)
-        if found := mistakes(loaded):
-            raise CaseError(found)
+        ready(loaded)
         entries = account(loaded.described, loaded.left_out)
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
     except Exception as error:
@@ -50,8 +49,18 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     return carried_out(loaded, entries, folder, world)
 
 
+def ready(loaded: LoadedCase) -> None:
+    """Raises CaseError for a case with mistakes, and SolverMissing where this rank lacks what
+    solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
+    if found := mistakes(loaded):
+        raise CaseError(found)
+    adapter.imported("panel", loaded.case.panel.solver)
+
+
 def refused(world: Any, error: Exception) -> int:
     """Says, once, why nothing is run; returns the exit code."""
+    if isinstance(error, SolverMissing):
+        return ranks.in_turn(world, lambda: _console().print(str(error)), MISSING)
     if isinstance(error, CaseError | FolderUnusable):
         return ranks.in_turn(world, lambda: _console().print(str(error)), WRONG)
     broken = f"a mistake in flipflow: {type(error).__name__}: {error}"

@@ -9,10 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator import ranks
-from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.checks import mistakes
-from orchestrator.commands.launch import carried_out, refused
+from orchestrator.commands.launch import carried_out, ready, refused
 from orchestrator.records.folder_lock import at_work
 from orchestrator.records.run_folder import FolderUnusable, write_case, write_json
 from orchestrator.saves import files
@@ -28,8 +26,7 @@ def resume(folder: Path, overrides: Sequence[str]) -> int:
         save = ranks.first_rank_does(world, lambda: _last(folder))
         as_saved = load(folder, None, overrides)
         loaded = replace(as_saved, name=save.about["name"], level=save.about["level"])
-        if found := mistakes(loaded):
-            raise CaseError(found)
+        ready(loaded)
         entries = account(loaded.described, loaded.left_out)
         said = ranks.first_rank_does(world, lambda: _prepare(folder, save, loaded, world))
         return carried_out(loaded, entries, folder, world, save, said)

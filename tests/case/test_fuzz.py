@@ -54,7 +54,7 @@ def nested(key: tuple[str, ...], value: Any) -> dict[str, Any]:
     return dict(value)
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.dictionaries(st.text(), VALUES, max_size=5))
 def test_any_dictionary_is_a_case_or_a_case_error(table: dict[str, Any]) -> None:
     with suppress(CaseError):

@@ -166,9 +166,9 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
 def test_a_summary_that_cannot_be_written(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     before = (
-        "from orchestrator import run\n"
+        "from orchestrator import ending\n"
         "def full(path, value): raise OSError(28, 'No space left on device')\n"
-        "run.write_json = full"
+        "ending.write_json = full"
     )
     done = flipflow(*run_words("panel-cycle", folder, [*QUICK, "duration_s=0.01"]), before=before)
     assert done.returncode == 4, done.stderr

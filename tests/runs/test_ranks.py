@@ -114,7 +114,7 @@ def test_a_failure_on_one_rank_ends_both_with_one_message(
     assert done.stderr.count(said) == 1
     assert said in (folder / "run.log").read_text()
     assert said in left_usable(folder, "failed")["reason"]
-    assert of(folder) == []
+    wait_until(lambda: of(folder) == [])
 
 
 def test_a_wrong_case_is_said_once(tmp_path: Path) -> None:
