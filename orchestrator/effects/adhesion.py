@@ -8,8 +8,8 @@ from collections.abc import Iterator
 
 from orchestrator.bed.contact_times import smallest_diameters_m
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.contents import has_particles
-from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.scene.contact_law import contact_law
+from orchestrator.scene.effect import TENTH, Verdict
 from orchestrator.scene.scene import Scene
 
 
@@ -49,27 +49,12 @@ def _would_matter(scene: Scene, apart: float) -> str:
     return f" (it would matter from {TENTH * apart / most:.1g} J/m2)" if most else ""
 
 
-def described(case: Case) -> bool:
-    return has_particles(case) and any(row.work_of_adhesion_J_m2 for row in case.contacts)
-
-
-def left_out(case: Case) -> str:
-    off = case.particles.adhesion == "none" and described(case)
-    return "particles.adhesion none: nothing sticks" if off else ""
-
-
-def undescribed(case: Case) -> Overlay:
-    return {"contacts": {str(k): {"work_of_adhesion_J_m2": 0.0} for k in range(len(case.contacts))}}
-
-
-EFFECT = Effect(
-    part="particles",
-    judge=judge,
-    described=described,
-    left_out=left_out,
-    undescribed=undescribed,
-    overlay=lambda case: {"particles": {"adhesion": "none"}},
-    laws={law: {"particles": {"adhesion": law}} for law in ("jkr", "sjkr")},
+EFFECT = contact_law(
+    judge,
+    coefficient="work_of_adhesion_J_m2",
+    law="adhesion",
+    laws=("jkr", "sjkr"),
+    without="nothing sticks",
     key="particles.adhesion",
     checked_by="frames_throw",
 )

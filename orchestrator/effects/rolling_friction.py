@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.contents import has_particles
-from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.scene.contact_law import contact_law
+from orchestrator.scene.effect import TENTH, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.slope_friction import of_slope, on_deck, takes
 
@@ -22,26 +21,11 @@ def judge(scene: Scene) -> Verdict:
     )
 
 
-def described(case: Case) -> bool:
-    return has_particles(case) and any(row.rolling_friction for row in case.contacts)
-
-
-def left_out(case: Case) -> str:
-    off = case.particles.rolling == "none" and described(case)
-    return "particles.rolling none: no resistance to rolling" if off else ""
-
-
-def undescribed(case: Case) -> Overlay:
-    return {"contacts": {str(k): {"rolling_friction": 0.0} for k in range(len(case.contacts))}}
-
-
-EFFECT = Effect(
-    part="particles",
-    judge=judge,
-    described=described,
-    left_out=left_out,
-    undescribed=undescribed,
-    overlay=lambda case: {"particles": {"rolling": "none"}},
-    laws={law: {"particles": {"rolling": law}} for law in ("cdt", "epsd2")},
+EFFECT = contact_law(
+    judge,
+    coefficient="rolling_friction",
+    law="rolling",
+    laws=("cdt", "epsd2"),
+    without="no resistance to rolling",
     key="particles.rolling",
 )

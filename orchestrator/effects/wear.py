@@ -5,10 +5,9 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes
-from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.scene.contact_law import contact_law
+from orchestrator.scene.effect import TENTH, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.slope_friction import on_deck
 
@@ -54,27 +53,12 @@ def _sliding_m_s(scene: Scene) -> float:
     return 2 / math.pi * float(max(shaking_m_s, default=0.0)) + scene.transport_m_s
 
 
-def described(case: Case) -> bool:
-    return has_particles(case) and any(row.specific_wear_m3_N_m for row in case.contacts)
-
-
-def left_out(case: Case) -> str:
-    off = case.particles.wear == "none" and described(case)
-    return "particles.wear none: nothing wears" if off else ""
-
-
-def undescribed(case: Case) -> Overlay:
-    return {"contacts": {str(k): {"specific_wear_m3_N_m": 0.0} for k in range(len(case.contacts))}}
-
-
-EFFECT = Effect(
-    part="particles",
-    judge=judge,
-    described=described,
-    left_out=left_out,
-    undescribed=undescribed,
-    overlay=lambda case: {"particles": {"wear": "none"}},
-    laws={"archard": {"particles": {"wear": "archard"}}},
+EFFECT = contact_law(
+    judge,
+    coefficient="specific_wear_m3_N_m",
+    law="wear",
+    laws=("archard",),
+    without="nothing wears",
     key="contacts.<n>.specific_wear_m3_N_m",
     checked_by="bed_kg_m2",
 )

@@ -65,6 +65,9 @@ def _never(case: Case) -> str:
     return ""
 
 
+Judge = Callable[[Scene], Verdict | None]
+
+
 @dataclass(frozen=True)
 class Effect:
     """One effect: a file in ``orchestrator/effects`` named after it.
@@ -82,7 +85,7 @@ class Effect:
     """
 
     part: Part
-    judge: Callable[[Scene], Verdict | None]
+    judge: Judge
     described: Callable[[Case], bool]
     left_out: Callable[[Case], str] = _never
     overlay: Callable[[Case], Overlay] = _nothing
