@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.commands.study_cli import CONSOLE, FAILED, CasePath, Level, Overrides, said
+from orchestrator.commands.options import CasePath, Level, Overrides
+from orchestrator.commands.said import CONSOLE, FAILED, said
 
 if TYPE_CHECKING:
     from orchestrator.ladder.climb import Wanted

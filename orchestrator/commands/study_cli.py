@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
-ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
-WRONG, FAILED, INTERRUPTED = 2, 4, 130
+from orchestrator.commands.options import CasePath, Level, Overrides
+from orchestrator.commands.said import CONSOLE, FAILED, said
 
 study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
 
-CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
-Level = Annotated[str | None, typer.Option("--level", help="one of the case's levels")]
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="gives a key another value, in every run"),
-]
 Out = Annotated[
     Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")
 ]
@@ -105,18 +95,3 @@ def paper(
     CONSOLE.print(f"written: {papers.write(compared, folder)}")
     if not all(line.good or line.row.fitted for line in compared):
         raise typer.Exit(FAILED)
-
-
-@contextmanager
-def said() -> Iterator[None]:
-    """What a user got wrong inside is said, and ends the program."""
-    from orchestrator.casefile.errors import CaseError
-    from orchestrator.records.run_folder import FolderUnusable
-
-    try:
-        yield
-    except (CaseError, FolderUnusable) as error:
-        ERRORS.print(str(error))
-        raise typer.Exit(WRONG) from None
-    except KeyboardInterrupt:
-        raise typer.Exit(INTERRUPTED) from None
