@@ -1,47 +1,26 @@
-#include "arrays.h"
+#include "bound.h"
 #include "chain.h"
 #include "modules.h"
 
 namespace flipflow {
 
+ChainState state_of(const Chain &chain, std::vector<Doubles> &arrays) {
+  const py::ssize_t size = chain.size(), branches = chain.branches();
+  const auto at = [&](size_t k, py::ssize_t wanted, const char *name) {
+    return into(arrays.at(k), wanted, name);
+  };
+  return {at(0, size, "position_m"),
+          at(1, size, "velocity_m_s"),
+          at(2, size, "internal_N"),
+          at(3, chain.strains(), "strain"),
+          at(4, chain.strains() * branches, "stress"),
+          at(5, branches, "energy_J"),
+          at(6, 1, "lost_J")};
+}
+
 namespace {
 
-// Keeps the arrays of the state alive and of the right size.
-class BoundChain {
- public:
-  BoundChain(Chain chain, std::vector<Doubles> arrays)
-      : chain_(std::move(chain)), arrays_(std::move(arrays)) {
-    const py::ssize_t size = chain_.size(), branches = chain_.branches();
-    const auto at = [&](size_t k, py::ssize_t wanted, const char *name) {
-      return into(arrays_.at(k), wanted, name);
-    };
-    state_ = {at(0, size, "position_m"),
-              at(1, size, "velocity_m_s"),
-              at(2, size, "internal_N"),
-              at(3, chain_.strains(), "strain"),
-              at(4, chain_.strains() * branches, "stress"),
-              at(5, branches, "energy_J"),
-              at(6, 1, "lost_J")};
-  }
-
-  void rest() { chain_.rest(state_); }
-
-  double advance(const Doubles &start_m, const Doubles &start_m_s, const Doubles &end_m,
-                 const Doubles &end_m_s, const Doubles &outside_N, double length_s, int steps,
-                 Doubles impulse_N_s) {
-    const py::ssize_t held = 3 * chain_.held();
-    const HeldPath path = path_of(start_m, start_m_s, end_m, end_m_s, length_s, held);
-    const double *force_N = of(outside_N, chain_.size(), "outside_N");
-    double *impulse = into(impulse_N_s, held, "impulse_N_s");
-    py::gil_scoped_release others_may_run;
-    return chain_.advance(state_, path, force_N, steps, impulse);
-  }
-
- private:
-  Chain chain_;
-  std::vector<Doubles> arrays_;
-  ChainState state_;
-};
+using BoundChain = Bound<Chain, ChainState>;
 
 Chain chain(int first, double rest_m, double c10_Pa, double c01_Pa, const Doubles &area_m2,
             const Doubles &bending_N_m3, const Doubles &curvature_1_m2, const Ints &at_clamp,
@@ -66,8 +45,8 @@ Chain chain(int first, double rest_m, double c10_Pa, double c01_Pa, const Double
 }  // namespace
 
 void add_chain(py::module_ &module) {
-  py::class_<BoundChain>(module, "Chain")
-      .def(py::init([](int first, double rest_m, double c10_Pa, double c01_Pa,
+  py::class_<BoundChain> bound(module, "Chain");
+  bound.def(py::init([](int first, double rest_m, double c10_Pa, double c01_Pa,
                        const Doubles &area_m2, const Doubles &bending_N_m3,
                        const Doubles &curvature_1_m2, const Ints &at_clamp, const Doubles &along,
                        const Doubles &mass_kg, const Ints &held, const Ints &free,
@@ -82,12 +61,8 @@ void add_chain(py::module_ &module) {
            py::arg("c01_Pa"), py::arg("area_m2"), py::arg("bending_N_m3"),
            py::arg("curvature_1_m2"), py::arg("at_clamp"), py::arg("along"), py::arg("mass_kg"),
            py::arg("held"), py::arg("free"), py::arg("across"), py::arg("share"),
-           py::arg("ratio"), py::arg("time_s"), py::arg("state").noconvert())
-      .def("rest", &BoundChain::rest)
-      .def("advance", &BoundChain::advance, py::arg("start_m").noconvert(),
-           py::arg("start_m_s").noconvert(), py::arg("end_m").noconvert(),
-           py::arg("end_m_s").noconvert(), py::arg("outside_N").noconvert(), py::arg("length_s"),
-           py::arg("steps"), py::arg("impulse_N_s").noconvert());
+           py::arg("ratio"), py::arg("time_s"), py::arg("state").noconvert());
+  add_motion(bound);
 }
 
 }  // namespace flipflow
