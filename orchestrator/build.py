@@ -15,7 +15,7 @@ from orchestrator.bed.material_book import CountedFeed, MaterialBook
 from orchestrator.bed.material_watch import MaterialWatch
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.levels import LoadedCase
-from orchestrator.coupling import SCHEMES, Solvers
+from orchestrator.coupling import Solvers
 from orchestrator.deck.opening_places import smaller_sides_m
 from orchestrator.deck.panels import single_panels
 from orchestrator.geometry import TriangleSurface
@@ -35,6 +35,8 @@ from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array, Frames, Panel, Particles, Wearing
 from orchestrator.ranks import FramesOnFirstRank
 from orchestrator.records.bushing_forces import BushingForces
+from orchestrator.schemes import scheme
+from orchestrator.schemes.effort import effort
 from orchestrator.stopwatch import Stopwatch
 
 NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
@@ -82,7 +84,7 @@ def _built(
     return Machine(
         solvers=_handed_over(case, members),
         members=members,
-        scheme=SCHEMES[case.coupling.scheme],
+        scheme=scheme(case.coupling.scheme, effort(case)),
         stopwatch=stopwatch,
         surface=surface,
         panel_of_triangle=_panel_of_triangle([*panels, *walls], len(panels)),
@@ -113,7 +115,7 @@ def _particles(
         plan = replace(plan, feed=feed)
     solver = case.particles.solver
     opened = adapter.opened("particles", solver, plan)
-    metered = MeteredParticles(cast(Particles, opened), f"particles ({solver})", stopwatch)
+    metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
     book = MaterialBook(feed, plan.exits, MaterialWatch(case.watch, widest_m))
     return book, metered, None if plan.wear_m3_N_m is None else cast(Wearing, opened)

@@ -20,7 +20,9 @@ from orchestrator.ports import (
     Particles,
     ParticleSnapshot,
     Removed,
+    Saved,
 )
+from orchestrator.state import restorable
 
 
 class UnpushedFrames:
@@ -58,6 +60,12 @@ class UnloadedPanel:
     def account(self) -> Account:
         return self._panel.account()
 
+    def save(self) -> Saved:
+        return restorable(self._panel).save()
+
+    def restore(self, saved: Saved) -> None:
+        restorable(self._panel).restore(saved)
+
     def close(self) -> None:
         self._panel.close()
 
@@ -78,6 +86,12 @@ class StillClampedPanel:
 
     def account(self) -> Account:
         return self._panel.account()
+
+    def save(self) -> Saved:
+        return restorable(self._panel).save()
+
+    def restore(self, saved: Saved) -> None:
+        restorable(self._panel).restore(saved)
 
     def close(self) -> None:
         self._panel.close()
@@ -104,6 +118,12 @@ class ParticlesOnStillSurface:
 
     def account(self) -> Account:
         return self._particles.account()
+
+    def save(self) -> Saved:
+        return restorable(self._particles).save()
+
+    def restore(self, saved: Saved) -> None:
+        restorable(self._particles).restore(saved)
 
     def close(self) -> None:
         self._particles.close()

@@ -26,6 +26,7 @@ from orchestrator.ports import (
     Particles,
     ParticleSnapshot,
     Removed,
+    Restorable,
     Saved,
 )
 from orchestrator.state import put_back, restorable, taken
@@ -153,10 +154,14 @@ class MeteredPanel:
 
 
 class MeteredParticles:
-    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0."""
+    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0.  Their ``feed`` is
+    saved with them: particles that step back are fed again."""
 
-    def __init__(self, particles: Particles, name: str, stopwatch: Stopwatch) -> None:
+    def __init__(
+        self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch
+    ) -> None:
         self._particles, self._name, self._stopwatch = particles, name, stopwatch
+        self._feed = feed
         self.given_N_s: Array = np.zeros(3)
 
     def initial(self) -> Load:
@@ -179,11 +184,13 @@ class MeteredParticles:
         return self._particles.account()
 
     def save(self) -> Saved:
-        return taken(self, "given_N_s") | {"inner": restorable(self._particles).save()}
+        inner = {"inner": restorable(self._particles).save(), "feed": self._feed.save()}
+        return taken(self, "given_N_s") | inner
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, "given_N_s")
         restorable(self._particles).restore(saved["inner"])
+        self._feed.restore(saved["feed"])
 
     def close(self) -> None:
         self._particles.close()

@@ -92,7 +92,7 @@ class Run:
         finally:
             recorder.close()
         pending = machine.scheme.pending(state, self._interval(0))
-        self._progress.figures |= ledger.figures(pending)
+        self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
         if interrupted:
             raise interrupted
 

@@ -112,7 +112,8 @@ _AMOUNTS = ("fed", "on_deck", "lost", "escaped")
 
 
 class MaterialBook:
-    """Totals since t = 0; filled at output times, on rank 0."""
+    """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
+    particles that it feeds."""
 
     def __init__(self, feed: CountedFeed, exits: tuple[Exit, ...], watch: MaterialWatch) -> None:
         self.feed, self.exits, self._watch = feed, exits, watch
@@ -144,13 +145,12 @@ class MaterialBook:
 
     def save(self) -> Saved:
         through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
-        books = {"feed": self.feed.save(), "watch": self._watch.save(), "through": through}
+        books = {"watch": self._watch.save(), "through": through}
         return taken(self, *_AMOUNTS) | books
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_AMOUNTS)
         self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
-        self.feed.restore(saved["feed"])
         self._watch.restore(saved["watch"])
 
     def figures(self) -> dict[str, Any]:

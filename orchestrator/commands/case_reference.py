@@ -65,6 +65,7 @@ DIMENSIONLESS = frozenset(
         "storage_ratio",
         "rated_slip",
         "breakdown_ratio",
+        "tolerance",
     }
 )
 HEAD = """\

@@ -68,6 +68,8 @@ class Keeper:
             books["material"] = self._machine.material.save()
         saved = {"members": self._members(), "coupling": as_arrays(state)} | books
         about = self._about() | {"sync_points": done}
+        if self._machine.scheme.memory is not None:
+            saved["scheme"] = self._machine.scheme.memory.save()
         files.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
         self._last = done
 
@@ -81,6 +83,8 @@ class Keeper:
             members.particles.restore(saved["members"]["particles"])
         if self._machine.material is not None:
             self._machine.material.restore(saved["material"])
+        if self._machine.scheme.memory is not None:
+            self._machine.scheme.memory.restore(saved["scheme"])
         self._recorder.restore(saved["recorder"])
         self._last = save.sync_points
         state: State = like(start, saved["coupling"])

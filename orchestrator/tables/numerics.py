@@ -75,10 +75,18 @@ class ParticlesSolver(Table):
 class Coupling(Table):
     """When solvers exchange motion and load."""
 
-    scheme: Literal["particles-first", "serial-staggered"] = "particles-first"
-    """Order of the solvers within a sync interval (docs/theory/coupling.md)."""
+    scheme: Literal["particles-first", "serial-staggered", "aitken", "quasi-newton"] = (
+        "particles-first"
+    )
+    """Order of the solvers within a sync interval (docs/theory/coupling.md); the last two repeat
+    it until particles and panels agree."""
     sync_interval_s: Positive = 5e-5
     """Time between two exchanges."""
+    tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3
+    """Of a repeated interval: by what share of its size the particles' load may differ from the one
+    that the panels moved under."""
+    most_iterations: Annotated[int, Strict(), Gt(0), Le(1000)] = 20
+    """A repeated interval is run at most so many times; more is a warning."""
 
 
 class HandOver(Table):

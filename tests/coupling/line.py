@@ -14,7 +14,8 @@ import numpy as np
 from orchestrator.clock import Interval
 from orchestrator.coupling import Solvers
 from orchestrator.hermite import Path
-from orchestrator.ports import Account, Load, Motion, Mount, PanelState
+from orchestrator.ports import Account, Load, Motion, Mount, PanelState, Saved
+from orchestrator.state import put_back, taken
 
 
 def point(x: float, v: float) -> Motion:
@@ -64,6 +65,12 @@ class HungPlate:
     clamp: Motion = field(default_factory=lambda: point(0.0, 0.0))
     mount: Mount = field(default_factory=lambda: Mount(np.zeros((1, 3)), ("frame",)))
 
+    def save(self) -> Saved:
+        return taken(self, "x", "v", "clamp")
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "x", "v", "clamp")
+
     def initial(self) -> PanelState:
         return PanelState(point(self.x, self.v), push(0.0))
 
@@ -99,6 +106,12 @@ class Sphere:
     steps: int = 40
     damping_N_s_m: float = 0.0
     stays: bool = False
+
+    def save(self) -> Saved:
+        return taken(self, "x", "v")
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "x", "v")
 
     def initial(self) -> Load:
         return push(0.0)

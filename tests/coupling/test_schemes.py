@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from orchestrator.clock import Interval
-from orchestrator.coupling import SCHEMES, initial
+from orchestrator.coupling import initial
+from orchestrator.schemes import scheme as named
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 
 CONTACT_S = np.pi * np.sqrt(4 / 5)  # half a period of 1 kg on 4 kg through 1 N/m
@@ -18,9 +19,9 @@ def impact(scheme: str, intervals_per_contact: int) -> tuple[float, float]:
     length_s = CONTACT_S / intervals_per_contact
     sphere, plate = Sphere(1.0, 1.0, 0.3 * length_s, -1.0), HungPlate(4.0, 0.0)
     solvers = members(sphere, plate, FreeFrame(1.0))
-    state = initial(solvers)
+    state, way = initial(solvers), named(scheme)
     for index in range(3 * intervals_per_contact):
-        state = SCHEMES[scheme].advance(solvers, Interval(index, length_s), state)
+        state = way.advance(solvers, Interval(index, length_s), state)
     return sphere.v - plate.v, sphere.v + 4 * plate.v + 1.0
 
 
@@ -51,9 +52,9 @@ def chain(scheme: str, intervals: int, end_s: float) -> np.ndarray:
     """(x sphere, x plate, x frame) at ``end_s``: a bed mass held on a plate held on a frame."""
     sphere, plate, frame = Sphere(1.0, 4.0, -0.05, 0.0), HungPlate(2.0, 3.0), FreeFrame(5.0)
     solvers = members(sphere, plate, frame)
-    state = initial(solvers)
+    state, way = initial(solvers), named(scheme)
     for index in range(intervals):
-        state = SCHEMES[scheme].advance(solvers, Interval(index, end_s / intervals), state)
+        state = way.advance(solvers, Interval(index, end_s / intervals), state)
     return np.array([sphere.x, plate.x, frame.x])
 
 

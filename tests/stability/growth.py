@@ -13,8 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestrator.clock import Interval
-from orchestrator.coupling import SCHEMES, State
+from orchestrator.coupling import State
 from orchestrator.ports import Array, PanelState
+from orchestrator.schemes import scheme as named
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members, point, push
 
 NUMBERS = 11  # sphere, plate and load; frame, its acceleration, what the plate was told; reaction
@@ -48,7 +49,7 @@ class Line:
         acceleration = np.array([[by[7] / interval_s**2, 0.0, 0.0]])
         state = State(clamps, acceleration, PanelState(surface, reaction), load)
         solvers = members(sphere, plate, frame)
-        state = SCHEMES[scheme].advance(solvers, Interval(0, interval_s), state)
+        state = named(scheme).advance(solvers, Interval(0, interval_s), state)
         h, a = interval_s, state.clamps_acceleration_m_s2[0, 0]
         clamp = plate.clamp
         return np.array(

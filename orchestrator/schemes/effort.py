@@ -1,0 +1,36 @@
+"""How well an interval is solved that a scheme repeats."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.bed.contact_times import smallest_diameters_m
+from orchestrator.bed.particle_sizes import mass_kg
+from orchestrator.casefile.case import Case
+
+
+@dataclass(frozen=True)
+class Effort:
+    """An interval is solved when the load that the particles give differs from the one that the
+    panel moved under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean
+    norms over all surface points.  It is run at most ``most`` times."""
+
+    tolerance: float = 1e-3
+    floor_N: float = 0.0
+    most: int = 20
+
+
+def effort(case: Case) -> Effort:
+    """What a case asks for; the floor is the tolerance of the lightest particle's weight."""
+    tolerance = case.coupling.tolerance
+    lightest_kg = min(
+        (
+            float(mass_kg(np.array(diameter_m), case.materials[name].density_kg_m3))
+            for name, diameter_m in smallest_diameters_m(case).items()
+        ),
+        default=0.0,
+    )
+    weight_N = lightest_kg * float(np.linalg.norm(case.gravity_m_s2))
+    return Effort(tolerance, tolerance * weight_N, case.coupling.most_iterations)
