@@ -24,11 +24,15 @@ from typing import Any
 
 from cffi import VerificationError
 from dolfinx import fem
+from ffcx.parameters import FFCX_DEFAULT_PARAMETERS
 
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
 
 COMPILE_TIMEOUT_S = 120  # for others to compile, on a file system without locks
+
+# FFCx would take what is not given from a file in the folder that the program is started in
+CODE = {name: value for name, (value, _) in FFCX_DEFAULT_PARAMETERS.items()}
 
 
 def _processor() -> str:
@@ -88,16 +92,16 @@ def _alone(cache: Path) -> Iterator[None]:
 def form(integral: Any) -> Any:
     """The compiled form of a UFL integral."""
     with _compiling():
-        return fem.form(integral, jit_params=_options())
+        return fem.form(integral, form_compiler_params=CODE, jit_params=_options())
 
 
 def expression(value: Any, points: Array) -> Any:
     """The compiled UFL expression at reference ``points`` (n, cell dimension) of each cell."""
     with _compiling():
-        return fem.Expression(value, points, jit_params=_options())
+        return fem.Expression(value, points, CODE, _options())
 
 
 def function_space(mesh: Any, element: Any) -> Any:
     """The finite-element space of a UFL element on a mesh."""
     with _compiling():
-        return fem.FunctionSpace(mesh, element, jit_params=_options())
+        return fem.FunctionSpace(mesh, element, None, CODE, _options())

@@ -33,6 +33,7 @@ def left(plan: PanelPlan, low_m: Array, high_m: Array) -> Left:
         whole = np.ones(len(low_m))
         return Left(whole, whole, whole)
     try:
+        from adapters.panel import _petsc  # noqa: F401
         from adapters.panel.unit_cell import along, cell_stiffness
     except ImportError as missing:
         raise SolverMissing(

@@ -10,7 +10,7 @@ from __future__ import annotations
 from orchestrator.plans import PanelPlan, SolverMissing
 
 try:
-    from adapters.panel import opening
+    from adapters.panel import _petsc, opening  # noqa: F401
     from adapters.panel.elastic_panel import ElasticPanel
     from adapters.panel.sheet_forms import sheet
 except ImportError as missing:
