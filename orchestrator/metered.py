@@ -40,13 +40,20 @@ class MemberFailed(SolverFailed):
 @contextmanager
 def named(member: str, interval: Interval | None) -> Iterator[None]:
     """A failure inside says which member failed, and when (None: at the start); said once, by
-    the innermost of nested members."""
+    the innermost of nested members.  Any other exception gets it as a note."""
     try:
         yield
     except MemberFailed:
         raise
     except (SolverFailed, BrokenRecord, FloatingPointError) as error:
         raise MemberFailed(f"{member} failed {_when(interval)}: {error}") from error
+    except MemoryError as error:
+        what = f"out of memory. {error}".strip()
+        raise MemberFailed(f"{member} failed {_when(interval)}: {what}") from error
+    except Exception as error:
+        if not hasattr(error, "__notes__"):
+            error.add_note(f"{member} {_when(interval)}")
+        raise
 
 
 def _when(interval: Interval | None) -> str:

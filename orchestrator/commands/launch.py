@@ -33,6 +33,7 @@ from orchestrator.stability.card import card
 from orchestrator.watch import Interrupted
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
+OUT = "out of memory"
 AT_ONCE = 128 + signal.SIGINT
 
 
@@ -115,12 +116,12 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     except SolverMissing as error:
         return _ended(run, MISSING, "refused", str(error), folder, world)
     except (SolverFailed, OSError, MemoryError) as error:
-        return _ended(run, FAILED, "failed", str(error) or "out of memory", folder, world)
+        return _ended(run, FAILED, "failed", _noted(str(error) or OUT, error), folder, world)
     except KeyboardInterrupt:
         return _ended(run, AT_ONCE, "interrupted", "stopped at once", folder, world)
     except Exception as error:
         LOG.exception("a mistake in flipflow")
-        reason = f"a mistake in flipflow: {type(error).__name__}: {error}"
+        reason = _noted(f"a mistake in flipflow: {type(error).__name__}: {error}", error)
         return _ended(run, BROKEN, "failed", reason, folder, world)
     else:
         code, status, reason = DONE, "done", ""
@@ -133,6 +134,11 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
         console.print(f"no summary: {error}\nall else is in {folder}")
         return FAILED
     return code
+
+
+def _noted(reason: str, error: BaseException) -> str:
+    """With the member and the moment, where they are known."""
+    return "; ".join([reason, *getattr(error, "__notes__", ())])
 
 
 def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
@@ -156,8 +162,8 @@ def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Con
     console.print(f"logs: {logs}" if logs else f"{folder} has gone")
     try:
         run.finish(status, reason)
-    except OSError as error:
-        console.print(f"no summary: {error}")
+    except (OSError, MemoryError) as error:
+        console.print(f"no summary: {error or OUT}")
 
 
 def go_on(folder: Path, world: Any) -> str:

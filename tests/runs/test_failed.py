@@ -4,11 +4,13 @@ message says which member, when and why, and the folder holds all up to then."""
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
+import meshio
 import pytest
 
 from tests.runs.outside import (
@@ -44,6 +46,34 @@ def poisoned(self, interval, reaction):
     return motion
 two_mass.{cls}.advance = poisoned
 """
+NAN_IN_LIGGGHTS = """
+from adapters.particles.liggghts import Liggghts
+advance = Liggghts.advance
+def poisoned(self, interval, path):
+    if interval.index == 2:
+        self.arrays()["v"][0] = float("nan")
+    return advance(self, interval, path)
+Liggghts.advance = poisoned
+"""
+# {what} is done in a panel's third interval
+IN_PANEL = """
+import resource, numpy
+from pathlib import Path
+from adapters.panel import strip
+advance = strip.Strip.advance
+def used_bytes():
+    return 4096 * int(Path("/proc/self/statm").read_text().split()[0])
+def greedy(self, interval, clamps, load):
+    if interval.index == 2:
+        {what}
+    return advance(self, interval, clamps, load)
+strip.Strip.advance = greedy
+"""
+TOO_MUCH = "numpy.ones(2**50)"
+NOTHING_LEFT = (
+    "resource.setrlimit(resource.RLIMIT_AS, (used_bytes() + 2**20, -1)); "
+    "self.hoard = [bytearray(2**16) for _ in range(2**20)]"
+)
 LOSES_A_PARTICLE = """
 from adapters.particles.liggghts import Liggghts
 advance = Liggghts.advance
@@ -66,6 +96,15 @@ def failed(folder: Path, done: subprocess.CompletedProcess[str], *wanted: str) -
     assert str(folder / "run.log") in logs
     assert reason in (folder / "run.log").read_text()
     assert left_usable(folder, "failed")["reason"] == reason
+    pictures_open(folder)
+
+
+def pictures_open(folder: Path) -> None:
+    """Each ParaView series opens as far as it goes."""
+    for series in folder.glob("*.pvd"):
+        files = re.findall(r'file="([^"]*)"', series.read_text())
+        assert files
+        assert len(meshio.read(folder / files[-1]).points)
 
 
 def test_a_nan_in_a_panel(tmp_path: Path) -> None:
@@ -82,6 +121,26 @@ def test_a_nan_from_the_frames(tmp_path: Path) -> None:
     before = NAN_FROM_FRAMES.format(cls="TwoMassFrames")
     done = flipflow(*run_words("empty-machine", folder), before=before)
     failed(folder, done, "frames (two-mass) failed between t = 0.0004 s", "velocity_m_s: point 1")
+
+
+@pytest.mark.solver
+def test_a_nan_in_liggghts(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    sets = [*QUICK, "particles.solver=liggghts"]
+    done = flipflow(*run_words("quickstart", folder, sets), before=NAN_IN_LIGGGHTS)
+    failed(folder, done, "particles (liggghts) failed between t = 0.0002 s and 0.0003 s")
+
+
+@pytest.mark.parametrize(
+    ("what", "why"), [(TOO_MUCH, "Unable to allocate 8.00 PiB"), (NOTHING_LEFT, "")]
+)
+def test_out_of_memory(tmp_path: Path, what: str, why: str) -> None:
+    """More than there is at once, and bit by bit until nothing is left of ``ulimit -v``."""
+    folder = tmp_path / "run"
+    before = IN_PANEL.format(what=what)
+    done = flipflow(*run_words("quickstart", folder), before=before)
+    said = "panel deck-1 (strip) failed between t = 0.0002 s and 0.0003 s (sync interval 2): "
+    failed(folder, done, f"{said}out of memory. {why}".strip())
 
 
 @pytest.mark.solver
@@ -186,4 +245,15 @@ def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:
     said_plainly(done)
     assert "a mistake in flipflow: KeyError: 'absent'" in done.stderr
     assert "Traceback" in (folder / "run.log").read_text()
+    left_usable(folder, "failed")
+
+
+def test_a_mistake_inside_a_member_names_it(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    before = IN_PANEL.format(what="{}['absent']")
+    done = flipflow(*run_words("quickstart", folder), before=before)
+    assert done.returncode == 1
+    said_plainly(done)
+    place = "panel deck-1 (strip) between t = 0.0002 s and 0.0003 s (sync interval 2)"
+    assert f"a mistake in flipflow: KeyError: 'absent'; {place}" in done.stderr
     left_usable(folder, "failed")

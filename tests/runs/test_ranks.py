@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import h5py
+import meshio
 import numpy as np
 import pytest
 
+from orchestrator.records.folder_lock import at_work
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -28,6 +32,7 @@ pytestmark = [
     pytest.mark.solver,
     pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun"),
 ]
+ENDED_S = 10.0  # every rank has ended by then
 SHORT = [*QUICK, "duration_s=0.02"]
 # broken on one rank only: at the third interval, of the panel that this rank owns
 ONE_RANK_FAILS = """
@@ -115,6 +120,27 @@ def test_a_failure_on_one_rank_ends_both_with_one_message(
     assert said in (folder / "run.log").read_text()
     assert said in left_usable(folder, "failed")["reason"]
     wait_until(lambda: of(folder) == [])
+    assert time.time() - (folder / "failure.txt").stat().st_mtime < ENDED_S
+
+
+def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
+    """Nobody is left to write a summary: mpirun says which rank it was and ends the others by
+    SIGTERM and, a second later, SIGKILL.  What was written until the last output time is there."""
+    folder = tmp_path / "run"
+    run = started(*run_words("quickstart", folder, [*QUICK, "duration_s=30"]), ranks=2)
+    wait_until(lambda: (folder / "particles/particles_00002.vtu").exists())
+    killed = time.monotonic()
+    os.kill(max(of(folder)), signal.SIGKILL)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert time.monotonic() - killed < ENDED_S
+    assert run.returncode == 128 + signal.SIGKILL, said
+    assert "Traceback" not in said
+    assert "exited on signal 9 (Killed)" in said
+    wait_until(lambda: of(folder) == [] and not at_work(folder))
+    with h5py.File(folder / "history.h5") as history:
+        assert len(history["energy/time_s"]) >= 2
+    files = re.findall(r'file="([^"]*)"', (folder / "particles.pvd").read_text())
+    assert len(meshio.read(folder / files[-1]).points) == 100
 
 
 def test_a_wrong_case_is_said_once(tmp_path: Path) -> None:
