@@ -36,6 +36,11 @@ def report(folder: Path) -> Path:
             f"{folder}: there is no {error} in its files: the run was made by another version of "
             "flipflow; run the case again"
         ) from error
+    except (ValueError, TypeError, IndexError, AttributeError, RuntimeError) as error:
+        raise FolderUnusable(
+            f"{folder}: something in its files is damaged, or of another version of flipflow "
+            f"({type(error).__name__}: {error})"
+        ) from error
     except OSError as error:
         raise FolderUnusable(f"{folder}: {error}") from None
     return made
