@@ -46,7 +46,7 @@ SOLVERS = """
 [coupling]
 sync_interval_s = 2e-4
 [frames]
-solver = "exudyn"
+solver = "two-mass"
 [panel]
 solver = "sheet"
 cells = [6, 2]
