@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from traceback import clear_frames
 
 import numpy as np
 
@@ -49,6 +50,7 @@ def named(member: str, interval: Interval | None) -> Iterator[None]:
         raise MemberFailed(f"{member} failed {_when(interval)}: {error}") from error
     except MemoryError as error:
         what = f"out of memory. {error}".strip()
+        clear_frames(error.__traceback__)  # what they hold is needed to close the books
         raise MemberFailed(f"{member} failed {_when(interval)}: {what}") from error
     except Exception as error:
         if not hasattr(error, "__notes__"):

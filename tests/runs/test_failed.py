@@ -71,7 +71,7 @@ strip.Strip.advance = greedy
 """
 TOO_MUCH = "numpy.ones(2**50)"
 NOTHING_LEFT = (
-    "resource.setrlimit(resource.RLIMIT_AS, (used_bytes() + 2**20, -1)); "
+    "resource.setrlimit(resource.RLIMIT_AS, (used_bytes() + 2**26, -1)); "
     "self.hoard = [bytearray(2**16) for _ in range(2**20)]"
 )
 LOSES_A_PARTICLE = """
