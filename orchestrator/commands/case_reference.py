@@ -92,7 +92,9 @@ This page is made from the tables of the program
   files, `bed.blocks` and the `point_m` of probes are in deck axes. `screen.inclination_deg` turns
   them about y, around the origin, into **world axes**, where gravity points down. `gravity_m_s2`,
   `domain_m`, `bed.particles` and `bed.feeds` are in world axes.
-- `<name>` stands for a name of yours (letters, digits, `_`, `-`); "ground" is the fixed frame.
+- `<name>` stands for a name of yours (letters, digits, `_`, `-`, at most 60); "ground" is the
+  fixed frame.
+- Levels and STL files lie in the case's folder: those that are links to elsewhere are refused.
 - A key without a default must be given.
 
 ## Levels
