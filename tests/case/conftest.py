@@ -1,4 +1,4 @@
-"""How many examples the fuzzers try: a hundred each, or thousands with
+"""How many examples the fuzzers try: as many as a few seconds allow, or thousands with
 ``pytest tests/case --hypothesis-profile=long``."""
 
 from __future__ import annotations

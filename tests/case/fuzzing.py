@@ -1,7 +1,8 @@
 """flipflow in a child of this process: as from outside, but without the seconds of starting.
 
 A child has its own limits of time and memory, may crash or hang, and is looked at from outside:
-exit code, what it said, and what it wrote.
+exit code, what it said, and what it wrote.  What the commands import only when they are called is
+imported here, once for all children.
 """
 
 from __future__ import annotations
@@ -17,6 +18,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
+
+from orchestrator import ending, run
+from orchestrator.commands import cli, explain, launch, overview  # noqa: F401
+from orchestrator.report import command
+from orchestrator.report.film import Film
 
 MEMORY_BYTES = 4 * 1024**3  # of addresses; the libraries alone take 1.5
 LIMIT_S = 60.0  # no command here takes more than some seconds
@@ -69,14 +75,9 @@ def _be(words: Sequence[str], place: Path) -> None:
 
 
 def _main(words: Sequence[str]) -> int:
-    from orchestrator import run
-    from orchestrator.commands import cli
-    from orchestrator.report import command
-    from orchestrator.report.film import Film
-
     intervals = run.intervals
     run.intervals = lambda *times: islice(intervals(*times), INTERVALS)
-    run.draw = lambda folder: None
+    ending._draw = lambda folder: None
     command.film = lambda *_: Film(b"", reason="not drawn")
     sys.argv = ["flipflow", *words]
     try:

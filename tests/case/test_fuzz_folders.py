@@ -23,11 +23,11 @@ LONG = settings.default is settings.get_profile("long")
 CASES = SEEDS if LONG else DRAFTS
 ALLOWED_S = 60.0 if LONG else 30.0
 FEW = settings(
-    max_examples=3000 if LONG else 60,
+    max_examples=3000 if LONG else 30,
     deadline=None,
     suppress_health_check=list(HealthCheck),
 )
-FEWER = settings(FEW, max_examples=1000 if LONG else 12)
+FEWER = settings(FEW, max_examples=1000 if LONG else 5)
 # of a case, and what a run adds: a solver is missing, a solver failed
 RIGHT_OR_WRONG, OF_A_RUN = {0, 2}, {0, 2, 3, 4}
 
