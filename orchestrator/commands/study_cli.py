@@ -44,13 +44,14 @@ def sweep(
     from orchestrator.studies import sweep as sweeps
     from orchestrator.studies import sweep_table
     from orchestrator.studies.points import parsed
+    from orchestrator.studies.workers import Crew
 
     with said():
         wanted = parsed(vary)
         folder = out or Path("runs") / f"{case.resolve().name}-{wanted.name}"
         points = sweeps.points(case, level, overrides or [], wanted, folder)
         with folder_lock.study(folder):
-            sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
+            sweeps.run(points, Crew(jobs or os.cpu_count() or 1), CONSOLE.print)
     for file in sweep_table.write(sweep_table.rows(wanted, points), wanted, folder):
         CONSOLE.print(f"written: {file}")
     if any(point.status() != "done" for point in points):
@@ -76,6 +77,7 @@ def paper(
     from orchestrator.studies import paper as papers
     from orchestrator.studies import sweep as sweeps
     from orchestrator.studies import sweep_table
+    from orchestrator.studies.workers import Crew
 
     folder = out or Path("runs") / f"{case.resolve().name}-paper"
     with said():
@@ -83,7 +85,7 @@ def paper(
         found = papers.runs(wanted, case, level, overrides or [], folder)
         points = [point for sweep in found.values() for point in sweep.points]
         with folder_lock.study(folder):
-            sweeps.run(points, jobs or os.cpu_count() or 1, CONSOLE.print)
+            sweeps.run(points, Crew(jobs or os.cpu_count() or 1), CONSOLE.print)
         compared = papers.compared(wanted, found)
     if not CONSOLE.is_terminal:
         CONSOLE.width = 150  # into a file: as wide as the table

@@ -10,23 +10,20 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from orchestrator.bed.sources import initial_particles
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes
-from orchestrator.ladder.cost import predicted_s
+from orchestrator.ladder.cost import particles_at_start, predicted_s
 from orchestrator.ladder.motion import drives
 from orchestrator.ladder.rungs import Rung, rungs
-from orchestrator.planning import material_numbers
 from orchestrator.records import recording_file
 from orchestrator.records.run_folder import resolved
 from orchestrator.studies import sweep
 from orchestrator.studies.record import record
+from orchestrator.studies.sampling import sampled_at
 from orchestrator.studies.sweep import Point
+from orchestrator.studies.workers import Crew
 
-SAMPLES_PER_S = 2500.0  # of shapes and series: enough for accelerations to 500 Hz
 RECORDING = "panels.h5"
 
 
@@ -63,7 +60,7 @@ def climbed(wanted: Wanted, say: Callable[[str], None]) -> list[Step]:
     base = load(wanted.case, wanted.level, wanted.sets)
     if wrong := mistakes(base):
         raise CaseError(wrong)
-    common = (*wanted.sets, *recorded_finely(base.case))
+    common = (*wanted.sets, *sampled_at(base.case.coupling.sync_interval_s))
     steps = [
         _step(wanted, common, rung, base)
         for ladder in wanted.ladders
@@ -79,17 +76,6 @@ def climbed(wanted: Wanted, say: Callable[[str], None]) -> list[Step]:
     return _shared(second)
 
 
-def recorded_finely(case: Case) -> tuple[str, ...]:
-    """Rows often enough for what is measured, at whole sync intervals; no pictures."""
-    interval_s = case.coupling.sync_interval_s
-    every_s = max(1, round(1 / SAMPLES_PER_S / interval_s)) * interval_s
-    return (
-        f"output.series_s={every_s!r}",
-        f"output.shapes_s={every_s!r}",
-        "output.pictures=false",
-    )
-
-
 def _waits(step: Step) -> bool:
     return bool(step.rung.needs) and not step.omitted
 
@@ -98,27 +84,16 @@ def _step(wanted: Wanted, common: Sequence[str], rung: Rung, base: LoadedCase) -
     """Checked, and within the budget."""
     if rung.needs:
         return Step(rung, None, predicted_s(base.case, 0))
-    sets = [*common, *rung.sets]
+    folder = wanted.out / f"{rung.ladder}-{rung.name}".replace(" ", "-")
     try:
-        loaded = load(wanted.case, wanted.level, sets)
-        if wrong := mistakes(loaded):
-            raise CaseError(wrong)
+        point = sweep.point(wanted.case, wanted.level, [*common, *rung.sets], rung.name, folder)
     except CaseError as error:
         return Step(rung, None, omitted=str(error.mistakes[0]))
-    cost_s = predicted_s(loaded.case, _at_start(loaded.case))
+    cost_s = predicted_s(point.loaded.case, particles_at_start(point.loaded.case))
     if cost_s > wanted.budget_s:
         why = f"predicted {cost_s:.0f} s, more than --budget {wanted.budget_s:g}"
         return Step(rung, None, cost_s, why)
-    name = f"{rung.ladder}-{rung.name}".replace(" ", "-")
-    folder = wanted.out / name
-    options = [word for each in sets for word in ("--set", each)]
-    at_level = ["--level", loaded.level] if loaded.level else []
-    words = ("run", str(wanted.case), *at_level, *options, "--out", str(folder))
-    return Step(rung, Point(rung.name, loaded, words, folder), cost_s)
-
-
-def _at_start(case: Case) -> int:
-    return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
+    return Step(rung, point, cost_s)
 
 
 def _shared(steps: Sequence[Step]) -> list[Step]:
@@ -135,7 +110,7 @@ def _shared(steps: Sequence[Step]) -> list[Step]:
 
 def _run(steps: Sequence[Step], wanted: Wanted, say: Callable[[str], None]) -> None:
     once = {step.point.folder: step.point for step in steps if step.point is not None}
-    sweep.run(list(once.values()), wanted.jobs, say)
+    sweep.run(list(once.values()), Crew(wanted.jobs), say)
 
 
 def _made(

@@ -8,10 +8,12 @@ from __future__ import annotations
 import math
 
 from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.commands.cost import THICK, cost
 from orchestrator.deck.panels import single_panels
+from orchestrator.planning import material_numbers
 
 START_S = 5.0
 PER_INTERVAL_S = 1e-3  # coupling, mapping and output
@@ -38,6 +40,11 @@ def predicted_s(case: Case, at_start: int) -> float:
         panel_s += SOLID_CELL_INTERVAL_S * along * across * intervals
     panels_s = panel_s * len(single_panels(case))
     return START_S + PER_INTERVAL_S * intervals + panels_s + _particles_s(case, at_start)
+
+
+def particles_at_start(case: Case) -> int:
+    """How many there are at t = 0."""
+    return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
 
 
 def _particles_s(case: Case, at_start: int) -> float:

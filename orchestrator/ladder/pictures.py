@@ -10,11 +10,11 @@ import matplotlib.pyplot as plt
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from orchestrator.ladder.figures import QUANTITIES
 from orchestrator.ladder.rungs import LADDERS
 from orchestrator.ladder.tables import SHORT, Row, percent
 from orchestrator.records.run_folder import write_text
 from orchestrator.report.drawing import LINES, data_uri, figure
+from orchestrator.studies.figures import QUANTITIES
 
 LEAST = 1e-4  # errors below are drawn here
 NONE = 1e-9  # what all rungs do alike is not drawn

@@ -11,6 +11,7 @@ from typing import Any
 from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.scene.effect import TENTH, Verdict
+from orchestrator.studies.figures import DECISIVE
 
 NAME = "ladder.json"
 RUNGS = {
@@ -24,8 +25,6 @@ RUNGS = {
     "single-particles": ("particles", "coarser"),
 }
 """The rung that does without an effect; of softened contacts, the case itself."""
-DECISIVE = ("deflection_m", "clamp_rms_N", "rms_g", "frame_m", "passing_kg_s")
-"""What repeats itself well enough to decide; single peaks and shapes of slack panels do not."""
 
 
 def stored(loaded: LoadedCase, given: Path | None) -> dict[str, Any] | None:

@@ -13,8 +13,8 @@ from rich import box
 from rich.table import Table
 
 from orchestrator.ladder.climb import Step
-from orchestrator.ladder.figures import QUANTITIES, Figures, errors, figures
 from orchestrator.records.run_folder import write_json
+from orchestrator.studies.figures import QUANTITIES, Figures, errors, figures
 
 SHORT = {
     "deflection_m": "deflection",
@@ -25,6 +25,8 @@ SHORT = {
     "rms_g": "acc. rms",
     "frame_m": "frame",
     "passing_kg_s": "passing",
+    "efficiency_percent": "efficiency",
+    "velocity_m_s": "velocity",
 }
 
 

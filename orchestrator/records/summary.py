@@ -105,17 +105,26 @@ def material_lines(material: dict[str, Any]) -> list[str]:
     return lines
 
 
+def created_J(ledger: dict[str, float]) -> float:
+    """Energy that the coupling made."""
+    return sum(value for name, value in ledger.items() if name.startswith("created."))
+
+
+def share_created(ledger: dict[str, float]) -> float:
+    """Of all that was supplied and lost; 0 where nothing was."""
+    books = ("supplied.", "lost.")
+    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith(books))
+    return created_J(ledger) / turned_over if turned_over else 0.0
+
+
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """The run's own figures of quality, in words; a warning where they are bad."""
     ledger = summary["energy_ledger_J"]
-    created = sum(value for name, value in ledger.items() if name.startswith("created."))
-    books = ("supplied.", "lost.")
-    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith(books))
-    share = created / turned_over if turned_over else 0.0
+    share = share_created(ledger)
     lines = [
         f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
         f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
-        f"energy created by the coupling {created:+.3g} J "
+        f"energy created by the coupling {created_J(ledger):+.3g} J "
         f"({share:+.1e} of the energy supplied and lost)",
     ]
     if summary["particles"]:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from orchestrator.casefile.errors import CaseError
@@ -16,8 +16,9 @@ from orchestrator.casefile.toml_file import read_toml
 from orchestrator.checks import mistakes
 from orchestrator.children import python
 from orchestrator.records.folder_lock import at_work
-from orchestrator.records.run_folder import FolderUnusable, resolved
+from orchestrator.records.run_folder import FolderUnusable, resolved, write_json
 from orchestrator.studies.points import Vary
+from orchestrator.studies.workers import Crew
 
 MAIN = "from orchestrator.commands.cli import main; main()"
 
@@ -47,62 +48,80 @@ class Point:
 
     def status(self) -> str:
         """As in its summary; "missing" without one."""
-        try:
-            return str(json.loads((self.folder / "summary.json").read_text())["status"])
-        except (OSError, ValueError, KeyError):
-            return "missing"
+        return status(self.folder)
+
+
+def point(case: Path, level: str | None, sets: Sequence[str], value: str, folder: Path) -> Point:
+    """The run of a case with ``sets`` in ``folder``.  Raises CaseError for a case that is wrong."""
+    loaded = load(case, level, sets)
+    if wrong := mistakes(loaded):
+        raise CaseError(wrong)
+    options = [word for each in sets for word in ("--set", each)]
+    at_level = ["--level", loaded.level] if loaded.level else []
+    words = ("run", str(case.resolve()), *at_level, *options, "--out", str(folder.resolve()))
+    return Point(value, loaded, words, folder)
 
 
 def points(
     case: Path, level: str | None, overrides: Sequence[str], vary: Vary, out: Path
 ) -> list[Point]:
     """All points, checked: nothing is run if one of them is wrong.  Raises CaseError."""
-    found = []
-    for value in vary.values:
-        sets = [*overrides, f"{vary.key}={value}"]
-        loaded = load(case, level, sets)
-        if wrong := mistakes(loaded):
-            raise CaseError(wrong)
-        folder = out / vary.folder(value)
-        options = [word for each in sets for word in ("--set", each)]
-        at_level = ["--level", loaded.level] if loaded.level else []
-        words = ("run", str(case), *at_level, *options, "--out", str(folder))
-        found.append(Point(value, loaded, words, folder))
-    return found
+    return [
+        point(case, level, [*overrides, f"{vary.key}={value}"], value, out / vary.folder(value))
+        for value in vary.values
+    ]
 
 
-def run(todo: Sequence[Point], jobs: int, say: Callable[[str], None]) -> None:
-    """Runs those that are not done, ``jobs`` at a time.  What an unfinished run left is kept
-    under another name.  Raises FolderUnusable before anything is run."""
+def run(todo: Sequence[Point], crew: Crew, say: Callable[[str], None]) -> None:
+    """Runs those that are not done, side by side.  What an unfinished run left is kept under
+    another name.  Raises FolderUnusable before anything is run."""
     waiting = []
-    for point in todo:
-        if at_work(point.folder):
-            raise FolderUnusable(f"{point.folder}: a run is at work there; wait for its end")
-        if point.done():
-            say(f"{point.folder.name}: done before")
+    for one in todo:
+        if at_work(one.folder):
+            raise FolderUnusable(f"{one.folder}: a run is at work there; wait for its end")
+        if one.done():
+            say(f"{one.folder.name}: done before")
         else:
-            waiting.append(point)
-    with ThreadPoolExecutor(max_workers=jobs) as pool:
-        try:
-            for line in pool.map(_run, waiting):
-                say(line)
-        except KeyboardInterrupt:  # which the runs have got, too, and end at a sync point
-            pool.shutdown(cancel_futures=True)
-            raise
+            waiting.append(one)
+    beside = min(crew.workers, len(waiting))
+    work = [partial(_run, one.words, one.folder.resolve(), beside) for one in waiting]
+    for line in crew.each(work):
+        say(line)
 
 
-def _run(point: Point) -> str:
-    _put_aside(point.folder)
-    log = point.folder.with_name(f"{point.folder.name}.log")
+def beside(one: Point) -> int:
+    """How many points were run at a time when this one was; 0 where nobody wrote it down."""
+    try:
+        return int(json.loads(_about(one.folder).read_text())["side_by_side"])
+    except (OSError, ValueError, KeyError):
+        return 0
+
+
+def _run(words: Sequence[str], folder: Path, beside: int) -> str:
+    _put_aside(folder)
+    log = folder.with_name(f"{folder.name}.log")
     log.parent.mkdir(parents=True, exist_ok=True)
+    write_json(_about(folder), {"side_by_side": beside})
     with log.open("w", encoding="utf-8") as said:
         code = python(
-            *("-c", MAIN, *point.words),
+            *("-c", MAIN, *words),
             stdout=said,
             stderr=subprocess.STDOUT,
             env={"OMP_NUM_THREADS": "1"},
         ).returncode
-    return f"{point.folder.name}: {point.status()}" + (f" ({log})" if code else "")
+    return f"{folder.name}: {status(folder)}" + (f" ({log})" if code else "")
+
+
+def _about(folder: Path) -> Path:
+    return folder.with_name(f"{folder.name}.json")
+
+
+def status(folder: Path) -> str:
+    """Of a run, as in its summary; "missing" without one."""
+    try:
+        return str(json.loads((folder / "summary.json").read_text())["status"])
+    except (OSError, ValueError, KeyError):
+        return "missing"
 
 
 def _put_aside(folder: Path) -> None:

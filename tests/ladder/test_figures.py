@@ -7,17 +7,18 @@ import pytest
 
 from orchestrator.casefile.levels import load
 from orchestrator.checks import mistakes
-from orchestrator.ladder.climb import recorded_finely
+from orchestrator.clock import exact
 from orchestrator.ladder.cost import predicted_s
-from orchestrator.ladder.figures import Figures, errors, relative
 from orchestrator.ladder.rungs import rungs
 from orchestrator.ports import Array
+from orchestrator.studies.figures import Figures, errors, relative
+from orchestrator.studies.sampling import sampled_at
 from tests.runs.outside import ROOT
 
 
 def measured(deflection_m: float, shapes_m: Array) -> Figures:
     values = {"deflection_m": deflection_m, "frame_m": 0.0}
-    return Figures(values, {}, shapes_m, None, 1.0, 1.0, {}, 100.0, 1.0)
+    return Figures(values, {}, {}, shapes_m, None, 1.0, 1.0, {}, 100.0, 1.0)
 
 
 def test_errors_are_relative_to_the_reference() -> None:
@@ -53,8 +54,7 @@ def test_each_rung_is_one_key_away_and_the_last_is_the_dearest(name: str) -> Non
 
 
 def test_rows_come_at_whole_sync_intervals() -> None:
-    case = load(ROOT / "cases/quickstart", "default").case
-    every_s = float(recorded_finely(case)[0].partition("=")[2])
-    ratio = every_s / case.coupling.sync_interval_s
-    assert ratio == pytest.approx(round(ratio), abs=1e-9)
+    interval_s = load(ROOT / "cases/quickstart", "default").case.coupling.sync_interval_s
+    every_s = float(sampled_at(interval_s)[0].partition("=")[2])
+    assert exact(every_s) % exact(interval_s) == 0
     assert every_s < 1 / 2 / 500  # accelerations to 500 Hz

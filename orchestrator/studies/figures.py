@@ -1,4 +1,4 @@
-"""What a rung's run is measured by, and how far it is from the reference.
+"""What a run is measured by when models are compared, and how far it is from the reference.
 
 All over the last whole cycles of the run (at most four, never the run-up's first half); panels'
 figures are means over the panels.
@@ -17,13 +17,13 @@ import numpy as np
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.levels import load
-from orchestrator.deck.panels import SinglePanel, single_panels
+from orchestrator.deck.panels import single_panels
 from orchestrator.ports import Array
-from orchestrator.recording import RecordedGrid
-from orchestrator.records.summary import cycle_s
-from orchestrator.results.vibration import STANDARD_GRAVITY_M_S2, acceleration_m_s2
+from orchestrator.records.summary import cycle_s, share_created
+from orchestrator.studies.panel_figures import panel_figures
 
 CYCLES = 4
+EXTENSIVE = {"clamp_peak_N", "clamp_rms_N", "passing_kg_s"}
 QUANTITIES = {
     "deflection_m": "panel: amplitude of the middle / m",
     "shape": "panel: shape over the cycles",
@@ -33,17 +33,36 @@ QUANTITIES = {
     "rms_g": "panel's middle: rms acceleration / g",
     "frame_m": "frames: largest amplitude / m",
     "passing_kg_s": "passing: through the exits / (kg/s)",
+    "efficiency_percent": "screening efficiency / %",
+    "velocity_m_s": "bed: mean velocity / (m/s)",
 }
+DECISIVE = (
+    "deflection_m",
+    "clamp_rms_N",
+    "rms_g",
+    "frame_m",
+    "passing_kg_s",
+    "efficiency_percent",
+    "velocity_m_s",
+)
+"""What repeats itself well enough to decide; single peaks and shapes of slack panels do not."""
+DEFECTS = {
+    "energy_defect": "energy created by the coupling, of what was supplied and lost",
+    "momentum_defect": "momentum residual of the worst member",
+}
+"""What ought to be nothing."""
 
 
 @dataclass(frozen=True)
 class Figures:
-    """``values`` by QUANTITIES (without "shape" and what a case does not have), ``own`` the
-    uncertainty of those that are statistics; ``shapes_m`` (rows, values) to be compared; the
-    ``change`` is that of the shape from the cycle before."""
+    """``values`` by QUANTITIES (without "shape" and what a case does not have), of the whole width
+    where a slice was run; ``own`` the uncertainty of those that are statistics; ``defects`` by
+    DEFECTS; ``shapes_m`` (rows, values) to be compared; the ``change`` is that of the shape from
+    the cycle before."""
 
     values: dict[str, float]
     own: dict[str, float]
+    defects: dict[str, float]
     shapes_m: Array
     change: float | None
     wall_s: float
@@ -60,7 +79,7 @@ def figures(folder: Path) -> Figures:
     count = max(1, min(CYCLES, int(end_s / 2 / cycle + 1e-9)))
     start_s = max(0.0, end_s - count * cycle)
     with h5py.File(folder / "history.h5") as history:
-        panels = [_panel(history, case, panel, start_s, cycle) for panel in single_panels(case)]
+        panels = [panel_figures(history, case, one, start_s, cycle) for one in single_panels(case)]
         values = {"frame_m": _frame(history, start_s)} if case.screen.frames else {}
         passing = _passing(history, case, start_s, end_s)
     shapes_m = np.hstack([panel.shape_m for panel in panels]) if panels else np.empty((0, 0))
@@ -69,11 +88,15 @@ def figures(folder: Path) -> Figures:
     own = {}
     if passing is not None:
         values["passing_kg_s"], own["passing_kg_s"] = passing
+    values |= _of_the_bed(summary.get("results", {}), own)
+    for name in EXTENSIVE & values.keys():
+        values[name] /= summary["share_of_width"]
     rows = round(cycle * (len(shapes_m) - 1) / (end_s - start_s)) if len(shapes_m) else 0
     change = relative(shapes_m[:-rows], shapes_m[rows:]) if 0 < rows < len(shapes_m) / 2 else None
     return Figures(
         values,
         own,
+        _defects(summary),
         shapes_m,
         change,
         summary["wall_s"],
@@ -102,54 +125,23 @@ def relative(values: Array, reference: Array) -> float:
     return float(np.linalg.norm(values - reference)) / size if size else math.inf
 
 
-@dataclass(frozen=True)
-class PanelFigures:
-    values: dict[str, float]
-    shape_m: Array
+def _of_the_bed(results: dict[str, Any], own: dict[str, float]) -> dict[str, float]:
+    """What the run's own results say, as far as it is defined; half widths go into ``own``."""
+    found = {}
+    for name, part in (("efficiency_percent", "screening"), ("velocity_m_s", "bed")):
+        estimate = results.get(part, {}).get(name, {})
+        if estimate.get("value") is not None:
+            found[name] = float(estimate["value"])
+            if estimate["half_width"] is not None:
+                own[name] = float(estimate["half_width"])
+    return found
 
 
-def _panel(
-    history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float
-) -> PanelFigures:
-    shapes = history[f"shapes/{panel.name}"]
-    time_s = shapes["time_s"][:]
-    last = time_s >= start_s - 1e-9
-    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
-    turn = np.stack([at.along, at.across, at.normal], axis=1)
-    place_m, velocity_m_s = shapes["position_m"][:], shapes["velocity_m_s"][:]
-    carried = grid.carried(at)
-    corners = [int(number) for number in carried.argmax(axis=0)]
-    shape_m = (place_m - carried @ place_m[:, corners])[last] @ turn
-    # the line along the middle, or beside it where no grid line runs there
-    line = np.arange(len(grid.rows_m)) * len(grid.columns_m) + len(grid.columns_m) // 2
-    middle = line[len(line) // 2]
-    step_s = float(np.diff(time_s).mean())
-    acceleration = acceleration_m_s2(velocity_m_s[:, middle], step_s)[last]
-    size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_S2
-    forces = history[f"forces/{panel.name}"]
-    pull_N = np.linalg.norm(forces["first_clamp_N"][:], axis=1)[forces["time_s"][:] > start_s]
-    values = {
-        "deflection_m": _amplitude(shape_m[:, middle, 2], time_s[last], cycle),
-        "clamp_peak_N": float(pull_N.max()),
-        "clamp_rms_N": float(np.sqrt(np.mean(pull_N**2))),
-        "peak_g": _mean_peak(size_g, time_s[last], cycle),
-        "rms_g": float(np.sqrt(np.mean(size_g**2))),
+def _defects(summary: dict[str, Any]) -> dict[str, float]:
+    return {
+        "energy_defect": abs(share_created(summary["energy_ledger_J"])),
+        "momentum_defect": summary["momentum_residual_relative"],
     }
-    return PanelFigures(values, shape_m[:, line][:, :, [0, 2]].reshape(len(shape_m), -1))
-
-
-def _amplitude(place_m: Array, time_s: Array, cycle: float) -> float:
-    """Mean over the cycles of half the range."""
-    return float(np.mean([np.ptp(part) / 2 for part in _cycles(place_m, time_s, cycle)]))
-
-
-def _mean_peak(size: Array, time_s: Array, cycle: float) -> float:
-    return float(np.mean([part.max() for part in _cycles(size, time_s, cycle)]))
-
-
-def _cycles(values: Array, time_s: Array, cycle: float) -> list[Array]:
-    number = np.floor((time_s - time_s[0]) / cycle - 1e-6).astype(int).clip(0)
-    return [values[number == one] for one in range(max(1, number.max()))]
 
 
 def _frame(history: Any, start_s: float) -> float:
