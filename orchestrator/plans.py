@@ -92,6 +92,16 @@ class PanelPlan:
 
 
 @dataclass(frozen=True)
+class MeshSize:
+    """How large a panel's mesh is, before it is made: cells with material, nodes (each with three
+    unknowns), and the mass of the lightest node that particles can touch."""
+
+    cells: int
+    nodes: int
+    lightest_kg: float
+
+
+@dataclass(frozen=True)
 class Body:
     """A rigid frame: mass, inertia about the centre of mass in world axes at t = 0."""
 

@@ -26,7 +26,7 @@ from orchestrator.state import taken
 
 
 def panel(
-    plan: PanelPlan, structure: Structure, surface: Surface, resting_m: Array, step_s: float
+    plan: PanelPlan, structure: Structure, surface: Surface[Grid], resting_m: Array, step_s: float
 ) -> ElasticPanel:
     """The panel of ``plan`` at rest at ``resting_m`` (nodes, 3), in steps of at most ``step_s``.
 
@@ -44,7 +44,7 @@ class CompiledSheet:
     """
 
     def __init__(
-        self, plan: PanelPlan, structure: Structure, surface: Surface, step_s: float
+        self, plan: PanelPlan, structure: Structure, surface: Surface[Grid], step_s: float
     ) -> None:
         nodes, bending = surface.nodes, structure.bending
         assert bending is not None  # every sheet bends

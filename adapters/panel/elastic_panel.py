@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.grid import Grid
+from adapters.panel.grid import Interpolating
 from adapters.panel.state import Action, HeldForce, State
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
@@ -63,7 +63,7 @@ class ElasticPanel:
         body: Body,
         integrator: Integrator,
         state: State,
-        grid: Grid,
+        grid: Interpolating,
         surface: Indices | slice,
     ) -> None:
         self.mount = _mount(plan, state.position_m[body.held])

@@ -7,6 +7,7 @@ fastest; values between them follow the biquadratic Lagrange shape functions.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -97,16 +98,30 @@ class Grid:
     def numbers_of(self, coordinates_m: Array) -> Indices:
         """(nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more)
         stands there."""
-        at = self.interpolation(coordinates_m[:, :2]).tocoo()
-        there = at.data > 0.5
-        numbers = np.empty(len(coordinates_m), dtype=np.int64)
-        numbers[at.col[there]] = at.row[there]
-        return numbers
+        return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
+
+
+def numbers_at_nodes(interpolation: csr_array) -> Indices:
+    """(nodes,): for each node the row of ``interpolation`` (nodes, nodes) that is at it."""
+    at = interpolation.tocoo()
+    there = at.data > 0.5
+    numbers = np.empty(interpolation.shape[1], dtype=np.int64)
+    numbers[at.col[there]] = at.row[there]
+    return numbers
+
+
+class Interpolating(Protocol):
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        """Shape functions (n, nodes) at ``coordinates_m`` (n, 2)."""
+        ...
+
+
+AnyGrid = TypeVar("AnyGrid", bound=Interpolating, covariant=True)
 
 
 @dataclass(frozen=True)
-class Surface:
+class Surface(Generic[AnyGrid]):
     """What particles touch: a grid, and which node of a body stands at each of its nodes."""
 
-    grid: Grid
+    grid: AnyGrid
     nodes: Indices

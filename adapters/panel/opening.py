@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import ExitStack, closing
+from typing import Any
 
 from adapters.panel import integrators
 from adapters.panel.elastic_panel import ElasticPanel
@@ -18,11 +19,11 @@ from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array
 
 # From plan, structure, surface, resting shape (nodes, 3) and step in s; owns the structure.
-Explicitly = Callable[[PanelPlan, Structure, Surface, Array, float], ElasticPanel]
+Explicitly = Callable[[PanelPlan, Structure, Surface[Any], Array, float], ElasticPanel]
 
 
 def explicit(
-    plan: PanelPlan, structure: Structure, surface: Surface, resting_m: Array, step_s: float
+    plan: PanelPlan, structure: Structure, surface: Surface[Any], resting_m: Array, step_s: float
 ) -> ElasticPanel:
     """Explicit steps in Python, for any structure."""
     state = _at_rest(structure, resting_m)
@@ -31,7 +32,7 @@ def explicit(
 
 
 def open_panel(
-    plan: PanelPlan, structure: Structure, surface: Surface, explicitly: Explicitly = explicit
+    plan: PanelPlan, structure: Structure, surface: Surface[Any], explicitly: Explicitly = explicit
 ) -> ElasticPanel:
     """The panel at rest between its clamps; ``explicitly`` makes the one with explicit steps.
 

@@ -69,7 +69,7 @@ def scaled_strain(entries: Any, C: Any) -> Any:
     )
 
 
-def sheet(plan: PanelPlan) -> tuple[Structure, Surface]:
+def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
     """The structure of ``plan``; its surface is all its nodes."""
     pattern = plan.apertures
     region_m = pattern.region_m(plan.rectangle) if pattern else None

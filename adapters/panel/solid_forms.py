@@ -16,8 +16,10 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from adapters.panel.compiled import function_space
-from adapters.panel.grid import Grid, Surface
+from adapters.panel.grid import Surface
 from adapters.panel.material import Law
+from adapters.panel.pierced_grid import PiercedGrid
+from adapters.panel.solid_grid import solid_grid
 from adapters.panel.structure import Structure
 from orchestrator.plans import PanelPlan
 
@@ -25,20 +27,20 @@ ISOCHORIC_DEGREE = 4  # 3 x 3 x 3 Gauss points
 VOLUMETRIC_DEGREE = 2  # 2 x 2 x 2
 
 
-def box_mesh(grid: Grid, thickness_m: float) -> Any:
-    """One hexahedron per cell of ``grid``, from half the thickness below to half above."""
-    along, across = grid.shape
-    box = mesh.create_box(
-        MPI.COMM_SELF,
-        [[0, 0, 0], [along, across, 1]],
-        [along, across, 1],
-        mesh.CellType.hexahedron,
-    )
-    nodes = box.geometry.x
-    nodes[:, 0] = np.interp(nodes[:, 0], np.arange(along + 1), grid.s_m)
-    nodes[:, 1] = np.interp(nodes[:, 1], np.arange(across + 1), grid.y_m)
-    nodes[:, 2] = (nodes[:, 2] - 0.5) * thickness_m
-    return box
+def box_mesh(grid: PiercedGrid, thickness_m: float) -> Any:
+    """One hexahedron per cell with material, from half the thickness below to half above."""
+    s_m, y_m = grid.whole.s_m, grid.whole.y_m
+    shape = (len(s_m), len(y_m), 2)
+    number = np.arange(np.prod(shape)).reshape(shape)
+    along, across = np.nonzero(grid.hole_of_cell() < 0)
+    corners = [number[along + i, across + j, k] for k in (0, 1) for j in (0, 1) for i in (0, 1)]
+    used, cells = np.unique(np.stack(corners, axis=1), return_inverse=True)
+    height_m = np.array([-0.5, 0.5]) * thickness_m
+    places = np.meshgrid(s_m, y_m, height_m, indexing="ij")
+    points_m = np.stack(places, axis=-1).reshape(-1, 3)[used]
+    hexahedron = ufl.Cell("hexahedron", geometric_dimension=3)
+    linear = ufl.Mesh(ufl.VectorElement("Lagrange", hexahedron, 1))
+    return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 8), points_m, linear)
 
 
 def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGREE) -> Law:
@@ -76,9 +78,9 @@ def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
     )
 
 
-def solid(plan: PanelPlan) -> tuple[Structure, Surface]:
+def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
     """The structure of ``plan``; its surface is the nodes of the mid-surface."""
-    grid = Grid.of(plan.rectangle, plan.cells)
+    grid = solid_grid(plan)
     box = box_mesh(grid, plan.thickness_m)
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()

@@ -19,6 +19,7 @@ from orchestrator.checks import (
     machine,
     materials,
     names,
+    panel_meshes,
     plausible,
     recordings,
     slices,
@@ -68,6 +69,7 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found += slices.too_narrow(case)
         found += recordings.fitting_recording(case, folder)
         found += apertures.triangles(case)
+        found += panel_meshes.too_large(case)
         found += [*adhesion.adhesive_contacts(case), *adhesion.sjkr_materials(case)]
     if not found:
         found = [*steps.particle_step(case), *steps.adhesive_step(case)]

@@ -15,16 +15,16 @@ PLATE = 3.0  # thicknesses over an opening's larger pitch above which a panel is
 
 
 def openings(case: Case) -> Iterator[Mistake]:
-    """Openings that overlap, do not fit, or leave too little land; solvers without openings."""
+    """Openings that overlap, do not fit, leave too little land, or are too round."""
     for panel, *_ in perforated(case):
         name = panel.table_name
         key: Key = ("screen", "panels", name, "apertures")
         assert panel.apertures is not None, "only panels with apertures are perforated"
         found = [*_lands(key, panel.apertures)] or [*_room(key, panel)]
         yield from found or _thickness(key, panel, panel.apertures)
-        if case.panel.solver == "solid":
-            hint = 'take panel.solver = "sheet"'
-            yield Mistake(("panel", "solver"), f"solid knows no apertures (panel {name})", hint)
+        if case.panel.solver == "solid" and panel.apertures.shape != "rectangle":
+            what = f"{panel.apertures.shape}: the solid's cells are boxes and follow no round ends"
+            yield Mistake((*key, "shape"), what, 'take "rectangle", or panel.solver = "sheet"')
 
 
 def triangles(case: Case) -> Iterator[Mistake]:

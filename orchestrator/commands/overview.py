@@ -21,6 +21,7 @@ from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
 from orchestrator.commands.cost import THICK, THIN, cost
 from orchestrator.deck.openings import openings
+from orchestrator.deck.panel_meshes import meshes
 from orchestrator.deck.panels import single_panels, walls
 from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.planning import material_numbers
@@ -61,6 +62,7 @@ def _machine(loaded: LoadedCase) -> Iterator[str]:
     )
     cells = " x ".join(str(count) for count in case.panel.cells)
     yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
+    yield from meshes(case)
     yield from _damping(case)
     yield from openings(case)
     rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]

@@ -12,6 +12,7 @@ from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.commands.cost import THICK, cost
+from orchestrator.deck.panel_meshes import mesh_sizes
 from orchestrator.deck.panels import single_panels
 from orchestrator.planning import material_numbers
 
@@ -33,12 +34,14 @@ def predicted_s(case: Case, at_start: int) -> float:
     """Processor time of a run, with ``at_start`` particles at t = 0."""
     intervals = case.duration_s / case.coupling.sync_interval_s
     along, across = case.panel.cells
-    panel_s = PER_PANEL_INTERVAL_S[case.panel.solver] * intervals
+    panels = len(single_panels(case))
+    panels_s = panels * PER_PANEL_INTERVAL_S[case.panel.solver] * intervals
     if case.panel.solver == "sheet":
-        panel_s += SHEET_CELL_S_S * along * across * along * case.duration_s
+        panels_s += panels * SHEET_CELL_S_S * along * across * along * case.duration_s
     if case.panel.solver == "solid":
-        panel_s += SOLID_CELL_INTERVAL_S * along * across * intervals
-    panels_s = panel_s * len(single_panels(case))
+        resolved = sum(size.cells for size in mesh_sizes(case).values())
+        cells = resolved or panels * along * across
+        panels_s += SOLID_CELL_INTERVAL_S * cells * intervals
     return START_S + PER_INTERVAL_S * intervals + panels_s + _particles_s(case, at_start)
 
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from orchestrator.casefile.case import Case
+from orchestrator.deck.panel_meshes import mesh_sizes
 from orchestrator.geometry import Apertures
 from orchestrator.ports import Array
 from orchestrator.tables.screen import Panel
@@ -24,6 +25,8 @@ def lightest_point_kg(case: Case, panel: Panel) -> float:
     """Of a panel that is no rigid one: effective mass of the lightest point of its surface."""
     if case.panel.solver == "strip":  # a row moves as one
         return areal_kg_m2(case, panel) * panel.width_m * panel.length_m / case.panel.cells[0]
+    if panel.apertures and (sizes := mesh_sizes(case)):  # rims of openings are in the mesh
+        return min(size.lightest_kg for size in sizes.values())
     share = MIDDLE_OF_SOLID if case.panel.solver == "solid" else 1.0
     return share * lightest_node_kg(case, panel)
 

@@ -24,7 +24,8 @@ class PanelSolver(Table):
     integrator: Literal["explicit", "implicit"] = "explicit"
     """Time integration of sheet and solid."""
     cells: Cells = (22, 8)
-    """Finite-element cells along the free length and across."""
+    """Finite-element cells along the free length and across; around openings the solid takes as
+    many more as these need."""
     surface_cells: Cells = (22, 8)
     """Cells of the surface that particles touch; each is cut into two triangles."""
     step_s: NotNegative = 0.0

@@ -10,6 +10,7 @@ import pytest
 from orchestrator.casefile.levels import load
 from orchestrator.commands.overview import overview
 from orchestrator.deck.openings import straight_passing
+from orchestrator.deck.panel_meshes import memory_GiB, mesh_sizes
 from orchestrator.deck.panels import single_panels
 from orchestrator.deck.perforated_grid import BadMesh, perforated_grid, quality
 from orchestrator.deck.surface_grids import surface_grids
@@ -142,13 +143,20 @@ def test_an_opening_in_millimetres(tmp_path: Path) -> None:
     assert any("width_m: 3 is out of the range 0.0001 to 1; looks like mm" in x for x in found)
 
 
-def test_no_plate_and_no_solid(tmp_path: Path) -> None:
+def test_no_plate(tmp_path: Path) -> None:
     fine = f"{KEY}pitch_along_m=0.002"
     sizes = [f"{KEY}length_m=0.001", f"{KEY}width_m=0.001", f"{KEY}pitch_across_m=0.002"]
     thick = only_complaint(tmp_path, SLOTTED, fine, *sizes, "screen.panels.deck.thickness_m=0.02")
     assert "0.02 m thick, its openings are only 0.002 m apart: no plate" in thick
-    assert "solid knows no apertures" in only_complaint(tmp_path, SLOTTED, "panel.solver=solid")
     assert complaints(tmp_path, SLOTTED) == []
+
+
+@pytest.mark.solver
+def test_round_ends_on_the_solid(tmp_path: Path) -> None:
+    solid = "panel.solver=solid"
+    found = only_complaint(tmp_path, SLOTTED, f"{KEY}shape=slot", solid)
+    assert "apertures.shape: slot: the solid's cells are boxes" in found
+    assert complaints(tmp_path, SLOTTED, f"{KEY}shape=rectangle", solid) == []
 
 
 def test_a_slice_takes_whole_pitches_from_side_to_side(tmp_path: Path) -> None:
@@ -190,6 +198,20 @@ def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
     assert any(f"{triangles} on each panel" in line for line in lines)
     small = [SLOTTED, "bed.particles.ball.diameter_m=0.001"]
     assert any("probability 0.25" in line for line in overview(loaded(tmp_path, small)))
+
+
+@pytest.mark.solver
+def test_the_solid_says_how_large_it_is_and_refuses_what_no_machine_carries(tmp_path: Path) -> None:
+    """Cells of 0.3 mm would."""
+    solid = [SLOTTED, "panel.solver=solid", "panel.integrator=implicit"]
+    size = mesh_sizes(loaded(tmp_path, solid).case)["deck"]
+    lines = list(overview(loaded(tmp_path, solid)))
+    said = f"{size.cells} cells, {3 * size.nodes} unknowns and some {memory_GiB(size):.2g} GiB"
+    assert any(said in line for line in lines)
+    fine = only_complaint(tmp_path, *solid, "panel.cells=[1000, 600]")
+    assert "panel.solver: 443599 cells" in fine
+    assert "at most 64 GiB are allowed" in fine
+    assert "mm wide would fit: take a slice" in fine
 
 
 def test_straight_passing() -> None:

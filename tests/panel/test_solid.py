@@ -33,10 +33,10 @@ def structure_of(given, held_s_m=None, volumetric_degree=2):
 
     from adapters.panel import solid_forms
     from adapters.panel.compiled import function_space
-    from adapters.panel.grid import Grid
+    from adapters.panel.solid_grid import solid_grid
     from adapters.panel.structure import Structure
 
-    box = solid_forms.box_mesh(Grid.of(given.rectangle, given.cells), given.thickness_m)
+    box = solid_forms.box_mesh(solid_grid(given), given.thickness_m)
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
     law = solid_forms.law(given, fem.Function(space), volumetric_degree)
     s = space.tabulate_dof_coordinates()[:, 0]

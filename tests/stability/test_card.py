@@ -117,6 +117,18 @@ def test_corners_on_corners_are_nine_times_lighter_than_middles() -> None:
 
 
 @pytest.mark.solver
+def test_the_lightest_node_of_a_solid_with_openings_stands_at_its_side() -> None:
+    """A panel with openings of 10 x 10 mm, 20 mm apart, and cells of 5 x 5 mm on half lands: of two
+    of these, a node on the panel's free side has 2/36, and 2/3 of that in the middle layer."""
+    pattern = "{length_m=0.01, width_m=0.01, pitch_along_m=0.02, pitch_across_m=0.02}"
+    sets = ["panel.solver=solid", f"screen.panels.deck.apertures={pattern}"]
+    case = load(CASES / "ball-on-panel", "default", sets).case
+    panel = case.screen.panels["deck"]
+    expected_kg = 1150 * panel.thickness_m * 5e-3**2 * 2 / 36 * 2 / 3
+    assert lightest_point_kg(case, panel) == pytest.approx(expected_kg)
+
+
+@pytest.mark.solver
 @pytest.mark.slow
 @pytest.mark.parametrize(("overrides", "stable"), [([], True), (COARSE_AND_LIGHT, False)])
 def test_light_corners_are_unstable(tmp_path: Path, overrides: list[str], stable: bool) -> None:
