@@ -53,6 +53,22 @@ def test_each_rung_is_one_key_away_and_the_last_is_the_dearest(name: str) -> Non
             assert costs[-4:] == sorted(costs[-4:])
 
 
+@pytest.mark.solver
+def test_the_solid_is_a_rung_where_openings_have_square_corners() -> None:
+    """Dearer than without openings, as its cells are more; refused for round ends."""
+    folder = ROOT / "cases/panel-cycle"
+    solid = rungs(load(folder, "default").case, "panel")[-1]
+    pattern = "length_m=0.02, width_m=0.005, pitch_along_m=0.03, pitch_across_m=0.01"
+    openings = f"screen.panels.deck.apertures={{{pattern}}}"
+    slots = f"screen.panels.deck.apertures={{{pattern}, shape='slot'}}"
+    resolved = load(folder, "default", [*solid.sets, openings])
+    assert mistakes(resolved) == []
+    whole_s = predicted_s(load(folder, "default", solid.sets).case, 0)
+    assert predicted_s(resolved.case, 0) > 2 * whole_s
+    (refused,) = mistakes(load(folder, "default", [*solid.sets, slots]))
+    assert "follow no round ends" in str(refused)
+
+
 def test_rows_come_at_whole_sync_intervals() -> None:
     interval_s = load(ROOT / "cases/quickstart", "default").case.coupling.sync_interval_s
     every_s = float(sampled_at(interval_s)[0].partition("=")[2])
