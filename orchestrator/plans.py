@@ -94,11 +94,17 @@ class PanelPlan:
 @dataclass(frozen=True)
 class MeshSize:
     """How large a panel's mesh is, before it is made: cells with material, nodes (each with three
-    unknowns), and the mass of the lightest node that particles can touch."""
+    unknowns), memory with the factorised stiffness (good to a factor of two), and the mass of the
+    lightest node that particles can touch."""
 
     cells: int
     nodes: int
+    memory_GiB: float
     lightest_kg: float
+
+
+LARGEST_MESHES_GIB = 64.0
+"""What the panels' meshes may take in all: a large workstation's memory."""
 
 
 @dataclass(frozen=True)

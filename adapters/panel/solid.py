@@ -6,13 +6,12 @@ All nodes under the clamps and on their inner edges, through the thickness, are 
 
 from __future__ import annotations
 
-from orchestrator.plans import MeshSize, PanelPlan, SolverMissing
+from orchestrator.plans import PanelPlan, SolverMissing
 
 try:
     from adapters.panel import _petsc, opening  # noqa: F401
     from adapters.panel.elastic_panel import ElasticPanel
     from adapters.panel.solid_forms import solid
-    from adapters.panel.solid_grid import size
 except ImportError as missing:
     raise SolverMissing(
         f"panel solver 'solid' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"
@@ -22,8 +21,8 @@ except ImportError as missing:
 def build(plan: PanelPlan) -> ElasticPanel:
     """The solid at rest between its clamps.
 
-    ValueError for openings with round ends and for a step that is too large, SolverFailed if no
-    resting shape is found.
+    ValueError for openings with round ends, for a mesh that no machine carries and for a step that
+    is too large, SolverFailed if no resting shape is found.
     """
     return opening.open_panel(plan, *solid(plan))
 
@@ -32,8 +31,3 @@ def largest_step_s(plan: PanelPlan) -> float:
     """The largest ``step_s`` that ``build`` accepts for this plan."""
     structure, _ = solid(plan)
     return opening.largest_step_s(plan, structure)
-
-
-def mesh_size(plan: PanelPlan) -> MeshSize:
-    """How large the solid's mesh will be.  ValueError for openings with round ends."""
-    return size(plan)

@@ -19,7 +19,7 @@ from adapters.panel.compiled import function_space
 from adapters.panel.grid import Surface
 from adapters.panel.material import Law
 from adapters.panel.pierced_grid import PiercedGrid
-from adapters.panel.solid_grid import solid_grid
+from adapters.panel.solid_grid import bearable_grid
 from adapters.panel.structure import Structure
 from orchestrator.plans import PanelPlan
 
@@ -80,7 +80,7 @@ def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
 
 def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
     """The structure of ``plan``; its surface is the nodes of the mid-surface."""
-    grid = solid_grid(plan)
+    grid = bearable_grid(plan)
     box = box_mesh(grid, plan.thickness_m)
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()

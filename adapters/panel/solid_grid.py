@@ -14,13 +14,14 @@ import numpy as np
 from adapters.panel.grid import Grid
 from adapters.panel.pierced_grid import PiercedGrid, snapped
 from orchestrator.geometry import Apertures, Rectangle
-from orchestrator.plans import MeshSize, PanelPlan
+from orchestrator.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
 from orchestrator.ports import Array
 
 CELLS_PER_LAND = 2
 SAME_PLACE_M = 1e-9
 LAYERS = 3  # of nodes, through the thickness
 MIDDLE_LAYER = 2 / 3  # of the mass
+GIB_PER_NODE = 3e-5  # with the factorised stiffness (docs/theory/perforated_panel.md)
 
 
 def solid_grid(plan: PanelPlan) -> PiercedGrid:
@@ -47,12 +48,25 @@ def solid_grid(plan: PanelPlan) -> PiercedGrid:
 def size(plan: PanelPlan) -> MeshSize:
     """What ``solid_grid`` makes of the plan.  ValueError as there."""
     grid = solid_grid(plan)
+    nodes = LAYERS * len(grid.nodes_m())
     areal_kg_m2 = plan.material.density_kg_m3 * plan.thickness_m
     return MeshSize(
         cells=int((grid.hole_of_cell() < 0).sum()),
-        nodes=LAYERS * len(grid.nodes_m()),
+        nodes=nodes,
+        memory_GiB=GIB_PER_NODE * nodes,
         lightest_kg=MIDDLE_LAYER * areal_kg_m2 * float(grid.node_areas_m2().min()),
     )
+
+
+def bearable_grid(plan: PanelPlan) -> PiercedGrid:
+    """``solid_grid``; ValueError for a mesh that no machine carries, too."""
+    needed = size(plan)
+    if needed.memory_GiB > LARGEST_MESHES_GIB:
+        raise ValueError(
+            f"panel {plan.name}: its {needed.cells} cells need some {needed.memory_GiB:.0f} GiB; "
+            f"at most {LARGEST_MESHES_GIB:g} GiB are allowed"
+        )
+    return solid_grid(plan)
 
 
 @dataclass(frozen=True)

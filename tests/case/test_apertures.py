@@ -10,7 +10,7 @@ import pytest
 from orchestrator.casefile.levels import load
 from orchestrator.commands.overview import overview
 from orchestrator.deck.openings import straight_passing
-from orchestrator.deck.panel_meshes import memory_GiB, mesh_sizes
+from orchestrator.deck.panel_meshes import mesh_sizes
 from orchestrator.deck.panels import single_panels
 from orchestrator.deck.perforated_grid import BadMesh, perforated_grid, quality
 from orchestrator.deck.surface_grids import surface_grids
@@ -200,13 +200,12 @@ def test_check_tells_what_openings_cost_and_let_through(tmp_path: Path) -> None:
     assert any("probability 0.25" in line for line in overview(loaded(tmp_path, small)))
 
 
-@pytest.mark.solver
 def test_the_solid_says_how_large_it_is_and_refuses_what_no_machine_carries(tmp_path: Path) -> None:
     """Cells of 0.3 mm would."""
     solid = [SLOTTED, "panel.solver=solid", "panel.integrator=implicit"]
     size = mesh_sizes(loaded(tmp_path, solid).case)["deck"]
     lines = list(overview(loaded(tmp_path, solid)))
-    said = f"{size.cells} cells, {3 * size.nodes} unknowns and some {memory_GiB(size):.2g} GiB"
+    said = f"{size.cells} cells, {3 * size.nodes} unknowns and some {size.memory_GiB:.2g} GiB"
     assert any(said in line for line in lines)
     fine = only_complaint(tmp_path, *solid, "panel.cells=[1000, 600]")
     assert "panel.solver: 443599 cells" in fine

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.panel.solid_grid import size, solid_grid
+from adapters.panel.solid_grid import bearable_grid, size, solid_grid
 from orchestrator.geometry import Apertures
 from tests.panel.elastic_plans import plan
 
@@ -112,3 +112,9 @@ def test_size_before_the_mesh_is_made():
 def test_round_ends_are_refused():
     with pytest.raises(ValueError, match=r'round ends.*take shape = "rectangle"'):
         solid_grid(given(replace(SLOTS, shape="slot")))
+
+
+def test_refused_when_no_machine_carries_the_mesh():
+    """Cells of 0.3 x 0.07 mm: 216 GiB."""
+    with pytest.raises(ValueError, match=r"cells need some .* GiB; at most 64 GiB are allowed"):
+        bearable_grid(given(cells=(1000, 600)))
