@@ -164,9 +164,11 @@ SavedState Engine::save() {
 }
 
 void Engine::restore(const SavedState &saved) {
-  store_history();  // of who goes: or LIGGGHTS would look for it when it lists those who come
-  guarded([&] { place_as_listed(*lammps_, saved); });
-  prepare();
+  if (!is_listed_as_saved(*lammps_, saved)) {
+    store_history();  // of who goes: or LIGGGHTS would look for it when it lists those who come
+    guarded([&] { place_as_listed(*lammps_, saved); });
+    prepare();
+  }
   guarded([&] {
     go_on_as_saved(*lammps_, saved);
     surface().restore(saved);

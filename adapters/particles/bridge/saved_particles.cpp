@@ -57,6 +57,15 @@ bool blank(const double *values, int count) {
                      [](const double &value) { return !std::memcmp(&value, &zero, sizeof zero); });
 }
 
+// To the bit: a place that is another one by rounding may list other neighbours.
+bool same(const std::vector<double> &values, const double *now) {
+  return !std::memcmp(values.data(), now, values.size() * sizeof(double));
+}
+
+bool same(const std::vector<std::int64_t> &values, const int *now) {
+  return std::equal(values.begin(), values.end(), now);
+}
+
 // Calls visit(number, flag, values, count) for every pair of the lists, in their order.
 template <class Visit>
 void each_pair(LAMMPS &lmp, Visit visit) {
@@ -134,6 +143,18 @@ void save_particles(LAMMPS &lmp, SavedState &saved) {
   save_pairs(lmp, saved);
 }
 
+bool is_listed_as_saved(LAMMPS &lmp, const SavedState &saved) {
+  const Atom &atom = *lmp.atom;
+  const auto &id = saved.whole("id");
+  const bool nobody = id.empty() && atom.nlocal == 0;
+  int alike = nobody || (static_cast<int>(id.size()) == atom.nlocal && same(id, atom.tag) &&
+                         same(saved.whole("type"), atom.type) &&
+                         same(saved.real("radius_m"), atom.radius) &&
+                         same(saved.real("listed_at_m"), (lmp.neighbor->*listed_at())[0]));
+  MPI_Allreduce(MPI_IN_PLACE, &alike, 1, MPI_INT, MPI_LAND, lmp.world);
+  return alike;
+}
+
 void place_as_listed(LAMMPS &lmp, const SavedState &saved) {
   Atom &atom = *lmp.atom;
   atom.nlocal = atom.nghost = 0;
@@ -159,6 +180,7 @@ void go_on_as_saved(LAMMPS &lmp, const SavedState &saved) {
   put(saved.real("spin_rad_s"), atom.omega);
   put(saved.real("force_N"), atom.f);
   put(saved.real("torque_N_m"), atom.torque);
+  lmp.update->ntimestep = saved.whole("step")[0];
   atom.nextsort = saved.whole("step")[1];
   lmp.comm->forward_comm();
   restore_pairs(lmp, saved);
