@@ -1,0 +1,126 @@
+"""The records that cross between solvers, points with a vector at each, and the accounts they give.
+
+What crosses checks itself: a wrong shape, a wrong dtype or a NaN cannot cross a port.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+
+class BrokenRecord(ValueError):
+    """A record with a wrong shape, a wrong dtype or a value that is not finite.
+
+    The message names record, field and the first bad point.
+    """
+
+
+def _checked(record: str, field_name: str, value: Array) -> None:
+    if not isinstance(value, np.ndarray) or value.dtype != np.float64:
+        kind = getattr(value, "dtype", type(value).__name__)
+        raise BrokenRecord(f"{record}.{field_name}: float64 array wanted, got {kind}")
+    if value.ndim != 2 or value.shape[1] != 3:
+        raise BrokenRecord(f"{record}.{field_name}: shape (points, 3) wanted, got {value.shape}")
+    if isfinite(np.vdot(value, value)):  # far quicker than number by number; huge ones overflow
+        return
+    if not np.isfinite(value).all():
+        point = int(np.flatnonzero(~np.isfinite(value).all(axis=1))[0])
+        raise BrokenRecord(f"{record}.{field_name}: point {point} is {value[point].tolist()}")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Where points are and how fast they go: two float64 arrays of shape (points, 3)."""
+
+    position_m: Array
+    velocity_m_s: Array
+
+    def __post_init__(self) -> None:
+        _checked("Motion", "position_m", self.position_m)
+        _checked("Motion", "velocity_m_s", self.velocity_m_s)
+        if self.position_m.shape != self.velocity_m_s.shape:
+            raise BrokenRecord(
+                f"Motion: {len(self.position_m)} positions but {len(self.velocity_m_s)} velocities"
+            )
+
+    def __len__(self) -> int:
+        return len(self.position_m)
+
+    def part(self, points: slice | Indices) -> Motion:
+        """The motion of some of the points."""
+        return Motion(self.position_m[points], self.velocity_m_s[points])
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force at each point, float64 of shape (points, 3): the mean over a sync interval."""
+
+    force_N: Array
+
+    def __post_init__(self) -> None:
+        _checked("Load", "force_N", self.force_N)
+
+    def __len__(self) -> int:
+        return len(self.force_N)
+
+    @staticmethod
+    def zero(points: int) -> Load:
+        return Load(np.zeros((points, 3)))
+
+
+def counted(what: str, record: Motion | Load, points: int) -> None:
+    """Refuse a record that has not exactly ``points`` points (BrokenRecord names both numbers)."""
+    if len(record) != points:
+        raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
+
+
+@dataclass(frozen=True)
+class PanelState:
+    """What a panel hands over: its surface points' motion, and its force on the frames.
+
+    ``surface`` has the panel's own surface points, ``reaction`` its clamp points (mean force of
+    the panel on the frames over the interval that ended; at t = 0 the static force).
+    """
+
+    surface: Motion
+    reaction: Load
+
+
+@dataclass(frozen=True)
+class Mount:
+    """Clamp points of a panel: where frames hold it.
+
+    ``position_m`` (clamps, 3) in the world at t = 0; ``frame`` (clamps,) the name of the frame
+    that holds each point.
+    """
+
+    position_m: Array
+    frame: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Account:
+    """What a solver owns and what went through it since t = 0 (all SI, world frame).
+
+    ``momentum_kg_m_s`` (3,) now; ``outside_impulse_N_s`` (3,) the impulse received so far from
+    everything that is *not* a port (gravity, ground, exciters, drives, particles fed or removed).
+    ``stored_J`` by name, now; ``lost_J`` (dissipated), ``supplied_J`` (exciters, drives, feed) by
+    name, summed since t = 0; ``received_J`` the work received through each port since t = 0,
+    positive into the solver, computed from the solver's own motion inside the interval.
+    A solver's own defect is  d(stored) + lost - supplied - received, zero for a perfect one.
+    """
+
+    momentum_kg_m_s: Array
+    outside_impulse_N_s: Array
+    stored_J: Mapping[str, float] = field(default_factory=dict)
+    lost_J: Mapping[str, float] = field(default_factory=dict)
+    supplied_J: Mapping[str, float] = field(default_factory=dict)
+    received_J: Mapping[str, float] = field(default_factory=dict)

@@ -1,0 +1,44 @@
+"""Plans: all that a solver needs to know to be built, checked and in plain records.
+
+``build.py`` makes them from the case; tests make them by hand.  Every adapter is a module
+``adapters.<port>.<solver>`` with one function ``build(plan)`` that returns the open solver.
+Here they are by port, each field with its unit and meaning: ``frames``, ``panel``, ``particles``.
+"""
+
+from __future__ import annotations
+
+from orchestrator.plans.failures import SolverFailed, SolverMissing
+from orchestrator.plans.frames import Body, Bushing, Drive, Exciter, FramesPlan, Motor
+from orchestrator.plans.panel import LARGEST_MESHES_GIB, Hyperelastic, MeshSize, PanelPlan, Stop
+from orchestrator.plans.particles import (
+    Exit,
+    Feed,
+    GrainMaterial,
+    Jkr,
+    ParticleList,
+    ParticlesPlan,
+    Sjkr,
+)
+
+__all__ = [
+    "LARGEST_MESHES_GIB",
+    "Body",
+    "Bushing",
+    "Drive",
+    "Exciter",
+    "Exit",
+    "Feed",
+    "FramesPlan",
+    "GrainMaterial",
+    "Hyperelastic",
+    "Jkr",
+    "MeshSize",
+    "Motor",
+    "PanelPlan",
+    "ParticleList",
+    "ParticlesPlan",
+    "Sjkr",
+    "SolverFailed",
+    "SolverMissing",
+    "Stop",
+]
