@@ -65,6 +65,11 @@ class Machine:
     material: MaterialBook | None
     wearing: Wearing | None
 
+    @property
+    def particle_runs(self) -> int:
+        """How often the particles were moved over an interval in this process."""
+        return self.members.particles.runs if self.members.particles is not None else 0
+
     def close(self) -> None:
         """Closes every solver."""
         if self.solvers.particles is not None:

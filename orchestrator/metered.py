@@ -164,13 +164,15 @@ class MeteredPanel:
 
 class MeteredParticles:
     """``given_N_s`` (3,): impulse of the particles on the surface since t = 0.  Their ``feed`` is
-    saved with them: particles that step back are fed again."""
+    saved with them: particles that step back are fed again.  ``runs`` counts intervals run, those
+    taken back, too."""
 
     def __init__(
         self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch
     ) -> None:
         self._particles, self._name, self._stopwatch = particles, name, stopwatch
         self._feed = feed
+        self.runs = 0
         self.given_N_s: Array = np.zeros(3)
 
     def initial(self) -> Load:
@@ -181,6 +183,7 @@ class MeteredParticles:
         with self._stopwatch("particles"), named(self._name, interval):
             load = self._particles.advance(interval, path)
         self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
+        self.runs += 1
         return load
 
     def snapshot(self) -> ParticleSnapshot:

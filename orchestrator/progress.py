@@ -24,8 +24,7 @@ class Progress:
 
     def sync_point(self, done: int, time_s: float, particle_steps: int) -> None:
         """``done`` of them, after so many steps of each particle."""
-        if done:
-            self.particle_steps += particle_steps * self.figures["particles"]
+        self.particle_steps += particle_steps * self.figures["particles"]
         self.figures |= {"sync_intervals": done, "simulated_s": time_s}
 
     def as_json(self) -> dict[str, Any]:

@@ -99,7 +99,7 @@ class Run:
     def _start(self, keeper: Keeper, recorder: Recorder, state: State) -> State:
         """The state that the run goes on from."""
         if self.resumes is None:
-            self._record(recorder, state, 0)
+            self._record(recorder, state, 0, 0)
             return state
         return keeper.restore(self.resumes, state)
 
@@ -109,10 +109,12 @@ class Run:
         first = self._progress.figures["sync_intervals"]
         with Say(first, self._intervals, self._interval_s, self._console) as say:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
+                runs = machine.particle_runs
                 with named("the coupling", interval):
                     state = machine.scheme.advance(machine.solvers, interval, state)
                 check_stable(state, interval.end_s)
-                self._record(recorder, state, interval.index + 1)
+                steps = self._steps * (machine.particle_runs - runs)
+                self._record(recorder, state, interval.index + 1, steps)
                 say.done(interval.index + 1)
                 stop.check(self._world, state)
                 if self._schedule.due(interval.index + 1):
@@ -136,8 +138,9 @@ class Run:
     def _origin(self) -> dict[str, Any]:
         return origin(self._loaded, self._folder, self._world)
 
-    def _record(self, recorder: Recorder, state: State, done: int) -> None:
-        """Sync point ``done``; an output time every ``_every`` of them, and the last."""
+    def _record(self, recorder: Recorder, state: State, done: int, steps: int) -> None:
+        """Sync point ``done``, after so many steps of each particle; an output time every
+        ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
         with self._progress.stopwatch("output"), written(time_s):
@@ -147,7 +150,7 @@ class Run:
                     figures["particles"] = recorder.output(time_s, state)
                 finally:  # also when it is the material that stops the run
                     figures["material"] = recorder.material()
-        self._progress.sync_point(done, time_s, self._steps)
+        self._progress.sync_point(done, time_s, steps)
 
     def _interval(self, index: int) -> Interval:
         return Interval(index, self._interval_s)

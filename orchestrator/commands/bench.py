@@ -43,13 +43,15 @@ class Runner:
 
     def block(self, intervals: int = BLOCK) -> None:
         started, cpu_s = time.perf_counter(), time.process_time()
+        runs = self._machine.particle_runs
         for index in range(self._done, self._done + intervals):
             interval = Interval(index, self._interval_s)
             self._state = self._machine.scheme.advance(self._machine.solvers, interval, self._state)
         self._done += intervals
         self.blocks_s.append(time.process_time() - cpu_s)
         self.wall_s += time.perf_counter() - started
-        self.particle_steps += intervals * self._steps * self.particles()
+        runs = self._machine.particle_runs - runs
+        self.particle_steps += runs * self._steps * self.particles()
 
     def forget(self) -> None:
         """What was spent so far counts no more."""

@@ -117,6 +117,19 @@ def share_created(ledger: dict[str, float]) -> float:
     return created_J(ledger) / turned_over if turned_over else 0.0
 
 
+def iteration_lines(iterations: dict[str, Any]) -> list[str]:
+    """How often intervals were repeated; a warning where that was not enough."""
+    lines = [
+        f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"
+    ]
+    if iterations["unsolved"]:
+        lines.append(
+            f"WARNING: {iterations['unsolved']} sync intervals were not solved to "
+            f"coupling.tolerance; their load was off by up to {iterations['worst']:.2g} of its size"
+        )
+    return lines
+
+
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """The run's own figures of quality, in words; a warning where they are bad."""
     ledger = summary["energy_ledger_J"]
@@ -133,6 +146,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
             f"{summary['particles']} particles, "
             f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
         )
+    if iterations := summary.get("iterations"):
+        lines += iteration_lines(iterations)
     if material := summary.get("material"):
         lines += material_lines(material)
     if abs(share) > LARGEST_SHARE_CREATED:

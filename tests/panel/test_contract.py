@@ -20,6 +20,7 @@ from tests.panel.contract import (
     driven,
     held,
     shifted,
+    swung,
 )
 from tests.saved_states import differences
 
@@ -176,6 +177,21 @@ def test_a_restored_panel_goes_on_bit_for_bit(case: Case) -> None:
     for one, other in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
         assert differences(as_arrays(one), as_arrays(other)) == []
     assert differences(restorable(whole).save(), restorable(second).save()) == []
+
+
+@every_adapter
+def test_a_panel_steps_back_bit_for_bit(case: Case) -> None:
+    """In each of 40 intervals, after another load has moved it."""
+    straight, hesitant = case.open(), case.open()
+    points = len(straight.initial().surface)
+    for index in range(40):
+        before = restorable(hesitant).save()
+        interval, end = Interval(index, INTERVAL_S), swung(hesitant, (index + 1) * INTERVAL_S)
+        hesitant.advance(interval, end, Load(np.full((points, 3), 20.0 / points)))
+        restorable(hesitant).restore(before)
+        states = [driven(panel, 1, first=index).states[-1] for panel in (straight, hesitant)]
+        assert differences(*map(as_arrays, states)) == []
+    assert differences(restorable(straight).save(), restorable(hesitant).save()) == []
 
 
 @every_adapter

@@ -1,18 +1,30 @@
-"""The bed of liggghts_bed.py, stopped and taken up again by another solver.
+"""The bed of liggghts_bed.py, stopped and taken up again by another solver, or stepping back.
 
 Run as a program (``mpirun -n 2 python -m tests.particles.restored_bed``) it prints, as JSON, what
-differs between the runs on any rank, and how many particles each rank has.
+differs between the runs on any rank: those that are taken up again, and those that step back.
 """
 
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from importlib import import_module
 from typing import Any
 
+import numpy as np
+
+from orchestrator.bed.feed import Feeds, Inlet
+from orchestrator.bed.material_book import CountedFeed
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.metered import MeteredParticles
 from orchestrator.plans import ParticlesPlan
+from orchestrator.ports import Motion
+from orchestrator.state import as_arrays
+from orchestrator.stopwatch import Stopwatch
 from tests.particles.liggghts_bed import bed_plan, wave
-from tests.particles.liggghts_plans import travel
+from tests.particles.liggghts_plans import INTERVAL_S, travel
+from tests.particles.sizes import Sizes
 from tests.saved_states import differences
 
 
@@ -34,11 +46,57 @@ def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> l
     return found
 
 
+INLET = Inlet(
+    sizes=(Sizes(5e-3, 6e-3, 1.0),),
+    rate_kg_s=0.15,
+    box_m=np.array([[-0.04, -0.015, 0.034], [0.04, 0.015, 0.046]]),
+    velocity_m_s=np.array([0.0, 0.0, -0.5]),
+    density_kg_m3=1400.0,
+    material=0,
+)
+
+
+def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
+    """With a feed that draws at random, and a meter."""
+    feed = CountedFeed(plan.particles, Feeds([INLET], every=7))
+    opened = import_module(f"adapters.particles.{solver}").build(replace(plan, feed=feed))
+    return MeteredParticles(opened, feed, solver, Stopwatch())
+
+
+def astray(interval: Interval) -> Path:
+    """The surface pushed up and along, out of its way."""
+    start, end = wave(interval.start_s), wave(interval.end_s)
+    off_m = np.array([1e-4, 0.0, 2e-4])
+    pushed = Motion(end.position_m + off_m, end.velocity_m_s + off_m / INTERVAL_S)
+    return Path(start, pushed, INTERVAL_S)
+
+
+def hesitating(solver: str, plan: ParticlesPlan, intervals: int) -> list[str]:
+    """What differs between a run that goes straight on and one that goes astray in every interval
+    and steps back: loads, whole states, accounts, who was removed and how many were fed."""
+    straight, hesitant = fed(solver, plan), fed(solver, plan)
+    found = []
+    for index in range(intervals):
+        before = hesitant.save()
+        hesitant.advance(Interval(index, INTERVAL_S), astray(Interval(index, INTERVAL_S)))
+        hesitant.restore(before)
+        loads = [travel(one, wave, range(index, index + 1)) for one in (straight, hesitant)]
+        found += [f"load {index}"] if np.any(loads[0][0] != loads[1][0]) else []
+    found += differences(straight.save(), hesitant.save(), "state")
+    found += differences(as_arrays(straight.account()), as_arrays(hesitant.account()), "account")
+    removed = [as_arrays(one.removed()) for one in (straight, hesitant)]
+    found += differences(*removed, "removed")
+    for one in (straight, hesitant):
+        one.close()
+    return found
+
+
 def main() -> None:
     from mpi4py import MPI
 
     world: Any = MPI.COMM_WORLD
     found = resumed("liggghts", bed_plan(communicator=world), 60, 120)
+    found += hesitating("liggghts", bed_plan(communicator=world), 120)
     everywhere = world.gather(found)
     if world.rank == 0:
         print(json.dumps(everywhere))

@@ -13,26 +13,32 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
+from orchestrator.clock import Interval
 from orchestrator.plans import Exit
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
-from tests.particles.liggghts_plans import travel
-from tests.particles.restored_bed import resumed
-from tests.saved_states import differences
+from tests.particles.liggghts_plans import INTERVAL_S, travel
+from tests.particles.restored_bed import astray, fed, hesitating, resumed
 
 SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
 WEARING = {"wear_m3_N_m": np.ones((2, 2))}
 OPEN_END = Exit(
     "end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1])
 )
+CHANGES: dict[str, dict[str, Any]] = {
+    "dry": {},
+    "periodic": PERIODIC,
+    "wet": WET,
+    "smooth": SMOOTH,
+    "cdt": {"rolling": "cdt"},
+    "exit": {"exits": (OPEN_END,)},
+    "wearing": WEARING,
+}
+OF_SPHERES = {name: CHANGES[name] for name in ("dry", "wet", "cdt", "exit", "wearing")}
 
 
 @pytest.mark.solver
 @pytest.mark.parametrize("save_at", [1, 37, 70])
-@pytest.mark.parametrize(
-    "changes",
-    [{}, PERIODIC, WET, SMOOTH, {"rolling": "cdt"}, {"exits": (OPEN_END,)}, WEARING],
-    ids=["dry", "periodic", "wet", "smooth", "cdt", "exit", "wearing"],
-)
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
 def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
     """To interval 110: particles are fed (at 5, 25, …) and leave, LIGGGHTS lists neighbours some
     fifty times and sorts its particles twice; at all three points a dozen contacts are open."""
@@ -40,30 +46,34 @@ def test_liggghts_goes_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> 
 
 
 @pytest.mark.parametrize("save_at", [1, 12])
-@pytest.mark.parametrize(
-    "changes",
-    [{}, WET, {"rolling": "cdt"}, {"exits": (OPEN_END,)}, WEARING],
-    ids=["dry", "wet", "cdt", "exit", "wearing"],
-)
+@pytest.mark.parametrize("changes", OF_SPHERES.values(), ids=OF_SPHERES)
 def test_spheres_go_on_bit_for_bit(changes: dict[str, Any], save_at: int) -> None:
     """To interval 30; particles are fed at 5 and 25."""
     assert resumed("spheres", bed_plan(layers=1, **changes), save_at, 30) == []
 
 
 @pytest.mark.solver
-def test_liggghts_is_taken_back_in_place() -> None:
-    from adapters.particles import liggghts
+@pytest.mark.parametrize("changes", CHANGES.values(), ids=CHANGES)
+def test_liggghts_steps_back_bit_for_bit(changes: dict[str, Any]) -> None:
+    """In each of 110 intervals: with and without new neighbours in it, particles fed at random or
+    gone, on a surface that first goes another way."""
+    assert hesitating("liggghts", bed_plan(**changes), 110) == []
 
-    solver = liggghts.build(bed_plan())
-    travel(solver, wave, range(30))
-    saved = solver.save()
-    once = travel(solver, wave, range(30, 60))
-    end = solver.save()
-    solver.restore(saved)
-    again = travel(solver, wave, range(30, 60))
-    np.testing.assert_array_equal(once, again)
-    assert differences(end, solver.save()) == []
-    solver.close()
+
+@pytest.mark.parametrize("changes", OF_SPHERES.values(), ids=OF_SPHERES)
+def test_spheres_step_back_bit_for_bit(changes: dict[str, Any]) -> None:
+    assert hesitating("spheres", bed_plan(layers=1, **changes), 20) == []
+
+
+def test_the_way_that_is_taken_back_was_another_one() -> None:
+    """Or the tests above could not fail."""
+    solver, interval = fed("spheres", bed_plan(layers=1)), Interval(19, INTERVAL_S)
+    travel(solver, wave, range(19))
+    before = solver.save()
+    (along_N,) = travel(solver, wave, range(19, 20))
+    solver.restore(before)
+    astray_N = solver.advance(interval, astray(interval)).force_N.sum(axis=0)
+    assert np.linalg.norm(astray_N) > 1.5 * np.linalg.norm(along_N) > 0
 
 
 @pytest.mark.solver
