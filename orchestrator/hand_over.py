@@ -15,6 +15,7 @@ from orchestrator.ports import (
     Load,
     Motion,
     Mount,
+    Overlaps,
     Panel,
     PanelState,
     Particles,
@@ -115,6 +116,9 @@ class ParticlesOnStillSurface:
 
     def removed(self) -> Removed:
         return self._particles.removed()
+
+    def overlaps(self) -> Overlaps:
+        return self._particles.overlaps()
 
     def account(self) -> Account:
         return self._particles.account()

@@ -22,6 +22,7 @@ from orchestrator.ports import (
     Load,
     Motion,
     Mount,
+    Overlaps,
     Panel,
     PanelState,
     Particles,
@@ -191,6 +192,9 @@ class MeteredParticles:
 
     def removed(self) -> Removed:
         return self._particles.removed()
+
+    def overlaps(self) -> Overlaps:
+        return self._particles.overlaps()
 
     def account(self) -> Account:
         return self._particles.account()

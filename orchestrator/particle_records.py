@@ -42,6 +42,17 @@ class Removed:
     exit: Indices
 
 
+@dataclass(frozen=True)
+class Overlaps:
+    """How deep contacts are, 0 where nothing touches: the largest overlap between particles and
+    with the surface, and the largest over the diameter of the (smaller) particle."""
+
+    between_m: float
+    between_per_diameter: float
+    surface_m: float
+    surface_per_diameter: float
+
+
 def in_order(parts: Sequence[Removed]) -> Removed:
     """All of several, none included, in the order of time, then id."""
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)

@@ -28,7 +28,7 @@ from orchestrator.crossing import (
     PanelState,
     counted,
 )
-from orchestrator.particle_records import ParticleSnapshot, Removed, in_order
+from orchestrator.particle_records import Overlaps, ParticleSnapshot, Removed, in_order
 
 if TYPE_CHECKING:
     from orchestrator.hermite import Path
@@ -43,6 +43,7 @@ __all__ = [
     "MeshedPanel",
     "Motion",
     "Mount",
+    "Overlaps",
     "Panel",
     "PanelState",
     "ParticleSnapshot",
@@ -126,6 +127,10 @@ class Particles(Protocol):
 
     def removed(self) -> Removed:
         """Who was taken out since this was last asked."""
+        ...
+
+    def overlaps(self) -> Overlaps:
+        """Of now; alike on every rank."""
         ...
 
     def account(self) -> Account:

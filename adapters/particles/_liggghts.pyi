@@ -108,6 +108,7 @@ class Engine:
     def surface_energy_J(self) -> tuple[float, float]:
         """Elastic energy and (negative) energy of adhesion in contacts with the surface."""
 
+    def deepest_overlaps(self) -> tuple[float, float, float, float]: ...
     def surface_contacts(self) -> int: ...
     def pair_energy_J(self) -> tuple[float, float]:
         """The same between particles; a contact with another rank's particle counts half."""

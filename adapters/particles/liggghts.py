@@ -25,6 +25,7 @@ from orchestrator.ports import (
     Array,
     BrokenRecord,
     Load,
+    Overlaps,
     ParticleSnapshot,
     Removed,
     Saved,
@@ -138,6 +139,12 @@ class Liggghts:
         mine, self._removed = self._removed, []
         ranks = self._comm.gather(mine)
         return in_order([one for rank in ranks or [] for one in rank])
+
+    def overlaps(self) -> Overlaps:
+        self._prepare()
+        mine = np.array(self._engine.deepest_overlaps())
+        self._comm.Allreduce(MPI.IN_PLACE, mine, MPI.MAX)
+        return Overlaps(*mine.tolist())
 
     def worn_m3(self) -> Array:
         return self._summed(self._engine.worn_m3())

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, Indices, Overlaps
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,15 @@ class Touching:
     def at_contacts(self, point_values: Array) -> Array:
         """Values (n - pairs, 3) at the surface contacts of values at all points."""
         return np.asarray(np.einsum("ij,ijk->ik", self.barycentric, point_values[self.points]))
+
+    def deepest(self, diameter_m: Array) -> Overlaps:
+        """``diameter_m`` (spheres,)."""
+        smaller_m = diameter_m[self.first]
+        pair, surface = slice(self.pairs), slice(self.pairs, None)
+        smaller_m[pair] = np.minimum(smaller_m[pair], diameter_m[self.second])
+        share = self.overlap_m / smaller_m
+        figures = (values[part] for part in (pair, surface) for values in (self.overlap_m, share))
+        return Overlaps(*(float(one.max(initial=0.0)) for one in figures))
 
     def weighted(self, values: Array) -> Array:
         """Values (n, 3) times the contacts' weights."""

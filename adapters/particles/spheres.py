@@ -25,6 +25,7 @@ from orchestrator.ports import (
     Indices,
     Load,
     Motion,
+    Overlaps,
     ParticleSnapshot,
     Removed,
     Saved,
@@ -91,6 +92,9 @@ class SpheresSolver:
     def removed(self) -> Removed:
         since, self._removed = self._removed, []
         return in_order(since)
+
+    def overlaps(self) -> Overlaps:
+        return self._now.touching.deepest(2.0 * self._spheres.radius_m)
 
     def worn_m3(self) -> Array:
         assert self._wear is not None, "asked of a plan without wear"

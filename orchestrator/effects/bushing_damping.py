@@ -48,4 +48,5 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.bushings.<name>.damping_N_s_m",
+    checked_by="panels_N_m",
 )

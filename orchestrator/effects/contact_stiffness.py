@@ -17,7 +17,7 @@ def judge(scene: Scene) -> Verdict:
         value=found.overlap,
         threshold="0.1 (Hertz: small contacts)",
         matters=found.overlap > LARGEST_OVERLAP,
-        why=found.in_words(found.overlap, LARGEST_OVERLAP, f"at {scene.impact_m_s:.2g} m/s"),
+        why=found.in_words(found.overlap, LARGEST_OVERLAP, found.where),
         cost=STEP_COST,
     )
 
@@ -27,5 +27,5 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: has_particles(case) and not softened(case),
     key="particles.largest_youngs_modulus_Pa",
-    checked_by="frames_throw",
+    checked_by="deepest",
 )

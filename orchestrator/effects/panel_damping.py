@@ -17,6 +17,8 @@ def judge(scene: Scene) -> Verdict:
     else:
         speed, where = scene.speed_rad_s, "the excitation's frequency"
     factor = max(loss_factor(panel.material, speed) for panel in scene.panels)
+    if scene.seen.loss_factor is not None:
+        factor, where = scene.seen.loss_factor, "the frequencies of the panels' pull"
     lost = 2 * math.pi * factor
     given = any(panel.material.branches for panel in scene.panels)
     unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
@@ -51,4 +53,5 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("panel-deformation",),
     key="materials.<name>.hyperelastic.maxwell",
+    checked_by="loss_factor",
 )

@@ -60,4 +60,5 @@ EFFECT = Effect(
     overlay=lambda case: {"hand_over": {"panel_reaction": False}},
     needs=("frame-dynamics",),
     key="hand_over.panel_reaction",
+    checked_by="panels_N_m",
 )

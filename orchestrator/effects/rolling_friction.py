@@ -5,12 +5,12 @@ from __future__ import annotations
 from orchestrator.scene.contact_law import contact_law
 from orchestrator.scene.effect import TENTH, Verdict
 from orchestrator.scene.scene import Scene
-from orchestrator.scene.slope_friction import of_slope, on_deck, takes
+from orchestrator.scene.slope_friction import of_weight, on_deck, takes
 
 
 def judge(scene: Scene) -> Verdict:
     friction = max((row.rolling_friction for row in on_deck(scene.case)), default=0.0)
-    ratio = of_slope(friction, scene.slope)
+    ratio = of_weight(scene, friction)
     return Verdict(
         number="mu_r / tan(slope)",
         value=ratio,
@@ -28,4 +28,5 @@ EFFECT = contact_law(
     laws=("cdt", "epsd2"),
     without="no resistance to rolling",
     key="particles.rolling",
+    checked_by="bearing",
 )

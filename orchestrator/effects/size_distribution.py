@@ -9,13 +9,18 @@ from orchestrator.bed.sources import largest_diameter_m
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.opening_places import smaller_sides_m
-from orchestrator.scene.effect import Effect, Verdict
+from orchestrator.scene.effect import TENTH, Effect, Verdict
 from orchestrator.scene.scene import Scene
+from orchestrator.scene.seen import Products
 
 PERCOLATION = 1 / (2 / math.sqrt(3) - 1)  # 6.46: through the throat between three touching spheres
+COST = "number of particles with 1/d^3, step with d of the smallest"
 
 
 def judge(scene: Scene) -> Verdict:
+    """By the sizes that there are, or by those of a run's products."""
+    if scene.seen.products is not None:
+        return _separated(scene.seen.products)
     ratio = _ratio(scene.case)
     matters, why = _matter(scene.case, ratio)
     return Verdict(
@@ -24,7 +29,18 @@ def judge(scene: Scene) -> Verdict:
         threshold="6.46 (throat of three), or openings between",
         matters=matters,
         why=why,
-        cost="number of particles with 1/d^3, step with d of the smallest",
+        cost=COST,
+    )
+
+
+def _separated(products: Products) -> Verdict:
+    return Verdict(
+        number="coarsest / finest product, mean diameter",
+        value=products.ratio,
+        threshold="1.1 (own choice)",
+        matters=products.ratio > 1 + TENTH,
+        why=products.words,
+        cost=COST,
     )
 
 
@@ -49,4 +65,5 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: has_particles(case) and _ratio(case) > 1,
     key="bed: sizes, curve, smallest_fed_m",
+    checked_by="products",
 )

@@ -5,13 +5,20 @@ from __future__ import annotations
 from orchestrator.casefile.case import Case
 from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
-from orchestrator.scene.slope_friction import of_slope, on_deck, takes
+from orchestrator.scene.slope_friction import of_weight, on_deck, takes
 
 
 def judge(scene: Scene) -> Verdict:
-    ratio = of_slope(_friction(scene.case), scene.slope)
+    """Of the coefficient, or of the force that a run with friction has found."""
+    bearing = scene.seen.bearing
+    if bearing is not None and bearing.mobilised is not None:
+        return _verdict("friction / weight, along the deck", of_weight(scene, bearing.mobilised))
+    return _verdict("mu / tan(slope)", of_weight(scene, _friction(scene.case)))
+
+
+def _verdict(number: str, ratio: float) -> Verdict:
     return Verdict(
-        number="mu / tan(slope)",
+        number=number,
         value=ratio,
         threshold="0.1 (Coulomb)",
         matters=ratio > TENTH,
@@ -35,4 +42,5 @@ EFFECT = Effect(
     described=lambda case: _friction(case) > 0,
     overlay=overlay,
     key="contacts.sliding_friction",
+    checked_by="bearing",
 )

@@ -23,7 +23,10 @@ def judge(scene: Scene) -> Verdict | None:
         return None
     found, opening_m = softness(scene), max(openings_m)
     near = any(low < NEAR * opening_m and high > opening_m / NEAR for low, high in _sizes_m(scene))
-    value = found.overlap / 2 if near else 0.0
+    overlap = found.overlap / 2
+    if scene.seen.deepest is not None:
+        overlap = scene.seen.deepest.surface_m / opening_m
+    value = overlap if near else 0.0
     far = (
         f"no particles are within a factor of {NEAR:g} of the openings of {opening_m * 1e3:.2g} mm"
     )
@@ -32,14 +35,14 @@ def judge(scene: Scene) -> Verdict | None:
         value=value,
         threshold="0.01 (own choice)",
         matters=value > LARGEST_SHIFT,
-        why=_words(scene, found, opening_m) if near else far,
+        why=_words(scene, found, overlap, opening_m) if near else far,
         cost=STEP_COST,
     )
 
 
-def _words(scene: Scene, found: Softness, opening_m: float) -> str:
-    where = f"a particle of {opening_m * 1e3:.2g} mm at {scene.impact_m_s:.2g} m/s"
-    return found.in_words(found.overlap / 2, LARGEST_SHIFT, where)
+def _words(scene: Scene, found: Softness, overlap: float, opening_m: float) -> str:
+    who = "" if scene.seen.deepest is not None else f"a particle of {opening_m * 1e3:.2g} mm "
+    return found.in_words(overlap, LARGEST_SHIFT, who + found.where)
 
 
 def _sizes_m(scene: Scene) -> Iterator[tuple[float, float]]:
@@ -57,5 +60,5 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: has_particles(case) and not softened(case),
     key="particles.largest_youngs_modulus_Pa",
-    checked_by="frames_throw",
+    checked_by="deepest",
 )

@@ -146,7 +146,9 @@ class Recorder:
         if particles is None or book is None:
             return None
         present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        overlaps = particles.overlaps()
         if self._writes:
+            self._history.add("overlaps", time_s, vars(overlaps))
             self._history.events("fed", vars(fed))
             gone = {name: rows for name, rows in vars(removed).items() if name != "material"}
             self._history.events("removed", gone)

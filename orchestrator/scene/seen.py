@@ -16,6 +16,33 @@ class Shape:
 
 
 @dataclass(frozen=True)
+class Bearing:
+    """How particles bear on the panels, on the mean: force normal to them over the weight that
+    would lie on them (``carried``), and force down the deck over the normal one (``mobilised``,
+    None in a run without friction)."""
+
+    carried: float
+    mobilised: float | None
+
+
+@dataclass(frozen=True)
+class Deepest:
+    """Largest overlap at any output time, over a particle's diameter and of those with the
+    surface in m."""
+
+    per_diameter: float
+    surface_m: float
+
+
+@dataclass(frozen=True)
+class Products:
+    """Mean diameter of the coarsest product over that of the finest, and words about it."""
+
+    ratio: float
+    words: str
+
+
+@dataclass(frozen=True)
 class Seen:
     """None where the run does not tell.
 
@@ -24,7 +51,9 @@ class Seen:
     ``bed_kg_m2``: largest mass on the deck per area.  ``rotation`` and
     ``sideways``: displacement of a frame's outermost clamp by rotation, and out of the vertical
     plane, over its translation, and words about it.  ``transport_m_s``: speed of the bed along the
-    deck.
+    deck.  ``panels_N_m``: stiffness of all panels along themselves, pull over stretch; with it the
+    scene's springs have the run's, and ``shaken`` is the frames' motion with them.
+    ``loss_factor``: largest of the panels', at the frequencies of their pull.
     """
 
     frames_throw: float | None = None
@@ -32,6 +61,22 @@ class Seen:
     rotation: tuple[float, str] | None = None
     sideways: tuple[float, str] | None = None
     transport_m_s: float | None = None
+    panels_N_m: float | None = None
+    loss_factor: float | None = None
+    bearing: Bearing | None = None
+    deepest: Deepest | None = None
+    products: Products | None = None
 
 
-What = Literal["frames_throw", "bed_kg_m2", "rotation", "sideways", "transport_m_s"]
+What = Literal[
+    "frames_throw",
+    "bed_kg_m2",
+    "rotation",
+    "sideways",
+    "transport_m_s",
+    "panels_N_m",
+    "loss_factor",
+    "bearing",
+    "deepest",
+    "products",
+]

@@ -7,6 +7,7 @@ import math
 from orchestrator.bed.adhesion import surface_materials
 from orchestrator.bed.contact_times import smallest_diameters_m
 from orchestrator.casefile.case import Case, Contact
+from orchestrator.scene.scene import Scene
 
 
 def on_deck(case: Case) -> list[Contact]:
@@ -26,6 +27,12 @@ def of_slope(friction: float, slope: float) -> float:
     if slope < 1e-9:
         return math.inf if friction else 0.0
     return friction / slope
+
+
+def of_weight(scene: Scene, friction: float) -> float:
+    """Of a coefficient, or as a run has it carried: share of what pulls the bed down the deck."""
+    bearing = scene.seen.bearing
+    return of_slope(friction, scene.slope) * (1.0 if bearing is None else bearing.carried)
 
 
 def takes(ratio: float, how: str) -> str:

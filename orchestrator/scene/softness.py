@@ -22,6 +22,7 @@ class Softness:
     """Overlap of an impact over the radius, with the stiffness in use, and what it goes with."""
 
     overlap: float
+    where: str
     cap_Pa: float | None
     softened: bool
 
@@ -37,7 +38,8 @@ class Softness:
 
 
 def softness(scene: Scene) -> Softness:
-    """The largest of all pairs of particles, and of particles and panels, that meet.  Hertz:
+    """The largest of all pairs of particles, and of particles and panels, that meet, or what a run
+    had.  Hertz:
     overlap = (15 m v^2 / (16 sqrt(R) E*))^(2/5) = 0.9745 (m^2 v^4 / (R E*^2))^(1/5) with reduced
     mass, radius and modulus; over the radius it knows no size.  Johnson, K. L., Contact Mechanics,
     1985, section 11.4."""
@@ -45,7 +47,10 @@ def softness(scene: Scene) -> Softness:
     grains = set(smallest_diameters_m(case))
     overlaps = [_overlap(scene, *pair, both=pair[1] in grains) for pair in _meeting(case)]
     cap_Pa = case.particles.largest_youngs_modulus_Pa
-    return Softness(max(overlaps, default=0.0), cap_Pa, softened(case))
+    overlap, where = max(overlaps, default=0.0), f"at {scene.impact_m_s:.2g} m/s"
+    if scene.seen.deepest is not None:
+        overlap, where = 2.0 * scene.seen.deepest.per_diameter, "deepest at the output times"
+    return Softness(overlap, where, cap_Pa, softened(case))
 
 
 def softened(case: Case) -> bool:

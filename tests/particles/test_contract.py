@@ -55,6 +55,18 @@ def test_a_sphere_at_rest_loads_the_surface_with_its_weight(build: Build) -> Non
     np.testing.assert_allclose(centre_m[:2], [0.001, 0.002], atol=1e-9)  # no torque is added
 
 
+def test_overlaps_are_the_deepest_of_now(build: Build) -> None:
+    """At t = 0 of spheres of 10 mm: 0.1 mm deep in each other, one 0.2 mm in the plate."""
+    apart = particles(np.array([[0.0, 0.0, 0.0048], [0.0, 0.0, 0.0147], [0.03, 0.0, 0.05]]))
+    found = build(plan(plate(0.05, 3), apart)).solver.overlaps()
+    assert found.between_m == pytest.approx(1e-4, rel=1e-9)
+    assert found.between_per_diameter == pytest.approx(0.01, rel=1e-9)
+    assert found.surface_m == pytest.approx(2e-4, rel=1e-9)
+    assert found.surface_per_diameter == pytest.approx(0.02, rel=1e-9)
+    lonely = build(plan(plate(0.05, 3), particles([0.0, 0.0, 0.05]))).solver.overlaps()
+    assert (lonely.between_m, lonely.surface_per_diameter) == (0.0, 0.0)
+
+
 def test_momentum_is_handed_over_to_rounding(build: Build) -> None:
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])

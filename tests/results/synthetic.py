@@ -39,6 +39,8 @@ FRAMES_M = {"driving": (0.002, 0.0035), "driven": (0.008, 0.005)}
 PANEL_M = 0.010
 ROTATION = {"number": "rotation", "value": 0.0512, "threshold": "0.1", "matters": False}
 TURNED_RAD = 0.001  # of both frames about the axis across
+PULL_N = 50.0  # amplitude of the panels' pull, in phase with their stretch
+OVERLAPS = {"between_per_diameter": 0.01, "surface_per_diameter": 0.02, "surface_m": 4e-5}
 DEPTH_M, VELOCITY_M_S, BIN_KG = 0.05, 0.3, 0.2
 WEAR_M_H, WORN_ROW = {"deck-1": 3e-6, "deck-2": 2e-6}, 5
 MASS_KG = np.pi / 6 * SIZES_M**3 * DENSITY
@@ -91,7 +93,8 @@ def _machine(history: History, case: Case, cycles: int) -> None:
             here, then = (moved(case, *size, t) for t in (time, time + quarter))
             history.add(f"probes/{name}", time, {"position_m": here, "velocity_m_s": 78.5 * then})
         for panel in single_panels(case):
-            pull = (150.0 + 50.0 * np.sin(78.5 * time)) * panel.rectangle.along
+            stretched = np.cos(78.5 * time) * (1 if panel.frames[1] == "driven" else -1)
+            pull = (150.0 + PULL_N * stretched) * panel.rectangle.along
             values = {"load_N": [0.0, 0.0, -3.0], "reaction_N": [0.0, 0.0, 0.0]}
             values |= {"first_clamp_N": pull, "second_clamp_N": -pull}
             history.add(f"forces/{panel.name}", time, values)
@@ -118,6 +121,8 @@ def _bed(history: History, case: Case, cycles: int) -> None:
         values = {"along_m": along, "mass_kg": mass, "velocity_m_s": np.full(bins, VELOCITY_M_S)}
         depth = np.full(bins, DEPTH_M) - 0.005 * np.arange(bins)
         history.add("profile", i * CYCLE_S / 10, values | {"depth_m": depth})
+        history.add("bed", i * CYCLE_S / 10, {"mass_kg": bins * BIN_KG})
+        history.add("overlaps", i * CYCLE_S / 10, OVERLAPS)
         for panel, rate in WEAR_M_H.items():
             history.add(f"wear/{panel}", i * CYCLE_S / 10, _worn(rate, i * CYCLE_S / 10))
         history.add("held", i * CYCLE_S / 10, {"stickers": 7.0, "mass_kg": 0.001, "openings": 3.0})

@@ -9,16 +9,24 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 
+from orchestrator.deck.panels import single_panels
 from orchestrator.results.compute import results
 from orchestrator.results.run_data import RunData, run_data
 from orchestrator.results.seen import checked, seen_scene
+from orchestrator.results.seen_bed import products
+from orchestrator.results.seen_forces import loss_factor, spring_N_m
 from orchestrator.scene.account import Entry, account, at_end
+from orchestrator.scene.catalogue import EFFECTS
 from orchestrator.scene.effect import Verdict
-from orchestrator.scene.scene import Scene, scene
-from tests.results.synthetic import FRAMES_M, TURNED_RAD, folder_of
+from orchestrator.scene.scene import Scene, scene, stroke_m
+from orchestrator.scene.seen import Bearing, Deepest, Products, Seen
+from orchestrator.scene.shaking import shakings
+from tests.results.synthetic import CYCLE_S, FRAMES_M, LEAVES, SIZES_M, TURNED_RAD, folder_of
 
+DECK_RAD = math.radians(15)
 DECK_M2 = 2 * 0.30 * 0.20
 
 
@@ -76,6 +84,63 @@ def test_bed_and_its_speed_by_hand(data: RunData, figures: dict[str, Any]) -> No
     assert found.transport_m_s == pytest.approx(0.3, rel=1e-9)
 
 
+def test_panels_as_springs_by_hand(data: RunData, figures: dict[str, Any]) -> None:
+    """50 N in phase with a stretch of 6 mm, of either panel."""
+    found = seen(data, figures, panel="strip")
+    assert [one.stiffness_N_m for one in found.springs] == pytest.approx([50 / 0.006] * 2, rel=1e-6)
+    assert found.seen.panels_N_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
+    then = shakings(found.plan, found.springs)
+    assert stroke_m(found.shaken, found.springs[0]) == stroke_m(then, found.springs[0])
+    assert seen(data, figures, panel="rigid").seen.panels_N_m is None
+
+
+def test_a_pull_out_of_phase_is_no_spring() -> None:
+    time_s = np.arange(81) * CYCLE_S / 80
+    pull_N, stretch_m = (150 + 50 * np.sin(78.5 * time_s), 0.006 * np.cos(78.5 * time_s))
+    assert spring_N_m(time_s, pull_N, stretch_m, 78.5) == pytest.approx(0.0, abs=1e-6)
+    assert spring_N_m(time_s, pull_N, 0.0 * stretch_m, 78.5) is None
+
+
+def test_loss_factor_at_the_frequencies_of_the_pull(data: RunData, figures: dict[str, Any]) -> None:
+    """One branch of half the elastic modulus, relaxing at the cycle's speed: 0.25 / 1.25; of a pull
+    with as much power at the double speed, the mean of that and 0.2 / 1.4."""
+    found = seen(data, figures, panel="strip").panels[0]
+    panel = replace(found, material=replace(found.material, branches=((0.5, 1 / 78.5),)))
+    time_s = np.arange(40 * 80) * CYCLE_S / 80
+    one, two = np.cos(78.5 * time_s), np.cos(2 * 78.5 * time_s)
+    assert loss_factor(panel, time_s, 150 + 50 * one) == pytest.approx(0.2, rel=1e-2)
+    both = (0.25 / 1.25 + 0.2 / 1.4) / 2
+    assert loss_factor(panel, time_s, 150 + 50 * (one + two)) == pytest.approx(both, rel=1e-2)
+    assert loss_factor(panel, time_s, 0.0 * time_s) is None
+
+
+def test_bearing_on_the_deck_by_hand(data: RunData, figures: dict[str, Any]) -> None:
+    """3 N down on either panel, of 1.6 kg on a deck that falls along +x."""
+    found = seen(data, figures).seen.bearing
+    assert found is not None
+    slope_rad = math.asin(-single_panels(data.case)[0].rectangle.along[2])
+    assert found.carried == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
+    assert found.mobilised == pytest.approx(math.tan(slope_rad), rel=1e-9)
+
+
+def test_overlaps_by_hand(data: RunData, figures: dict[str, Any]) -> None:
+    found = seen(data, figures).seen
+    assert found.deepest == Deepest(per_diameter=0.02, surface_m=4e-5)
+    assert found.products is None, "ten particles left through either exit"
+
+
+def test_products_by_hand(tmp_path: Path) -> None:
+    """Mean diameters by mass: sums of n d^4 over n d^3."""
+    folder = folder_of(tmp_path / "run", cycles=30)
+    with h5py.File(folder / "history.h5") as history:
+        found = products(run_data(folder, history))
+    mass, moment = LEAVES @ SIZES_M**3, LEAVES @ SIZES_M**4
+    fine_m, _, coarse_m = moment / mass
+    assert found is not None
+    assert found.ratio == pytest.approx(coarse_m / fine_m, rel=1e-9)
+    assert "through end" in found.words
+
+
 def test_rotation_is_seen_only_where_frames_can_rotate(
     data: RunData, figures: dict[str, Any]
 ) -> None:
@@ -100,12 +165,42 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunData, figures: dict
     assert sag.after is not None
     assert (sag.before.matters, sag.after.matters, sag.crossed) == (True, False, True)
     assert load is not None
+    softness = after["contact-stiffness"].after
+    assert softness is not None
+    assert (softness.value, softness.matters) == (pytest.approx(0.04), False)
+    friction = after["sliding-friction"].after
+    assert friction is not None
+    assert friction.number == "friction / weight, along the deck"
+    assert friction.value == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
     one_ball_kg_m2 = math.pi / 6 * 1430 * 0.02  # which is more than the bed on the mean
     assert load.value == pytest.approx(one_ball_kg_m2 / 4.6, rel=1e-6)
     assert after["variation-across"].after is None, "no run tells"
     (number, warning) = at_end(after)
     assert number.startswith("left out: large-deflection; by the run sag / thickness 0, threshold")
     assert warning.startswith("WARNING: large-deflection, which is left out, may be left out by")
+
+
+@pytest.mark.parametrize(
+    ("effect", "was_seen", "value", "matters"),
+    [
+        ("size-distribution", Seen(products=Products(1.5, "so")), 1.5, True),
+        ("size-distribution", Seen(products=Products(1.05, "so")), 1.05, False),
+        ("contact-stiffness", Seen(deepest=Deepest(0.08, 0.0)), 0.16, True),
+        ("contact-stiffness", Seen(deepest=Deepest(0.01, 0.0)), 0.02, False),
+        ("panel-damping", Seen(loss_factor=0.02), 0.04 * math.pi, True),
+        ("sliding-friction", Seen(bearing=Bearing(0.5, 0.01)), 0.005 / math.tan(DECK_RAD), False),
+        ("sliding-friction", Seen(bearing=Bearing(0.5, None)), 0.235 / math.tan(DECK_RAD), True),
+        ("rolling-friction", Seen(bearing=Bearing(0.1, None)), 0.009 / math.tan(DECK_RAD), False),
+    ],
+)
+def test_the_verdict_by_what_a_run_has_seen(
+    data: RunData, effect: str, was_seen: Seen, value: float, matters: bool
+) -> None:
+    """Of the quickstart, whose coal on panels has 0.47 and 0.09, at 15 degrees."""
+    judged = EFFECTS[effect].judge(replace(scene(data.case), seen=was_seen))
+    assert judged is not None
+    assert judged.value == pytest.approx(value, rel=1e-6)
+    assert judged.matters is matters
 
 
 def test_what_turns_out_to_matter_is_a_warning() -> None:

@@ -63,6 +63,7 @@ void FixSurface::save(SavedState &saved) const {
   load_.save(saved);
   wear_.save(saved);
   saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
+  saved.reals["surface_deepest"] = {deepest_.depth_m, deepest_.share};
   saved.wholes["surface_contacts"] = {contacts_};
 }
 
@@ -74,6 +75,8 @@ void FixSurface::restore(const SavedState &saved) {
   wear_.restore(saved);
   const auto &energy = saved.real("surface_energy_J");
   energy_ = {energy[0], energy[1]};
+  const auto &deepest = saved.real("surface_deepest");
+  deepest_ = {deepest[0], deepest[1]};
   contacts_ = static_cast<int>(saved.whole("surface_contacts")[0]);
 }
 
@@ -93,6 +96,7 @@ void FixSurface::post_force(int) {
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
   load_.next_evaluation(update->setupflag || update->ntimestep == last_step_);
   energy_ = {};
+  deepest_ = {};
   contacts_ = 0;
   touch_all_();
 }
@@ -184,6 +188,7 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   }
   const double step = update->setupflag ? 0.0 : update->dt;
   load_.add(corner, w, added, wall, step);
+  deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
     ++contacts_;
     worn.after(before, contact, history, corner, w, touch.weight, step);

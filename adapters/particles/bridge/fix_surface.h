@@ -10,6 +10,7 @@
 #include "contact_energy.h"
 #include "contact_history.h"
 #include "contact_search.h"
+#include "deepest_overlap.h"
 #include "jkr.h"
 #include "surface_load.h"
 #include "surface_path.h"
@@ -59,6 +60,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   const Wear &wear() const { return wear_; }
   ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
   int contacts() const { return contacts_; }        // last evaluation
+  DeepestOverlap deepest() const { return deepest_; }  // last evaluation
 
   int setmask() override;
   void post_create() override {}  // the base class would make a history for its primitive wall
@@ -105,6 +107,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   bool neighbours_listed_now_ = true;
   ContactEnergy energy_;
   int contacts_ = 0;
+  DeepestOverlap deepest_;
 };
 
 }  // namespace flipflow

@@ -166,6 +166,13 @@ Doubles worn_m3(Engine &engine) {
   return Doubles(static_cast<py::ssize_t>(worn.size()), worn.data());
 }
 
+// Particle-particle and surface contacts: depth and its share of a diameter, of each.
+py::tuple deepest_overlaps(Engine &engine) {
+  const flipflow::DeepestOverlap between = flipflow::deepest_between(engine.lammps());
+  const flipflow::DeepestOverlap surface = engine.surface().deepest();
+  return py::make_tuple(between.depth_m, between.share, surface.depth_m, surface.share);
+}
+
 Doubles by_point(const std::vector<double> &values) {
   Doubles array({static_cast<py::ssize_t>(values.size() / 3), py::ssize_t{3}});
   std::copy(values.begin(), values.end(), array.mutable_data());
@@ -208,6 +215,7 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("worn_m3", &worn_m3)
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
       .def("surface_energy_J", [](Engine &e) { return pair_of(e.surface().energy()); })
+      .def("deepest_overlaps", &deepest_overlaps)
       .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
       .def("pair_energy_J",
            [](Engine &e) { return pair_of(flipflow::pair_energy(e.lammps(), e.laws())); });

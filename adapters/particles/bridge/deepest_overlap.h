@@ -1,0 +1,24 @@
+#pragma once
+
+#include <algorithm>
+
+namespace LAMMPS_NS {
+class LAMMPS;
+}
+
+namespace flipflow {
+
+// Of some contacts: the deepest, and the deepest against the (smaller) sphere's diameter.
+struct DeepestOverlap {
+  double depth_m = 0.0, share = 0.0;
+
+  void add(double overlap_m, double radius_m) {
+    depth_m = std::max(depth_m, overlap_m);
+    share = std::max(share, overlap_m / (2.0 * radius_m));
+  }
+};
+
+// Of the particle-particle contacts of this rank.
+DeepestOverlap deepest_between(LAMMPS_NS::LAMMPS &lmp);
+
+}  // namespace flipflow

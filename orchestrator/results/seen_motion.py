@@ -1,0 +1,152 @@
+"""What a run tells of its motion: strokes and shapes of panels, frames, and the clamps' forces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from orchestrator.ports import Array
+from orchestrator.results.machine_figures import clamped_m
+from orchestrator.results.panel_load import stretch, tension_N
+from orchestrator.results.run_data import RunData
+from orchestrator.results.seen_forces import loss_factor, spring_N_m
+from orchestrator.scene.catalogue import present
+from orchestrator.scene.moved_panel import MovedPanel
+from orchestrator.scene.scene import Scene
+from orchestrator.scene.seen import Shape
+from orchestrator.scene.shaking import PanelSpring, free_frames
+from orchestrator.scene.turning import Part, clamps_m
+
+
+class SeenMotion:
+    """Amplitudes are half the ranges over a window of time, whatever their harmonics."""
+
+    def __init__(self, scene: Scene, data: RunData, start_s: float, end_s: float) -> None:
+        self._scene, self._data, self._window_s = scene, data, (start_s, end_s)
+
+    def frames_throw(self) -> float:
+        """w^2 a / g of the centre of mass that moves most normal to the deck."""
+        normal = self._data.deck_axes[:, 2]
+        names = [body.name for body in self._scene.plan.bodies]
+        largest_m = max((float(_half_range(self._moved(n) @ normal)) for n in names), default=0.0)
+        return self._scene.speed_rad_s**2 * largest_m / self._scene.gravity_m_s2
+
+    def panels(self) -> tuple[MovedPanel, ...]:
+        bend = present(self._data.case, "panel-deformation")
+        return tuple(
+            replace(
+                panel,
+                stroke_m=self._stroke_m(spring),
+                shape=self._shape(panel) if bend else None,
+            )
+            for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True)
+        )
+
+    def springs(self) -> tuple[PanelSpring, ...]:
+        """The panels' as their pull and stretch have them; empty where they do not bend, or
+        nothing stretches one."""
+        if not present(self._data.case, "panel-deformation"):
+            return ()
+        speed = self._scene.speed_rad_s
+        found = []
+        for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True):
+            stiffness_N_m = spring_N_m(*self._pull(panel), self._stretch_m(spring), speed)
+            if stiffness_N_m is None:
+                return ()
+            found.append(replace(spring, stiffness_N_m=stiffness_N_m))
+        return tuple(found)
+
+    def loss_factor(self) -> float | None:
+        if not present(self._data.case, "panel-deformation"):
+            return None
+        found = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels]
+        return max((one for one in found if one is not None), default=None)
+
+    def _pull(self, panel: MovedPanel) -> tuple[Array, Array]:
+        """Times (rows,) and pull (rows,) of a panel."""
+        group, along = f"forces/{panel.panel.name}", panel.panel.rectangle.along
+        inside = self._inside(self._data.read(f"{group}/time_s"))
+        first_N, second_N = (self._data.read(f"{group}/{n}_clamp_N") for n in ("first", "second"))
+        time_s = self._data.read(f"{group}/time_s")[inside]
+        return time_s, tension_N(first_N[inside], second_N[inside], along)
+
+    def outermost(self, effect: str, part: Part) -> tuple[float, str] | None:
+        """A part of the displacement at a frame's outermost clamp over the translation of its
+        centre of mass, of the frame for which it is largest; None where the solver leaves out the
+        effect, or nothing moves."""
+        free = [name for name in free_frames(self._scene.plan) if self._translation_m(name) > 0]
+        if not free or not present(self._data.case, effect):
+            return None
+        ratio, name = max(
+            (self._part_m(name, part) / self._translation_m(name), name) for name in free
+        )
+        return ratio, f"at the outermost clamp of {name}"
+
+    def _part_m(self, frame: str, part: Part) -> float:
+        body = next(one for one in self._scene.plan.bodies if one.name == frame)
+        arms_m = clamps_m(self._scene, frame) - body.center_of_mass_m
+        moved_m, turned_rad = self._moved(frame), self._read(frame, "rotation_rad")
+        at_clamps_m = _half_range(part(moved_m[:, None], turned_rad[:, None], arms_m))
+        return float(np.linalg.norm(at_clamps_m, axis=-1).max())
+
+    def _translation_m(self, frame: str) -> float:
+        return float(np.linalg.norm(_half_range(self._moved(frame))))
+
+    def _stroke_m(self, spring: PanelSpring) -> float:
+        """Of the panel's second end against the first, along it."""
+        return float(_half_range(self._stretch_m(spring)))
+
+    def _stretch_m(self, spring: PanelSpring) -> Array:
+        """(rows,) the same, since t = 0."""
+        ends = zip(spring.frames, spring.ends_m, (-1.0, 1.0), strict=True)
+        moved = [sign * self._carried(frame, place_m) for frame, place_m, sign in ends]
+        return np.asarray(sum(moved) @ spring.along)
+
+    def _carried(self, frame: str, place_m: Array) -> Array:
+        """(rows, 3) displacement of a place on a frame that turns little; the ground stands."""
+        bodies = [body for body in self._scene.plan.bodies if body.name == frame]
+        if not bodies:
+            return np.zeros((1, 3))
+        arm_m = place_m - bodies[0].center_of_mass_m
+        return self._moved(frame) + np.cross(self._read(frame, "rotation_rad"), arm_m)
+
+    def _shape(self, panel: MovedPanel) -> Shape:
+        """From the centre lines of the output times in the window."""
+        group = f"panels/{panel.panel.name}"
+        inside = self._inside(self._data.read(f"{group}/time_s"))
+        every_m = self._data.read(f"{group}/centre_line_m")
+        lines_m = every_m[inside]
+        height_m = _height_m(lines_m)
+        strain = stretch(lines_m, panel.length_m, clamped_m(panel.panel, every_m[0]))
+        middle_m = height_m[:, height_m.shape[1] // 2]
+        return Shape(
+            sag_m=float(height_m.max()),
+            travel_m=float(np.ptp(middle_m)),
+            strain=max(0.0, float(strain.max())),
+        )
+
+    def _moved(self, frame: str) -> Array:
+        return self._read(frame, "displacement_m")
+
+    def _read(self, frame: str, name: str) -> Array:
+        """Rows in the window."""
+        inside = self._inside(self._data.read(f"frames/{frame}/time_s"))
+        return np.asarray(self._data.read(f"frames/{frame}/{name}")[inside])
+
+    def _inside(self, time_s: Array) -> Array:
+        start_s, end_s = self._window_s
+        return np.asarray((time_s >= start_s - 1e-12) & (time_s <= end_s + 1e-12))
+
+
+def _height_m(lines_m: Array) -> Array:
+    """(rows, points) distance of a line's points, (rows, points, 3), from the chord of its ends."""
+    chord = lines_m[:, -1:] - lines_m[:, :1]
+    chord /= np.linalg.norm(chord, axis=-1, keepdims=True)
+    from_end_m = lines_m - lines_m[:, :1]
+    along_m = (from_end_m * chord).sum(axis=-1, keepdims=True)
+    return np.asarray(np.linalg.norm(from_end_m - along_m * chord, axis=-1))
+
+
+def _half_range(rows: Array) -> Array:
+    return np.asarray(np.ptp(rows, axis=0) / 2)
