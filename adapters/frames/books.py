@@ -6,10 +6,13 @@ drives give them whatever bushings and reactions do not (d'Alembert).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from adapters.frames import linear
 from adapters.frames.poses import Attached, Poses, turned
+from adapters.frames.spatial_shaft import SpatialShaft
 from adapters.frames.trapezoidal import Forces, Instant
 from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Array, Saved
@@ -46,6 +49,10 @@ class Books:
         for drive in self._drives:
             drive.step(before, after, step_s)
 
+    def turned(self, force_N: Array, step_s: float) -> None:
+        """The force of an unbalance that a motor turns (3,), constant over the step."""
+        self._outside_N_s += step_s * force_N
+
     def interval(self, force_N: Array, moved_m: Array, length_s: float) -> None:
         """The reaction (n, 3) on points that moved by ``moved_m`` (n, 3)."""
         self._received_J += float(np.sum(force_N * moved_m))
@@ -53,7 +60,7 @@ class Books:
         for drive in self._drives:
             drive.interval(force_N, moved_m)
 
-    def account(self, now: Instant) -> Account:
+    def account(self, now: Instant, shafts: Sequence[SpatialShaft]) -> Account:
         kinetic_J, gravitational_J = self._kinetic_J(now.poses), self._gravitational_J(now.poses)
         supplied_J = {"exciter": self._exciter_J}
         if self._drives:
@@ -61,6 +68,11 @@ class Books:
             gained_J += gravitational_J - self._gravitational_J(self._start)
             pushed_J = sum(drive.work_J for drive in self._drives)
             supplied_J["drive"] = float(gained_J[self._driven].sum()) - pushed_J
+        stored_J, lost_J = {}, {"bushing_damping": self._lost_J}
+        if shafts:
+            supplied_J["motor"] = sum(shaft.motor_J for shaft in shafts)
+            stored_J["shaft"] = sum(shaft.stored_J(now.poses) for shaft in shafts)
+            lost_J["shaft_bearing"] = sum(shaft.lost_J for shaft in shafts)
         speeded_m_s = (now.poses.velocity_m_s - self._start.velocity_m_s)[self._driven]
         return Account(
             self._mass_kg @ now.poses.velocity_m_s[:-1],
@@ -69,8 +81,9 @@ class Books:
                 "kinetic": float(kinetic_J.sum()),
                 "bushing_elastic": self._forces.elastic_J(now),
                 "gravitational": float(gravitational_J.sum()),
+                **stored_J,
             },
-            lost_J={"bushing_damping": self._lost_J},
+            lost_J=lost_J,
             supplied_J=supplied_J,
             received_J={"reaction": self._received_J},
         )

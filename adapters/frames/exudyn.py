@@ -15,7 +15,7 @@ Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 533-561, doi 10.1007/s110
 
 from __future__ import annotations
 
-import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from adapters.frames import linear, trapezoidal
 from adapters.frames.books import Books
 from adapters.frames.driven import Driven
 from adapters.frames.poses import Attached, Poses, cross
+from adapters.frames.spatial_shaft import shafts
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
@@ -65,7 +66,7 @@ class ExudynFrames:
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         machine = linear.linearised(plan, linear.SPACE)
-        self._largest_step_s = _largest_step_s(plan, machine)
+        self._largest_step_s = newmark.largest_step_s(plan, machine)
         sag = np.zeros(6 * len(self._free))
         if plan.drawn_at_rest:
             sag = machine.sag(linear.resting_load(plan).ravel())
@@ -74,8 +75,11 @@ class ExudynFrames:
             plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m
         )
         self._onto_bodies = linear.onto_bodies(plan, self._carried.body)
-        self._forces = trapezoidal.Forces(plan, self._drawn_m, sag_m)
-        self._bodies = multibody.assembled(plan, sag_m)
+        self._shafts = shafts(plan, self._drawn_m)
+        steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
+        prescribed = replace(plan, exciters=steady)
+        self._forces = trapezoidal.Forces(prescribed, self._drawn_m, sag_m)
+        self._bodies = multibody.assembled(prescribed, sag_m)
         self._wrench = np.zeros((len(plan.bodies), 6))
         self._solver: Any = None
         self._open()
@@ -89,7 +93,10 @@ class ExudynFrames:
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         counted("frames' reaction", reaction, len(self._plan.points_m))
-        self._apply(self._wrench_of(reaction, interval.length_s))
+        wrench = self._wrench_of(reaction, interval.length_s)
+        for shaft in self._shafts:
+            wrench[shaft.body] += shaft.wrench
+        self._apply(wrench)
         steps = interval.steps(self._largest_step_s)
         step_s = interval.length_s / steps
         newmark.start_interval(self._solver, step_s)
@@ -101,16 +108,23 @@ class ExudynFrames:
         return self._points
 
     def account(self) -> Account:
-        return self._books.account(self._instant)
+        return self._books.account(self._instant, self._shafts)
 
     def save(self) -> Saved:
         system = newmark.save(self._bodies.system, self._solver)
-        return taken(self, *_STATE) | {"system": system, "books": self._books.save()}
+        turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
+        return taken(self, *_STATE) | {
+            "system": system,
+            "books": self._books.save(),
+            "shafts": turning,
+        }
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_STATE)
         newmark.restore(self._bodies.system, self._solver, saved["system"])
         self._books.restore(saved["books"])
+        for number, shaft in enumerate(self._shafts):
+            shaft.restore(saved["shafts"][str(number)])
 
     def close(self) -> None:
         if self._solver is not None:
@@ -175,6 +189,10 @@ class ExudynFrames:
         return np.asarray(self._wrench[:, 3:] + couple_N_m)
 
     def _step(self, end_s: float, step_s: float) -> None:
+        for shaft in self._shafts:
+            wrench = self._wrench.copy()
+            wrench[shaft.body] += shaft.turn(self._instant.poses, end_s, step_s)
+            self._apply(wrench)
         exciter_N = self._forces.exciter_N(end_s)
         system, solver = self._bodies.system, self._solver
         for load, force_N in zip(self._bodies.exciters, exciter_N, strict=True):
@@ -193,11 +211,6 @@ class ExudynFrames:
         before, self._instant = self._instant, self._forces.at(self._read(), exciter_N)
         self._couple_N_m = before.couple_N_m
         self._books.step(before, self._instant, step_s)
-
-
-def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
-    speeds = [exciter.speed_rad_s for exciter in plan.exciters]
-    speeds += [drive.speed_rad_s for drive in plan.drives]
-    fastest = max([machine.fastest_rad_s(), *speeds])
-    own_s = 0.05 / fastest if fastest > 0 else math.inf
-    return plan.step_s if plan.step_s > 0 else min(own_s, plan.sync_interval_s)
+        for shaft in self._shafts:
+            shaft.feel(self._instant.poses, end_s, step_s)
+            self._books.turned(shaft.wrench[:3], step_s)

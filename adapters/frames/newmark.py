@@ -7,11 +7,14 @@ part (measured: without it the next steps of a restored solver differ by 1e-4).
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import exudyn
 import numpy as np
 
+from adapters.frames.linear import LinearMachine
+from orchestrator.plans import FramesPlan
 from orchestrator.ports import Saved
 
 
@@ -53,3 +56,12 @@ def restore(system: Any, solver: Any, saved: Saved) -> None:
     data.SetODE2Coordinates_tt(saved["accelerations"])
     time_s, at.currentTime = map(float, saved["time_s"])
     data.SetTime(time_s)
+
+
+def largest_step_s(plan: FramesPlan, machine: LinearMachine) -> float:
+    """``plan.step_s`` or, without, 0.05 over the fastest rate, and no longer than the interval."""
+    speeds = [exciter.speed_rad_s for exciter in plan.exciters]
+    speeds += [drive.speed_rad_s for drive in plan.drives]
+    fastest = max([machine.fastest_rad_s(), *speeds])
+    own_s = 0.05 / fastest if fastest > 0 else math.inf
+    return plan.step_s if plan.step_s > 0 else min(own_s, plan.sync_interval_s)

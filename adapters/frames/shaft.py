@@ -5,37 +5,23 @@
 a the acceleration of the shaft's place, u the unbalance's mass moment; the frame gets the force of
 any unbalance, -u d2(radial)/dt2.  The motor stands on the ground and passes on torque only, as by a
 cardan shaft: its reaction goes into the ground.  At the nodes of the frames' own collocation.
-
-Torque after Kloss, Archiv fuer Elektrotechnik 5, 1916, 59-87: 2 T d D / (d^2 + D^2) at the lag d
-behind the synchronous speed, T the breakdown torque at the lag D.  The synchronous speed runs up
-as an exciter's does, at constant voltage over frequency.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from adapters.frames import linear
 from adapters.frames.collocation import STAGES, Gauss
+from adapters.frames.motor import synchronous_rad_s, torque_N_m
 from adapters.frames.plane import Complex, carrying, in_plane, power
 from orchestrator.plans import Exciter, FramesPlan, Motor
 from orchestrator.ports import Array, Saved
 from orchestrator.state import put_back, taken
 
 _STATE = ("angle_rad", "speed_rad_s", "_felt_m_s2", "_growth_rad_s2", "motor_J", "lost_J")
-
-
-def torque_N_m(motor: Motor, lag_rad_s: Array) -> Array:
-    """``lag_rad_s``: synchronous speed less the shaft's."""
-    rated_rad_s = motor.rated_slip * motor.synchronous_rad_s
-    rated_N_m = motor.rated_power_W / (motor.synchronous_rad_s - rated_rad_s)
-    surplus = motor.breakdown_ratio
-    breakdown_rad_s = rated_rad_s * (surplus + math.sqrt(surplus**2 - 1))
-    twice_N_m = 2 * surplus * rated_N_m * breakdown_rad_s
-    return np.asarray(twice_N_m * lag_rad_s / (lag_rad_s**2 + breakdown_rad_s**2))
 
 
 @dataclass(frozen=True)
@@ -82,7 +68,9 @@ class Shaft:
         time_s = start_s + gauss.node_s
         speed = self.speed_rad_s + gauss.integral_s @ self._growth_rad_s2
         radial = self._radial(self.angle_rad + gauss.integral_s @ speed)
-        torque = torque_N_m(self._motor, self._synchronous_rad_s(time_s) - speed)
+        torque = torque_N_m(
+            self._motor, synchronous_rad_s(self._exciter, self._motor, time_s) - speed
+        )
         torque *= time_s >= self._exciter.start_s
         size, motor = self._exciter.mass_moment_kg_m, self._motor
         swung = power(1j * self._sense * radial, self._felt_m_s2 - self._gravity_m_s2)
@@ -124,10 +112,3 @@ class Shaft:
 
     def _radial(self, angle_rad: Array | float) -> Complex:
         return np.asarray(self._start * np.exp(1j * self._sense * angle_rad))
-
-    def _synchronous_rad_s(self, time_s: Array) -> Array:
-        full, run_up_s = self._motor.synchronous_rad_s, self._exciter.run_up_s
-        if run_up_s <= 0:
-            return np.full_like(time_s, full)
-        share = np.clip((time_s - self._exciter.start_s) / run_up_s, 0.0, 1.0)
-        return np.asarray(full * (1 - np.cos(np.pi * share)) / 2)

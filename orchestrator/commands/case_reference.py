@@ -110,7 +110,7 @@ of the case's physics:
 | `variation-across` | `panel.solver = "strip"` |
 | `frame-rotation` | `frames.solver = "two-mass"` |
 | `sideways-motion` | `frames.solver = "planar"` |
-| `motor-slip` | another `frames.solver` than "planar" in a case with a motor |
+| `motor-slip` | `frames.solver` "prescribed" or "two-mass" in a case with a motor |
 | `frame-dynamics` | `frames.solver = "prescribed"` in a case with frames that forces move |
 | `rolling-friction` | `particles.rolling = "none"` in a case with rolling friction |
 | `adhesion` | `particles.adhesion = "none"` in a case with works of adhesion |

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.casefile.case import Case
+from orchestrator.planning import KNOW_MOTORS
 from orchestrator.plans import Exciter
 from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
@@ -38,7 +39,7 @@ def judge(scene: Scene) -> Verdict | None:
         threshold="0.1",
         matters=weak or change > TENTH,
         why=f"the machine takes {share:.2g} of the rated power in the mean: a slip of {slip:.2g}",
-        cost="0.5 ms per sync interval more than planar frames",
+        cost="half a millisecond per step of the frames",
     )
 
 
@@ -66,7 +67,7 @@ def described(case: Case) -> bool:
 
 def left_out(case: Case) -> str:
     solver = case.frames.solver
-    lacks = described(case) and solver != "planar"
+    lacks = described(case) and solver not in KNOW_MOTORS
     return f"frames.solver {solver}: shafts turn at their speed_rad_s" if lacks else ""
 
 

@@ -13,6 +13,8 @@ from orchestrator.plans import Body, Bushing, Drive, Exciter, FramesPlan, Motor
 from orchestrator.ports import Array
 from orchestrator.tables import screen as tables
 
+KNOW_MOTORS = ("planar", "exudyn")  # the others turn shafts at their speed_rad_s
+
 
 def frames_plan(
     case: Case,
@@ -84,7 +86,7 @@ def _exciters(case: Case) -> list[Exciter]:
             run_up_s=exciter.run_up_s,
             phase_rad=exciter.phase_rad,
             start_s=exciter.start_s,
-            motor=_motor(exciter.motor) if case.frames.solver == "planar" else None,
+            motor=_motor(exciter.motor) if case.frames.solver in KNOW_MOTORS else None,
         )
         for exciter in case.screen.exciters.values()
     ]

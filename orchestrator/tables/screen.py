@@ -84,7 +84,8 @@ class Bushing(Table):
 
 class Motor(Table):
     """An induction motor on the ground that turns an exciter's shaft, so that its speed dips under
-    load.  Of the solvers, "planar" knows it; the others turn the shaft at ``speed_rad_s``."""
+    load.  Of the solvers, "planar" and "exudyn" know it; the others turn the shaft at
+    ``speed_rad_s``."""
 
     rated_power_W: Positive
     """Rated power, of all motors of the shaft."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from orchestrator.planning import frames_plan
 from orchestrator.scene.catalogue import EFFECTS, present
@@ -39,14 +40,16 @@ def test_more_than_the_rated_power_matters(tmp_path: Path) -> None:
     assert verdict(tmp_path, "motor-slip", tiny, DAMPED, PLANAR).verdict.matters
 
 
-def test_only_planar_frames_have_it(tmp_path: Path) -> None:
-    assert present(loaded(tmp_path, [MOTOR, PLANAR]).case, "motor-slip")
-    spatial = loaded(tmp_path, [MOTOR])
-    assert "motor-slip" in spatial.left_out
+@pytest.mark.parametrize(
+    ("solver", "knows"), [("planar", True), ("exudyn", True), ("two-mass", False)]
+)
+def test_who_has_it(tmp_path: Path, solver: str, knows: bool) -> None:
+    found = loaded(tmp_path, [MOTOR, f"frames.solver={solver}"])
+    assert present(found.case, "motor-slip") is knows
+    assert ("motor-slip" in found.left_out) is not knows
     none = np.zeros((0, 3))
-    assert frames_plan(spatial.case, none, (), none).exciters[0].motor is None
-    planned = frames_plan(loaded(tmp_path, [MOTOR, PLANAR]).case, none, (), none)
-    assert planned.exciters[0].motor is not None
+    planned = frames_plan(found.case, none, (), none)
+    assert (planned.exciters[0].motor is not None) is knows
 
 
 def test_without_a_motor_there_is_no_such_question(tmp_path: Path) -> None:
