@@ -8,6 +8,7 @@ import typer
 
 from orchestrator.commands import case_cli, run_cli
 from orchestrator.commands.ladder_cli import ladder
+from orchestrator.commands.plan_cli import plan
 from orchestrator.commands.study_cli import study
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
@@ -39,6 +40,10 @@ Examples:
   flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
 
   flipflow study paper cases/ffs0827-empty             a published machine against its paper
+
+  flipflow study accuracy cases/quickstart --dry       what accuracy costs: every knob, measured
+
+  flipflow plan cases/quickstart --tolerance 5% --budget 1h    settings for an error and a time
 
 Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
 not installed, 4 a solver failed or the run became unstable, 130 interrupted (143 by SIGTERM).
@@ -82,6 +87,7 @@ for command in (
 app.command(name="list")(case_cli.list_cases)
 app.command()(case_cli.bench)
 app.command()(ladder)
+app.command()(plan)
 app.add_typer(study, name="study")
 
 

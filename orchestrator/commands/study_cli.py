@@ -8,10 +8,13 @@ from typing import Annotated
 
 import typer
 
+from orchestrator.commands.accuracy_cli import accuracy
 from orchestrator.commands.options import CasePath, Level, Overrides
 from orchestrator.commands.said import CONSOLE, FAILED, said
 
 study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
+
+study.command()(accuracy)
 
 Out = Annotated[
     Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")

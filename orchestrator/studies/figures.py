@@ -88,7 +88,8 @@ def figures(folder: Path) -> Figures:
     own = {}
     if passing is not None:
         values["passing_kg_s"], own["passing_kg_s"] = passing
-    values |= _of_the_bed(summary.get("results", {}), own)
+    if case.screen.exits:  # else nothing flows, and a mean velocity is that of a swing
+        values |= _of_the_bed(summary.get("results", {}), own)
     for name in EXTENSIVE & values.keys():
         values[name] /= summary["share_of_width"]
     rows = round(cycle * (len(shapes_m) - 1) / (end_s - start_s)) if len(shapes_m) else 0

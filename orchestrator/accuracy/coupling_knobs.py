@@ -1,0 +1,45 @@
+"""The coupling's knobs: how long a sync interval is, and what happens within it."""
+
+from __future__ import annotations
+
+from orchestrator.accuracy.setting import Family, NotOffered, Setting, degrees
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
+from orchestrator.clock import exact
+from orchestrator.schemes import SCHEMES
+
+LENGTH = "sync interval / s"
+ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0}
+"""Of position and of energy in an impact (docs/theory/coupling.md); those of the other schemes are
+nowhere derived."""
+
+
+def sync(case: Case, points: int) -> list[Family]:
+    """The interval of the case's own scheme, halved and doubled."""
+    scheme = case.coupling.scheme
+    return [_family("sync", case, scheme, "", points)]
+
+
+def scheme(case: Case, points: int) -> list[Family]:
+    """Every other scheme, at the same intervals.  Raises NotOffered."""
+    if not (case.screen.panels and (has_particles(case) or case.screen.frames)):
+        raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
+    iterated_too = has_particles(case)
+    return [
+        _family("scheme", case, name, f"coupling.scheme={name}", points)
+        for name in SCHEMES
+        if name != case.coupling.scheme and (iterated_too or name in ORDERS)
+    ]
+
+
+def _family(knob: str, case: Case, name: str, overlay: str, points: int) -> Family:
+    own_s = exact(case.coupling.sync_interval_s)
+    settings = []
+    for halved in degrees(points):
+        length_s = float(own_s / 2**halved if halved >= 0 else own_s * 2**-halved)
+        sets = (f"coupling.sync_interval_s={length_s!r}",) if halved else ()
+        label = f"{name}, {length_s:g} s"
+        settings.append(Setting(label, (overlay, *sets) if overlay else sets, length_s))
+    order = ORDERS.get(name)
+    rank = (order or 0.0) + (0.5 if knob == "sync" else 0.0)
+    return Family(knob, "coupling", name, tuple(settings), LENGTH, order, rank)

@@ -1,0 +1,70 @@
+"""What each case can turn: every setting is a right case, and what is missing has a reason."""
+
+from __future__ import annotations
+
+import pytest
+
+from orchestrator.accuracy.knobs import KNOBS, offer
+from orchestrator.accuracy.points import seeded
+from orchestrator.casefile.levels import load
+from orchestrator.checks import mistakes
+from orchestrator.clock import exact, steps_in
+from orchestrator.schemes import SCHEMES
+from tests.runs.outside import ROOT
+
+QUICKSTART = ROOT / "cases/quickstart"
+
+
+def test_every_setting_but_the_own_is_another_right_case() -> None:
+    """With particles on strips.  The scheme and model variants cover the registry."""
+    case = load(QUICKSTART, "draft").case
+    there = offer(case, [*KNOBS], 3)
+    assert there.missing == {
+        "slice": "solver spheres knows no slice between periodic sides",
+        "cut-off": "no block or feed has a smallest_fed_m",
+    }
+    assert {family.variant for family in there.of("coupling")} == set(SCHEMES)
+    assert {family.variant for family in there.of("panel")} == {"rigid", "strip", "sheet", "solid"}
+    for family in there.families:
+        lengths = [setting.h for setting in family.settings if setting.h is not None]
+        assert lengths == sorted(lengths, reverse=True)
+        for setting in family.settings:
+            if setting.sets and family.variant != "solid":  # which is slow to check
+                loaded = load(QUICKSTART, "draft", setting.sets)
+                assert loaded.case != case
+                assert not mistakes(loaded), setting
+    for axis in there.axes:
+        assert not there.own(axis).sets
+
+
+def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
+    case = load(QUICKSTART, "draft").case
+    for knob, key in (("particle-step", "particles"), ("panel-step", "panel")):
+        (family,) = offer(case, [knob], 3).families
+        counts = [
+            steps_in(case.coupling.sync_interval_s, float(one.sets[0].partition("=")[2]))
+            for one in family.settings[1:]
+        ]
+        own = round(float(exact(case.coupling.sync_interval_s)) / (family.settings[0].h or 0))
+        assert counts == [2 * own, 4 * own]
+        assert all(one.sets[0].startswith(f"{key}.step_s=") for one in family.settings[1:])
+
+
+@pytest.mark.parametrize(
+    ("case", "missing"),
+    [
+        ("panel-cycle", {"particle-step", "stiffness", "slice", "number", "cut-off"}),
+        ("ball-on-panel", {"slice", "number", "cut-off"}),
+        ("bushing-hysteresis", set(KNOBS) - {"sync"}),
+    ],
+)
+def test_what_a_case_has_not_is_not_offered(case: str, missing: set[str]) -> None:
+    there = offer(load(ROOT / "cases" / case, "draft").case, [*KNOBS], 3)
+    assert set(there.missing) == missing
+    assert all(there.missing.values())
+
+
+def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
+    case = load(QUICKSTART, "draft").case
+    assert seeded(case, 0) == ()
+    assert seeded(case, 2) == ("bed.blocks.coal.seed=3",)

@@ -1,0 +1,59 @@
+"""Means, their confidence and errors, on figures that are known without any run."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestrator.accuracy.measured import Error, Measured, errors, scatter, worst
+from orchestrator.accuracy.points import KNOB, Point
+from orchestrator.studies.figures import Figures
+
+GENERATOR = np.random.default_rng(4)
+
+
+def point(*values: float) -> Measured:
+    every = tuple(
+        Figures(
+            {"deflection_m": value, "frame_m": 2.0},
+            {},
+            {"energy_defect": 1e-3},
+            np.empty((0, 0)),
+            None,
+            10.0,
+            8.0,
+            {"particles": 5.0, "rest": 5.0},
+            100.0,
+            1.0,
+        )
+        for value in values
+    )
+    return Measured(Point(KNOB, "one"), every)
+
+
+def test_nothing_random_has_no_interval() -> None:
+    wrong = errors(point(1.1), point(1.0), scatter([point(1.1), point(1.0)], False))
+    assert wrong == {"deflection_m": Error(pytest.approx(0.1), 0.0), "frame_m": Error(0.0, 0.0)}
+    assert worst(wrong, ["frame_m", "deflection_m"]) == ("deflection_m", wrong["deflection_m"])
+    assert worst(wrong, ["rms_g"]) is None
+
+
+def test_one_seed_tells_nothing_about_chance() -> None:
+    wrong = errors(point(1.1), point(1.0), scatter([point(1.1), point(1.0)], True))
+    assert wrong["deflection_m"].half_width is None
+    assert wrong["deflection_m"].certain
+
+
+def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
+    """Nothing differs but by chance, of 5 %: 95 % of the intervals hold zero (of 600, within three
+    standard deviations of that)."""
+    held = 0
+    for _ in range(100):
+        points = [point(*(1 + 0.05 * GENERATOR.standard_normal(3))) for _ in range(7)]
+        spread = scatter(points, True)
+        held += sum(not errors(p, points[0], spread)["deflection_m"].certain for p in points[1:])
+    assert 0.95 - 0.07 < held / 600 < 0.95 + 0.04
+
+
+def test_processor_time_is_divided_as_wall_time_was() -> None:
+    assert point(1.0).processor_by_part_s == {"particles": 4.0, "rest": 4.0}

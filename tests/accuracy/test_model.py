@@ -1,0 +1,68 @@
+"""Settings taken together, on errors and costs that are known."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import pytest
+
+from orchestrator.accuracy.model import Model, Option
+from orchestrator.accuracy.setting import Setting
+
+PARTS_S = {"particles": 8.0, "panel": 2.0}
+
+
+def option(axis: str, name: str, error: float, **ratio: float) -> Option:
+    setting = Setting(name, (f"{axis}={name}",) if name != "own" else ())
+    return Option(axis, setting, {"deflection_m": error, "rms_g": error / 2}, ratio)
+
+
+AXES = {
+    "step": [
+        option("step", "own", 0.04),
+        option("step", "half", 0.01, particles=2.0),
+        option("step", "quarter", 0.0, particles=4.0),
+    ],
+    "mesh": [
+        option("mesh", "coarse", 0.05, panel=0.5),
+        option("mesh", "own", 0.02, panel=1.0),
+        option("mesh", "fine", 0.0, panel=4.0),
+    ],
+}
+
+
+def by_hand(tolerance: float) -> tuple[str, str]:
+    """Cheapest of the nine by trying them all."""
+    found = []
+    for step, mesh in product(*AXES.values()):
+        cost = 8 * step.ratio.get("particles", 1.0) + 2 * mesh.ratio.get("panel", 1.0)
+        if step.error["deflection_m"] + mesh.error["deflection_m"] + 0.001 <= tolerance:
+            found.append((cost, step.setting.label, mesh.setting.label))
+    return min(found)[1:]
+
+
+@pytest.mark.parametrize("tolerance", [0.2, 0.07, 0.05, 0.035, 0.015, 0.005])
+def test_the_cheapest_within_a_tolerance_is_found(tolerance: float) -> None:
+    model = Model(AXES, PARTS_S, {"deflection_m": 0.001}, ["deflection_m", "rms_g"])
+    found = model.cheapest(tolerance)
+    assert found is not None
+    assert tuple(one.setting.label for one in found.options) == by_hand(tolerance)
+    assert found.error <= tolerance
+
+
+def test_the_best_within_a_time_and_its_cost() -> None:
+    model = Model(AXES, PARTS_S, {}, ["deflection_m"])
+    found = model.best(24.5)
+    assert found is not None
+    assert [one.setting.label for one in found.options] == ["half", "fine"]
+    assert (found.error, found.processor_s) == (pytest.approx(0.01), pytest.approx(24.0))
+    assert found.settings.keys() == {"step", "mesh"}
+    assert model.best(1.0) is None
+    assert model.cheapest(0.0) is not None  # all that is measured is perfect here
+    assert Model(AXES, PARTS_S, {"rms_g": 0.1}, ["rms_g"]).cheapest(0.05) is None
+
+
+def test_the_case_as_it_is_where_nothing_was_turned() -> None:
+    found = Model({}, PARTS_S, {}, ["deflection_m"]).best(100.0)
+    assert found is not None
+    assert (found.settings, found.processor_s) == ({}, pytest.approx(10.0))

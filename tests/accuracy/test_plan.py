@@ -1,0 +1,124 @@
+"""``flipflow plan`` on a study and a machine that are known."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orchestrator.accuracy.answers import Answer, off
+from orchestrator.accuracy.calibration import Timing
+from orchestrator.accuracy.plan import Plan, planned
+from orchestrator.accuracy.stored import Stored, stored
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.level_file import write_level
+from orchestrator.casefile.levels import load
+from orchestrator.records.run_folder import write_json
+from tests.case.cases import written
+from tests.runs.outside import ROOT
+
+# 2 s to start, then 20 s of processor time for each simulated second; here twice as slow
+TIMING = Timing(start_s=2.0, study_s=0.5, whole_s=12.0, wall=2.0, processor=1.8)
+FINE = {"label": "half", "sets": ["coupling.sync_interval_s=5e-5"], "error": {"frame_m": 0.0}}
+OWN = {"label": "own", "sets": [], "error": {"frame_m": 0.04}, "ratio": {"panel": 1.0}}
+COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_m": 0.2}}
+
+
+def study(case: str = "quickstart", level: str = "draft") -> Stored:
+    axis = [COARSE | {"ratio": {"panel": 0.5}}, OWN, FINE | {"ratio": {"panel": 2.0}}]
+    found: dict[str, Any] = {
+        "case": case,
+        "level": level,
+        "sets": [],
+        "judged_by": ["frame_m"],
+        "remaining": {"frame_m": 0.01},
+        "base": {"processor_by_part_s": {"panel": 10.0, "rest": 2.0}, "simulated_s": 0.5},
+        "options": {"coupling": axis},
+        "points": [],
+    }
+    return Stored(Path("accuracy.json"), found)
+
+
+def plan(tolerance: float, budget_s: float, duration_s: float = 0.5) -> Plan:
+    sets = [f"duration_s={duration_s}"]
+    case = load(ROOT / "cases/quickstart", "draft", sets).case
+    return planned(case, study(), TIMING, tolerance, budget_s)
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "label", "processor_s"),
+    [
+        (0.3, "coupling: double", 7.0),
+        (0.06, "the case as it is", 12.0),
+        (0.02, "coupling: half", 22),
+    ],
+)
+def test_the_cheapest_within_the_tolerance(
+    tolerance: float, label: str, processor_s: float
+) -> None:
+    made = plan(tolerance, 100.0)
+    assert made.chosen is not None
+    assert made.chosen.label == label
+    assert made.chosen.error <= tolerance
+    assert made.wall_s == pytest.approx(2 * processor_s)
+    assert made.fits
+
+
+def test_a_longer_run_takes_its_start_once() -> None:
+    assert plan(0.06, 1e3, duration_s=5.0).wall_s == pytest.approx(2 * (2 + 20 * 5))
+    assert TIMING.processor_s(12.0, 5.0) == pytest.approx(1.8 * (2 + 20 * 5))
+
+
+def test_what_does_not_fit_says_what_would() -> None:
+    """24 s are wanted, 17 there: 0.325 s of 0.5 s, four cycles of 0.08 s; or errors of 21 % in
+    14 s.  20 s of the 24 are the panels', which two ranks would halve; 0.13 m of the width of 0.2 m
+    would leave 13 s of them."""
+    made = plan(0.06, 17.0)
+    assert not made.fits
+    said = list(made.remedies())
+    assert said[0].startswith("fewer cycles: 4 of 6 (duration_s=0.3202")
+    assert "is off by 21 % and takes 14 s" in said[1]
+    assert "mpirun -n 2" in said[2]
+    assert "slice.width_m=0.13 instead of 0.2 m" in said[3]
+
+
+def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
+    made = plan(0.005, 1e6)
+    assert made.chosen is None
+    assert not made.fits
+
+
+def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
+    loaded, file = load(ROOT / "cases/quickstart", "draft"), tmp_path / "accuracy.json"
+    with pytest.raises(CaseError, match="no such file"):
+        stored(loaded, file)
+    for found, why in ((study("other").found, "other"), ([], "is no study")):
+        write_json(file, found)
+        with pytest.raises(CaseError, match=why):
+            stored(loaded, file)
+    write_json(file, study().found)
+    there = stored(loaded, file)
+    assert there is not None
+    assert there.found == study().found
+
+
+def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:
+    """And is not written over; what it leaves out is named in it."""
+    folder = written(tmp_path)
+    sets = ["panel.solver=rigid", "duration_s=0.02", "contacts.0.restitution=0.5"]
+    loaded = load(folder, None)
+    file = write_level(loaded, "planned", sets, "5 % in 3 min")
+    assert load(folder, "planned").case == load(folder, None, sets).case
+    assert "panel-deformation" in tomllib.loads(file.read_text())["without"]
+    with pytest.raises(CaseError, match="exists already"):
+        write_level(loaded, "planned", sets, "again")
+
+
+def test_an_answer_is_looked_up_in_the_summary(tmp_path: Path) -> None:
+    write_json(tmp_path / "summary.json", {"a": {"b.c": [0.0, {"value": 2.2}]}, "d": None})
+    answer = Answer(of=("a", "b.c", "1"), value=2.0, source="known")
+    assert off(answer, tmp_path) == pytest.approx(0.1)
+    assert off(Answer(of=("d",), value=1.0, source="known"), tmp_path) is None
+    assert off(Answer(of=("a", "x"), value=1.0, source="known"), tmp_path) is None
