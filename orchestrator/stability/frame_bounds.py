@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from orchestrator.casefile.case import Case
 from orchestrator.stability.bound import Bound
 from orchestrator.stability.frame_limits import (
+    AHEAD,
     LARGEST_MASS,
     carried_share,
     extrapolated_clamps_s,
@@ -25,7 +26,7 @@ def panels_on_frames(case: Case, frames: FrameMatrices) -> Iterator[Bound]:
         return
     if scheme in LARGEST_MASS:
         yield _carried_mass(scheme, frames)
-    if scheme == "particles-first":
+    if scheme in AHEAD:
         limit_s = extrapolated_clamps_s(frames.mass, frames.panels_N_m)
         why = "frames alone on the panels as springs"
         yield Bound("extrapolated clamps", limit_s, SOURCE + "extrapolated clamps", why)

@@ -13,9 +13,10 @@ from scipy.linalg import eigh
 
 from orchestrator.ports import Array
 
-LARGEST_MASS = {"particles-first": 1 / 3, "serial-staggered": 0.95}
+AHEAD = ("particles-first", "aitken", "quasi-newton")  # schemes that extrapolate the clamps
+LARGEST_MASS = dict.fromkeys(AHEAD, 1 / 3) | {"serial-staggered": 0.95}
 """Mass that a frame carries stiffly over its own mass, r, above which its acceleration, fed
-back through the panels' inertia, grows at any interval.  particles-first extrapolates it,
+back through the panels' inertia, grows at any interval.  ``AHEAD`` schemes extrapolate it,
 z^2 + 2 r z - r = 0; serial-staggered returns it, z = -r: stable below 1, less a margin for
 bushings (measured: 0.99 where they swing by a quarter of a radian in an interval).  Causin, P.,
 Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied Mechanics and Engineering 194, 2005,
@@ -23,7 +24,7 @@ Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied Mechanics and Enginee
 
 
 def extrapolated_clamps_s(mass: Array, panels_N_m: Array) -> float:
-    """particles-first: clamps extrapolated with the last acceleration, on springs.  Stable for
+    """``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs.  Stable for
     w H < 1, w the highest frequency of the frames on the panels alone; damped below."""
     highest = float(eigh(panels_N_m, mass, eigvals_only=True)[-1])
     return 1 / math.sqrt(highest) if highest > 0 else math.inf
