@@ -25,6 +25,7 @@ STICKY = [*QUICKSTART, "contacts.1.work_of_adhesion_J_m2=5", "contacts.2.work_of
 # LIGGGHTS, fed from the start, with openings and exits; periodic sides
 FED = ["ffs0827-slice", *QUICK, "duration_s=0.05", "output.interval_s=0.01"]
 FED += ["bed.feeds.coal.start_s=0.0"]
+REPEATED = [*FED, "coupling.scheme=aitken"]
 # LIGGGHTS, the sheet and Exudyn
 DEAR = [
     *QUICKSTART,
@@ -80,10 +81,12 @@ def test_it_is_the_run_that_never_stopped(whole: Path, stopped: Path) -> None:
 
 @pytest.mark.solver
 @pytest.mark.slow
-@pytest.mark.parametrize("case", [STICKY, FED, DEAR], ids=["sticky", "fed", "dear"])
+@pytest.mark.parametrize(
+    "case", [STICKY, FED, REPEATED, DEAR], ids=["sticky", "fed", "repeated", "dear"]
+)
 def test_so_it_is_with_other_physics_and_solvers(tmp_path: Path, case: list[str]) -> None:
     whole = run(tmp_path / "whole", case, UNSAVED)
-    part_s = "0.031" if case is FED else "0.0071"
+    part_s = "0.0071" if QUICKSTART[0] in case else "0.031"
     stopped = run(tmp_path / "stopped", case, [f"save.every_s={part_s}"])
     shutil.rmtree(saves(stopped)[-1])
     assert resume(stopped, []) == launch.DONE
