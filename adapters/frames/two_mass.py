@@ -9,7 +9,9 @@ closed form to rounding; and as it preserves quadratic invariants, momentum and 
 rounding at every step.
 
 A machine drawn at rest starts with its bushings stretched by the static sag, so that they carry
-weight and initial reaction: nothing moves before an exciter starts.
+weight and initial reaction: nothing moves before an exciter starts.  What is integrated is the
+displacement since then, under what the loads differ from those: soft springs sag by metres, and
+stiff ones beside them would turn the rounding of metres into forces.
 """
 
 from __future__ import annotations
@@ -52,14 +54,15 @@ class TwoMassFrames:
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._weight_N = np.outer(self._mass_kg, plan.gravity_m_s2)
         load = linear.resting_load(plan)[:, :3].ravel()
-        self._sag_m = machine.sag(load) if plan.drawn_at_rest else np.zeros_like(load)
-        self._displacement_m, self._velocity_m_s = self._sag_m, np.zeros_like(load)
+        held = load if plan.drawn_at_rest else np.zeros_like(load)
+        self._sag_m, self._held_N = machine.sag(held), held.reshape(-1, 3)
+        self._displacement_m, self._velocity_m_s = np.zeros_like(load), np.zeros_like(load)
         self._largest_step_s = _largest_step_s(plan, machine)
         self._step_s = 0.0
         to_ground = [bushing.bodies.count("ground") == 1 for bushing in plan.bushings]
-        held = np.repeat(np.array(to_ground, dtype=bool), 3)
-        self._ground_stiffness = _by_bushings(machine.stretch, machine.stiffness_N_m * held)
-        self._ground_damping = _by_bushings(machine.stretch, machine.damping_N_s_m * held)
+        ground = np.repeat(np.array(to_ground, dtype=bool), 3)
+        self._ground_stiffness = _by_bushings(machine.stretch, machine.stiffness_N_m * ground)
+        self._ground_damping = _by_bushings(machine.stretch, machine.damping_N_s_m * ground)
         self._outside_N_s = np.zeros(3)
         self._lost_J = self._supplied_J = self._received_J = 0.0
 
@@ -80,9 +83,9 @@ class TwoMassFrames:
 
     def account(self) -> Account:
         machine, velocity_m_s = self._machine, self._velocity_m_s
-        stretch_m = machine.stretch @ self._displacement_m
+        stretch_m = machine.stretch @ (self._sag_m + self._displacement_m)
         momentum = self._mass_kg @ velocity_m_s.reshape(-1, 3)
-        fallen_J = self._weight_N.ravel() @ (self._displacement_m - self._sag_m)
+        fallen_J = self._weight_N.ravel() @ self._displacement_m
         return Account(
             momentum,
             self._outside_N_s.copy(),
@@ -117,7 +120,7 @@ class TwoMassFrames:
         exciter_N = np.zeros((len(gauss.weight_s), *reaction_N.shape))
         for number, exciter in self._exciters:
             exciter_N[:, number] += exciter.force_N(start_s + gauss.node_s)
-        load_N = exciter_N + (reaction_N + self._weight_N)
+        load_N = exciter_N + (reaction_N + self._weight_N - self._held_N)
         x_m, v_m_s = gauss.stages(self._displacement_m, self._velocity_m_s, load_N)
         self._displacement_m, self._velocity_m_s = gauss.end(
             self._displacement_m, self._velocity_m_s, load_N
@@ -128,7 +131,8 @@ class TwoMassFrames:
         """Impulse from outside, work and loss of one step, by the collocation's own weights."""
         weight_s = self._gauss.weight_s
         ground_N = -(x_m @ self._ground_stiffness + v_m_s @ self._ground_damping)
-        outside_N = (exciter_N + ground_N.reshape(exciter_N.shape) + self._weight_N).sum(axis=1)
+        constant_N = self._weight_N - self._held_N  # the ground holds the bodies at rest
+        outside_N = (exciter_N + ground_N.reshape(exciter_N.shape) + constant_N).sum(axis=1)
         self._outside_N_s += weight_s @ outside_N
         self._lost_J += float(weight_s @ np.sum(v_m_s * (v_m_s @ self._machine.damping), axis=1))
         power_W = np.sum(exciter_N.reshape(v_m_s.shape) * v_m_s, axis=1)
@@ -137,7 +141,7 @@ class TwoMassFrames:
     def _carried(self) -> Motion:
         position_m, velocity_m_s = self._plan.points_m.copy(), np.zeros_like(self._plan.points_m)
         held = self._carrier >= 0
-        moved_m = (self._displacement_m - self._sag_m).reshape(-1, 3)
+        moved_m = self._displacement_m.reshape(-1, 3)
         position_m[held] += moved_m[self._carrier[held]]
         velocity_m_s[held] = self._velocity_m_s.reshape(-1, 3)[self._carrier[held]]
         return Motion(position_m, velocity_m_s)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import IO
 
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
@@ -23,19 +24,37 @@ from orchestrator.studies.workers import Crew
 MAIN = "from orchestrator.commands.cli import main; main()"
 
 
+def status(folder: Path) -> str:
+    """Of the run in a folder, as in its summary; "missing" without one."""
+    try:
+        return str(json.loads((folder / "summary.json").read_text())["status"])
+    except (OSError, ValueError, KeyError):
+        return "missing"
+
+
+def came_to_its_end(folder: Path) -> bool:
+    return status(folder) == "done"
+
+
 @dataclass(frozen=True)
 class Point:
-    """One run of a sweep: what is asked for and where it is or will be."""
+    """One run of a sweep: what is asked for and where it is or will be.
+
+    ``words``: the command that runs it; ``then``: one more, in the same folder; ``ended`` tells of
+    its folder whether nothing is left to be run.
+    """
 
     value: str
     loaded: LoadedCase
     words: tuple[str, ...]
     folder: Path
+    then: tuple[str, ...] = ()
+    ended: Callable[[Path], bool] = came_to_its_end
 
     def done(self) -> bool:
         """Whether it has been run to its end.  Raises FolderUnusable if the folder holds a
         finished run of another case."""
-        if self.status() != "done":
+        if not self.ended(self.folder):
             return False
         differing = list(changed(read_toml(self.folder / "case.toml"), resolved(self.loaded)))
         if differing:
@@ -84,7 +103,7 @@ def run(todo: Sequence[Point], crew: Crew, say: Callable[[str], None]) -> None:
         else:
             waiting.append(one)
     beside = min(crew.workers, len(waiting))
-    work = [partial(_run, one.words, one.folder.resolve(), beside) for one in waiting]
+    work = [partial(_run, (one.words, one.then), one.folder.resolve(), beside) for one in waiting]
     for line in crew.each(work):
         say(line)
 
@@ -97,31 +116,29 @@ def beside(one: Point) -> int:
         return 0
 
 
-def _run(words: Sequence[str], folder: Path, beside: int) -> str:
+def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
     _put_aside(folder)
     log = folder.with_name(f"{folder.name}.log")
     log.parent.mkdir(parents=True, exist_ok=True)
     write_json(_about(folder), {"side_by_side": beside})
     with log.open("w", encoding="utf-8") as said:
-        code = python(
-            *("-c", MAIN, *words),
-            stdout=said,
-            stderr=subprocess.STDOUT,
-            env={"OMP_NUM_THREADS": "1"},
-        ).returncode
+        codes = (_carried_out(words, said) for words in commands if words)
+        code = next((code for code in codes if code), 0)  # the first to fail is the last
     return f"{folder.name}: {status(folder)}" + (f" ({log})" if code else "")
+
+
+def _carried_out(words: Sequence[str], said: IO[str]) -> int:
+    """A command in a process of its own; its exit code."""
+    return python(
+        *("-c", MAIN, *words),
+        stdout=said,
+        stderr=subprocess.STDOUT,
+        env={"OMP_NUM_THREADS": "1"},
+    ).returncode
 
 
 def _about(folder: Path) -> Path:
     return folder.with_name(f"{folder.name}.json")
-
-
-def status(folder: Path) -> str:
-    """Of a run, as in its summary; "missing" without one."""
-    try:
-        return str(json.loads((folder / "summary.json").read_text())["status"])
-    except (OSError, ValueError, KeyError):
-        return "missing"
 
 
 def _put_aside(folder: Path) -> None:
