@@ -11,10 +11,12 @@ import typer
 from orchestrator.commands.accuracy_cli import accuracy
 from orchestrator.commands.options import CasePath, Level, Overrides
 from orchestrator.commands.said import CONSOLE, FAILED, said
+from orchestrator.commands.stability_cli import stability
 
 study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
 
 study.command()(accuracy)
+study.command()(stability)
 
 Out = Annotated[
     Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")

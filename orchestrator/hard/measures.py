@@ -58,7 +58,10 @@ def summary(folders: Folders, row: Criterion) -> float:
 
 def created(folders: Folders, row: Criterion) -> float:
     """Energy that the coupling created, over what was supplied and lost: its size."""
-    return abs(share_created(_summary(folders[row.run]).get("energy_ledger_J", {})))
+    ledger = _summary(folders[row.run]).get("energy_ledger_J")
+    if ledger is None:
+        raise Unknown(f"{row.run} has no energy ledger: it did not come to its end")
+    return abs(share_created(ledger))
 
 
 def unexplained(folders: Folders, row: Criterion) -> float:
