@@ -13,7 +13,6 @@ from typing import IO
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.casefile.overlays import changed
-from orchestrator.casefile.toml_file import read_toml
 from orchestrator.checks import mistakes
 from orchestrator.children import python
 from orchestrator.records.folder_lock import at_work
@@ -56,14 +55,22 @@ class Point:
         finished run of another case."""
         if not self.ended(self.folder):
             return False
-        differing = list(changed(read_toml(self.folder / "case.toml"), resolved(self.loaded)))
-        if differing:
-            keys = ", ".join(".".join(key) for key in differing[:3])
+        if differing := self._differing():
             raise FolderUnusable(
-                f"{self.folder}: holds a run of another case (it differs in {keys}); "
+                f"{self.folder}: holds a run of another case (it differs in {differing}); "
                 "give another folder with --out"
             )
         return True
+
+    def _differing(self) -> str:
+        """Keys in which the folder's case differs; those that cases got since it was run have
+        their defaults there."""
+        try:
+            there = resolved(load(self.folder / "case.toml"))
+        except CaseError as error:
+            return ", ".join(".".join(map(str, one.key)) for one in error.mistakes[:3])
+        keys = list(changed(there, resolved(self.loaded)))
+        return ", ".join(".".join(key) for key in keys[:3])
 
     def status(self) -> str:
         """As in its summary; "missing" without one."""

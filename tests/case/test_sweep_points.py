@@ -1,35 +1,55 @@
-"""The values of a sweep."""
+"""Which finished runs a sweep or a ladder takes for its own; nothing is run here."""
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+from typing import Any
+
 import pytest
+import tomli_w
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.studies.points import parsed
-
-
-@pytest.mark.parametrize(
-    ("text", "values"),
-    [
-        ("a.b_m=1,2.5,-3", ("1", "2.5", "-3")),
-        ("a.b_m=58:70:4", ("58.0", "62.0", "66.0", "70.0")),
-        ("a.b_m=0.1:0.3:0.1", ("0.1", "0.2", "0.3")),  # floats would lose the last
-        ("a.b_m=3:1:-1", ("3.0", "2.0", "1.0")),
-        ("a.b_m=5:5:1", ("5.0",)),
-        ("a.b_m=[1, 2],[3, 4]", ("[1, 2]", "[3, 4]")),
-        ("panel.solver=strip,rigid", ("strip", "rigid")),
-    ],
-)
-def test_values(text: str, values: tuple[str, ...]) -> None:
-    found = parsed(text)
-    assert found.values == values
-    assert found.key == text.partition("=")[0]
-    assert len({found.folder(value) for value in values}) == len(values)
+from orchestrator.records.run_folder import FolderUnusable, resolved
+from orchestrator.studies.sweep import Point, point
+from tests.runs.outside import ROOT
 
 
-@pytest.mark.parametrize(
-    "text", ["a", "=1", "a=", "a=1,,2", "a=1,1", "a=1:2:0", "a=1:2:-1", "a=x:2:1"]
-)
-def test_what_is_no_list_of_values(text: str) -> None:
-    with pytest.raises(CaseError, match="--vary"):
-        parsed(text)
+def done_point(folder: Path, stored: dict[str, Any]) -> Point:
+    """A point of the empty machine whose folder holds a finished run of ``stored``."""
+    folder.mkdir()
+    (folder / "case.toml").write_text(tomli_w.dumps(stored))
+    (folder / "summary.json").write_text(json.dumps({"status": "done"}))
+    return point(ROOT / "cases/empty-machine", "draft", [], "draft", folder)
+
+
+@pytest.fixture(scope="module")
+def now() -> dict[str, Any]:
+    return resolved(point(ROOT / "cases/empty-machine", "draft", [], "", Path()).loaded)
+
+
+def test_its_own_run_is_not_done_again(tmp_path: Path, now: dict[str, Any]) -> None:
+    assert done_point(tmp_path / "run", now).done()
+
+
+def test_keys_that_came_since_have_their_defaults_in_older_runs(
+    tmp_path: Path, now: dict[str, Any]
+) -> None:
+    """A run of before ``coupling.scheme`` and a whole table, as if either were new."""
+    coupling = {key: value for key, value in now["coupling"].items() if key != "scheme"}
+    older = {key: value for key, value in now.items() if key != "save"} | {"coupling": coupling}
+    assert done_point(tmp_path / "run", older).done()
+
+
+def test_a_new_key_that_is_not_at_its_default_is_another_case(
+    tmp_path: Path, now: dict[str, Any]
+) -> None:
+    """The level gives ``panel.cells``; a run without it had the default."""
+    panel = {key: value for key, value in now["panel"].items() if key != "cells"}
+    with pytest.raises(FolderUnusable, match=r"differs in panel\.cells"):
+        done_point(tmp_path / "run", now | {"panel": panel}).done()
+
+
+def test_a_run_with_a_key_that_is_gone_is_another_case(tmp_path: Path, now: dict[str, Any]) -> None:
+    older = now | {"coupling": now["coupling"] | {"lag": 1}}
+    with pytest.raises(FolderUnusable, match=r"differs in coupling\.lag"):
+        done_point(tmp_path / "run", older).done()
