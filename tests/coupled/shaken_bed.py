@@ -1,4 +1,4 @@
-"""A bed in a box that shakes: an elastic panel for its floor, four walls, all on one driven frame."""
+"""A bed in a shaken box: an elastic panel for its floor and four walls, on one driven frame."""
 
 from __future__ import annotations
 

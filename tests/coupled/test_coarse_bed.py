@@ -52,8 +52,8 @@ def pair(machine: Coupled) -> Array:
 
 def test_coarse_particles_load_the_floor_as_the_full_bed_does(tmp_path: Path) -> None:
     """5 layers of 8 mm against 3 of 12 mm, one for 3.4: stresses and energies per volume stay what
-    they are (Bierwisch et al. 2009, doi in coarse.py).  Measured -3.5, -3.7, 0.0, -2.0, -0.8 %, with
-    a scatter from pair to pair of 3, 5, 4, 7, 15 % in the full bed.
+    they are (Bierwisch et al. 2009, doi in coarse.py).  Measured -3.5, -3.7, 0.0, -2.0, -0.8 %,
+    with a scatter from pair to pair of 3, 5, 4, 7, 15 % in the full bed.
 
     Allowed is the tenth below which effects may be left out, and for the loss, which scatters
     most, three standard errors of the difference.  What is left out (effect single-particles) does
