@@ -76,7 +76,7 @@ class Run:
     def _coupled(self, machine: Machine, stop: Stop) -> None:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
-        with written(0.0):
+        with written("results", 0.0):
             goes_on = self.resumes is not None
             recorder = Recorder(
                 self._folder, machine, ledger, state, self._case, self._world, goes_on
@@ -124,7 +124,7 @@ class Run:
 
     def _save(self, keeper: Keeper, state: State) -> None:
         done, time_s = (self._progress.figures[key] for key in ("sync_intervals", "simulated_s"))
-        with self._progress.stopwatch("saves"), written(time_s):
+        with self._progress.stopwatch("saves"), written("save", time_s):
             keeper.save(state, done)
         self._schedule.done()
 
@@ -143,7 +143,7 @@ class Run:
         ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
-        with self._progress.stopwatch("output"), written(time_s):
+        with self._progress.stopwatch("output"), written("results", time_s):
             recorder.sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:
@@ -155,15 +155,22 @@ class Run:
     def _interval(self, index: int) -> Interval:
         return Interval(index, self._interval_s)
 
+    @property
+    def simulated_s(self) -> float:
+        return float(self._progress.figures["simulated_s"])
+
     def finish(self, status: str, reason: str = "") -> dict[str, Any]:
         """See ``Ending``; to be called on one rank."""
         return self._ending.write(self._progress, status, reason)
 
 
 @contextmanager
-def written(time_s: float) -> Iterator[None]:
-    """An error of the disk inside says when it came."""
+def written(what: str, time_s: float) -> Iterator[None]:
+    """An error of the disk inside, or too little memory, says of what, and when it came."""
     try:
         yield
+    except MemoryError as error:
+        error.add_note(f"the {what} at t = {time_s:.6g} s cannot be written")
+        raise
     except OSError as error:
-        raise OSError(f"the results at t = {time_s:.6g} s cannot be written: {error}") from error
+        raise OSError(f"the {what} at t = {time_s:.6g} s cannot be written: {error}") from error

@@ -20,6 +20,8 @@ from orchestrator.plans import SolverFailed
 LOG = logging.getLogger("flipflow")
 FASTEST_M_S = 300.0  # nothing on a screen moves at the speed of sound in air
 SAY_EVERY_S = 5.0
+# the last is what mpirun passes on without killing a second later, and what batch systems can send
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
 
 
 class Interrupted(Exception):
@@ -31,15 +33,14 @@ class Interrupted(Exception):
 
 
 class Stop:
-    """Remembers SIGINT and SIGTERM until the next sync point; the second one does not wait."""
+    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
 
     @contextmanager
     def listening(self) -> Iterator[Stop]:
-        names = (signal.SIGINT, signal.SIGTERM)
-        before = {name: signal.signal(name, self._heard) for name in names}
+        before = {name: signal.signal(name, self._heard) for name in SIGNALS}
         try:
             yield self
         finally:

@@ -67,6 +67,9 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
         found += [*feeds.feeds(case), *exits.exits(whole)]
         found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
         found += slices.too_narrow(case)
+        source = loaded.layers.source(recordings.KEY)
+        found += recordings.own_recording(case, folder, source)
+    if not found:
         found += recordings.fitting_recording(case, folder)
         found += apertures.triangles(case)
         found += panel_meshes.too_large(case)

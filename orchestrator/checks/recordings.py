@@ -7,6 +7,7 @@ from pathlib import Path
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.errors import Mistake
+from orchestrator.casefile.toml_file import is_outside
 from orchestrator.playback import NoMatch, playbacks, turning
 from orchestrator.records import recording_file
 
@@ -22,6 +23,15 @@ def named_recording(case: Case) -> Iterator[Mistake]:
         yield Mistake(KEY, "missing: what is to be played back?", "flipflow record makes a file")
     if turning(case) is None:
         yield Mistake(("panel", "solver"), "recorded needs an exciter or a drive to follow")
+
+
+def own_recording(case: Case, folder: Path, source: str) -> Iterator[Mistake]:
+    """A file of somebody else, named by a file of the case and not by the user: ``source``."""
+    if case.panel.solver != "recorded" or case.panel.recording is None or source == "--set":
+        return
+    file = folder / case.panel.recording
+    if file.is_file() and is_outside(file, folder):
+        yield Mistake(KEY, "is outside of the case's folder", "copy it there, or name it by --set")
 
 
 def fitting_recording(case: Case, folder: Path) -> Iterator[Mistake]:

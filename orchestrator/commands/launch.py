@@ -2,7 +2,7 @@
 
 0 done, 1 a mistake in flipflow itself, 2 the case or the output folder is wrong, 3 a solver is
 missing, 4 a solver failed or the run became unstable or its results could not be written,
-130 or 143 interrupted.
+130 (SIGINT), 138 (SIGUSR1) or 143 (SIGTERM) interrupted.
 """
 
 from __future__ import annotations
@@ -87,9 +87,7 @@ def carried_out(
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
-        line = f"{doing} {loaded.name} {loaded.level} into {folder}"
-        LOG.info(line)
-        console.print(line)
+        _say(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
         stability = card(loaded.case)
         for line in words.lines(stability):
             LOG.info(line)
@@ -111,6 +109,8 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
         run.go()
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
+        _say(f"{reason} at t = {run.simulated_s:g} s", console)
+        console.print(f"to go on: {go_on(folder, world)}")
     except CaseError as error:
         return _ended(run, WRONG, "refused", str(error), folder, world)
     except SolverMissing as error:
@@ -128,7 +128,7 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     if not ranks.is_first(world):
         return code
     try:
-        _close(run.finish(status, reason), folder, world, console)
+        _close(run.finish(status, reason), folder, console)
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
@@ -172,15 +172,16 @@ def go_on(folder: Path, world: Any) -> str:
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder)])
 
 
-def _close(figures: dict[str, Any], folder: Path, world: Any, console: Console) -> None:
+def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
     """The closing table, and where everything is."""
     if figures["status"] == "done":
         console.print(summary.closing_table(figures))
         for line in summary.closing_lines(figures):
-            LOG.info(line)
-            console.print(line)
-    else:
-        line = f"{figures['reason']} at t = {figures['simulated_s']:g} s"
-        LOG.info(line)
-        console.print(f"{line}\nto go on: {go_on(folder, world)}")
+            _say(line, console)
     console.print(f"results in {folder}")
+
+
+def _say(line: str, console: Console) -> None:
+    """On the console and in the log."""
+    LOG.info(line)
+    console.print(line)

@@ -18,6 +18,8 @@ from orchestrator.saves.files import Save
 from orchestrator.saves.origin import origin, refuse_another_run, warnings
 from orchestrator.scene.account import account
 
+KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
+
 
 def resume(folder: Path, overrides: Sequence[str]) -> int:
     """Goes on with a run on every rank; returns the exit code."""
@@ -54,6 +56,7 @@ def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[s
     for what is another run."""
     now = origin(loaded, folder, world)
     refuse_another_run(save, now)
+    killed = [] if (folder / "summary.json").exists() else [KILLED]
     files.drop_later(folder, save)
     save.put_back(folder)
     for of_the_end in ("failure.txt", "summary.json"):
@@ -62,4 +65,4 @@ def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[s
     provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
     resumed = [*provenance.get("resumed", []), {"at_s": save.simulated_s, **now["provenance"]}]
     write_json(folder / "provenance.json", provenance | {"resumed": resumed})
-    return [*save.torn, *warnings(save, now)]
+    return [*killed, *save.torn, *warnings(save, now)]

@@ -23,7 +23,7 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
     the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
 
     Ctrl-C ends the run at the next sync point with all results written, to be resumed; twice, at
-    once.
+    once.  Under mpirun, kill -USR1 to mpirun gives it the time that takes.
     """
     from orchestrator.commands.launch import run as launch
 

@@ -62,12 +62,25 @@ def write(
     run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
 ) -> None:
     """A new save in the folder of a run, of every rank of ``world``; ``about`` needs
-    ``sync_points``.  Raises OSError."""
-    parent, name = run / FOLDER, f"{about['sync_points']:012d}"
-    aside = parent / f".{name}"
+    ``sync_points``.  Raises OSError on the rank that cannot write; the saves before stay."""
+    name = f"{about['sync_points']:012d}"
+    aside = run / FOLDER / f".{name}"
+    try:
+        _write(aside, name, state, copies, about, world)
+    except OSError:  # what is half written takes the room that the run's last words need
+        shutil.rmtree(aside, ignore_errors=True)
+        raise
+
+
+def _write(
+    aside: Path, name: str, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
+) -> None:
+    """Into the folder ``aside``, which gets its ``name`` when it is whole."""
+    parent = aside.parent
     if is_first(world):
         shutil.rmtree(aside, ignore_errors=True)
-        aside.mkdir(parents=True)
+        parent.mkdir(exist_ok=True)  # but not the run's own folder, should that have gone
+        aside.mkdir()
     if world is not None:
         world.barrier()
     mine = aside / _of_rank(world)
@@ -113,6 +126,9 @@ def _checked(folder: Path) -> dict[str, Any]:
     """What ``save.json`` says, if the files are as it says.  Raises TornSave."""
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        for name in about["copies"]:
+            if Path(name).name != name:
+                raise TornSave(f"{folder / ABOUT} names a file elsewhere: {name}")
         for name, digest in about["sha256"].items():
             if _digest(folder / name) != digest:
                 raise TornSave(f"{folder / name} is not what was written")

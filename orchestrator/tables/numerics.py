@@ -20,7 +20,8 @@ class PanelSolver(Table):
     """rigid (flat, undeformed), recorded (the shape of an earlier run, played back), strip (no
     change across), sheet (DOLFINx), solid (DOLFINx, 3D)."""
     recording: str | None = None
-    """File made by ``flipflow record``, for solver "recorded": its path from the case's folder."""
+    """File made by ``flipflow record``, for solver "recorded": its path from the case's folder,
+    and a file in there where the case names it; ``--set`` may name any."""
     integrator: Literal["explicit", "implicit"] = "explicit"
     """Time integration of sheet and solid."""
     cells: Cells = (22, 8)

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
+import signal
 from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
 
+from orchestrator.records.folder_lock import OF_A_RUN, held
+from orchestrator.records.run_folder import FolderUnusable
+from orchestrator.report.command import report
 from orchestrator.report.effects import left_out_rows
 from orchestrator.report.words import interval, number
 from tests.results.browser import browser, seen
@@ -118,6 +123,33 @@ def test_what_is_no_run(tmp_path: Path) -> None:
     assert done.returncode == 2, done.stderr
     said_plainly(done)
     assert list(half.glob("report.html")) == []
+
+
+def test_a_run_that_has_not_ended(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "run", cycles=15)
+    (folder / "summary.json").unlink()
+    with pytest.raises(FolderUnusable, match=r"was killed .* nothing had been saved"):
+        report(folder)
+    with held(folder / OF_A_RUN), pytest.raises(FolderUnusable, match="is still going on"):
+        report(folder)
+
+
+def test_a_damaged_file(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "run", cycles=15)
+    provenance = folder / "provenance.json"
+    provenance.write_text(provenance.read_text().replace('"flipflow"', '"flipflop"'))
+    with pytest.raises(FolderUnusable, match="something in its files is damaged"):
+        report(folder)
+    assert not (folder / "report.html").exists()
+
+
+def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As HDF5 does on some damaged files, which the fuzzer finds; which, hangs on its version."""
+    folder = folder_of(tmp_path / "run", cycles=15)
+    crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
+    monkeypatch.setattr("orchestrator.report.command.results", crash)
+    with pytest.raises(FolderUnusable, match=r"reading history\.h5 crashed"):
+        report(folder)
 
 
 @pytest.mark.parametrize(

@@ -68,6 +68,12 @@ def _environment() -> dict[str, str]:
     return os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "100", "PYTHONPATH": str(ROOT)}
 
 
+def of(run: Path) -> list[int]:
+    """The ids of all processes that were started for this folder."""
+    found = subprocess.run(["pgrep", "-f", str(run)], capture_output=True, text=True, check=False)
+    return [int(word) for word in found.stdout.split()]
+
+
 def wait_until(true: Callable[[], bool]) -> None:
     end = time.monotonic() + HANG_S
     while not true():

@@ -1,18 +1,14 @@
-"""Exit code 4: a solver fails, the run becomes unstable, or its results cannot be written.  The
+"""Exit code 4: a solver fails, the run becomes unstable, or its folder vanishes.  The
 message says which member, when and why, and the folder holds all up to then."""
 
 from __future__ import annotations
 
-import os
-import re
-import subprocess
-from collections.abc import Iterator
 from pathlib import Path
 
 import h5py
-import meshio
 import pytest
 
+from tests.runs.failures import failed
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -84,27 +80,6 @@ def careless(self, interval, path):
     return advance(self, interval, path)
 Liggghts.advance = careless
 """
-
-
-def failed(folder: Path, done: subprocess.CompletedProcess[str], *wanted: str) -> None:
-    assert done.returncode == 4, done.stderr
-    said_plainly(done)
-    reason, logs = done.stderr.strip().splitlines()[-2:]
-    for said in wanted:
-        assert said in reason
-    assert logs.startswith("logs: ")
-    assert str(folder / "run.log") in logs
-    assert reason in (folder / "run.log").read_text()
-    assert left_usable(folder, "failed")["reason"] == reason
-    pictures_open(folder)
-
-
-def pictures_open(folder: Path) -> None:
-    """Each ParaView series opens as far as it goes."""
-    for series in folder.glob("*.pvd"):
-        files = re.findall(r'file="([^"]*)"', series.read_text())
-        assert files
-        assert len(meshio.read(folder / files[-1]).points)
 
 
 def test_a_nan_in_a_panel(tmp_path: Path) -> None:
@@ -183,57 +158,6 @@ def test_a_folder_that_vanishes(tmp_path: Path) -> None:
     assert f"{folder} has gone" in said
     with h5py.File(gone / "history.h5") as history:
         assert len(history["energy/time_s"]) > 0
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """20 MB, of which 16 are kept in reserve."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    mount = ["mount", "-t", "tmpfs", "-o", "size=20m", "tmpfs", str(place)]
-    if os.geteuid() != 0 or subprocess.run(mount, capture_output=True, check=False).returncode:
-        pytest.skip("only root can mount a small disk")
-    yield place
-    subprocess.run(["umount", str(place)], check=True)
-
-
-def test_a_full_disk(small_disk: Path) -> None:
-    folder = small_disk / "run"
-    done = flipflow(*run_words("quickstart", folder, [*QUICK, "output.interval_s=1e-4"]))
-    failed(folder, done, "the results at t = ", "cannot be written: [Errno 28]")
-    series = sorted((folder / "surface").glob("*.vtu"))
-    assert len(series) > 10
-    assert all(file.read_text().rstrip().endswith("</VTKFile>") for file in series)
-    energy, probe = times(folder, "energy"), times(folder, "probes/middle-1")
-    assert energy[-1] == pytest.approx(probe[-1])
-
-
-def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
-    """A write that fails where no reserve helps: the series are lost, the process is not."""
-    folder = tmp_path / "run"
-    before = (
-        "import resource; from orchestrator.records import full_disk\n"
-        "full_disk.RESERVE_BYTES = 4096\n"
-        "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))"
-    )
-    done = flipflow(*run_words("quickstart", folder), before=before)
-    assert done.returncode == 4, done.stderr
-    said_plainly(done)
-    assert "cannot be written: [Errno 27] File too large" in done.stderr
-
-
-def test_a_summary_that_cannot_be_written(tmp_path: Path) -> None:
-    folder = tmp_path / "run"
-    before = (
-        "from orchestrator import ending\n"
-        "def full(path, value): raise OSError(28, 'No space left on device')\n"
-        "ending.write_json = full"
-    )
-    done = flipflow(*run_words("panel-cycle", folder, [*QUICK, "duration_s=0.01"]), before=before)
-    assert done.returncode == 4, done.stderr
-    said_plainly(done)
-    assert f"No space left on device\nall else is in {folder}" in done.stderr
-    assert times(folder, "energy")[-1] == pytest.approx(0.01)
 
 
 def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:

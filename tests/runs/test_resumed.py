@@ -120,6 +120,20 @@ def test_a_torn_save_is_left_for_the_one_before(
     assert run_differences(whole, folder) == []
 
 
+def test_a_save_that_names_a_file_elsewhere_is_torn(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It would be written over."""
+    folder, other = Path(shutil.copytree(saved, tmp_path / "evil")), tmp_path / "mine.txt"
+    other.write_text("mine")
+    for save in saves(folder):
+        about = save / "save.json"
+        about.write_text(about.read_text().replace('"history.h5"', '"../../../mine.txt"'))
+    assert resume(folder, []) == launch.WRONG
+    assert "nothing was saved" in capsys.readouterr().err
+    assert other.read_text() == "mine"
+
+
 def test_another_case_is_refused_with_all_that_changed(
     stopped: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,0 +1,90 @@
+"""No word of a case gets anywhere but where it is meant to: not into a solver's input, a shell, or
+a file outside of the case's folder.  What is run and shown of one that means harm:
+tests/runs/test_harmless.py."""
+
+from __future__ import annotations
+
+import copy
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+import tomli_w
+
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import load
+from orchestrator.checks import mistakes, table_mistakes
+from tests.case.mutations import ROOT, Path_, at, lay_out, places
+
+EVIL = "x\nshell touch owned\n"
+# free text, which solvers never see; and names of files: below and in test_surfaces.py
+FREE = ("title", "description", "stl", "recording")
+CASES = [("quickstart", "draft"), ("ffs0827-slice", "draft")]
+Given = tuple[Path, dict[str, Any]]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=[name for name, _ in CASES])
+def given(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Given:
+    """A case's folder and its table, without levels, which would hide some of it."""
+    case, level = request.param
+    source = ROOT / "cases" / case
+    files = [(source / name).read_bytes() for name in ("case.toml", f"levels/{level}.toml")]
+    place = tmp_path_factory.mktemp(case)
+    folder = lay_out(place, case, level, *files)
+    (folder / f"levels/{level}.toml").unlink()
+    return folder, tomllib.loads(files[0].decode()) | {"default_level": ""}
+
+
+def is_refused(given: Given, place: Path_, *, key: bool) -> bool:
+    """Whether the case is, with the word at ``place`` (or its key) replaced by an evil one."""
+    folder, table = given[0], copy.deepcopy(given[1])
+    holder = at(table, place[:-1])
+    if key:
+        holder[EVIL] = holder.pop(place[-1])
+    else:
+        holder[place[-1]] = EVIL
+    (folder / "case.toml").write_text(tomli_w.dumps(table))
+    try:
+        return bool(table_mistakes(load(folder)))
+    except CaseError:
+        return True
+
+
+def test_a_word_that_is_no_name_is_refused_wherever_it_stands(given: Given) -> None:
+    words = [
+        place
+        for place in places(given[1])[1:]
+        if isinstance(at(given[1], place), str) and place[-1] not in FREE
+    ]
+    assert len(words) > 20
+    assert [place for place in words if not is_refused(given, place, key=False)] == []
+
+
+def test_so_is_a_key(given: Given) -> None:
+    keys = [place for place in places(given[1])[1:] if isinstance(place[-1], str)]
+    assert len(keys) > 100
+    assert [place for place in keys if not is_refused(given, place, key=True)] == []
+
+
+@pytest.mark.parametrize("name", ["../panels.h5", "link.h5", "{place}/panels.h5"])
+def test_a_recording_of_somebody_else(tmp_path: Path, name: str) -> None:
+    """A case reads its own; the user may name any by --set."""
+    with h5py.File(tmp_path / "panels.h5", "w"):
+        pass
+    source = ROOT / "cases/empty-machine"
+    level = (source / "levels/draft.toml").read_bytes()
+    folder = lay_out(tmp_path, "empty-machine", "draft", (source / "case.toml").read_bytes(), level)
+    (folder / "link.h5").symlink_to(tmp_path / "panels.h5")
+    name = name.format(place=tmp_path)
+    words = b'solver = "recorded"\nrecording = "' + name.encode() + b'"'
+    without = b'["panel-response", "particle-load", "frame-rotation"]'
+    level = level.replace(b'solver = "strip"', words)
+    level = level.replace(b'["variation-across", "frame-rotation"]', without)
+    (folder / "levels/draft.toml").write_bytes(level)
+    (found,) = mistakes(load(folder, "draft"))
+    assert (found.key, found.file) == (("panel", "recording"), "levels/draft.toml")
+    assert found.what == "is outside of the case's folder"
+    (found,) = mistakes(load(folder, "draft", [f"panel.recording={name}"]))
+    assert "outside" not in found.what  # but it is no recording

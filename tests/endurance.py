@@ -1,0 +1,118 @@
+"""What a long run holds: ``python -m tests.endurance OUT [--set KEY=VALUE …]`` runs the
+quickstart's level "hour" into OUT and samples its process and its folder; OUT.csv has a row every
+ten seconds.
+
+``python -m tests.endurance --table OUT`` says how each of them grew, and what the machine's energy
+did.  Measured figures: docs/reliability.md, "An hour".
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from tests.runs.outside import QUICK, started
+
+EVERY_S = 10.0
+COLUMNS = (
+    "wall_s",
+    "simulated_s",
+    "processor_s",
+    "resident_MiB",
+    "files_open",
+    "folder_MiB",
+    "files",
+)
+
+
+def main(words: list[str]) -> int:
+    if words[0] == "--table":
+        print(table(Path(words[1])))
+        return 0
+    return sampled(Path(words[0]), words[1:])
+
+
+def sampled(out: Path, more: list[str]) -> int:
+    """Runs to the end; returns the exit code."""
+    sets = [word for key in QUICK for word in ("--set", key)]
+    words = ["run", "cases/quickstart", "--level", "hour", "--out", str(out), *sets, *more]
+    run, start = started(*words), time.monotonic()
+    with out.with_suffix(".csv").open("w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(COLUMNS)
+        while run.poll() is None:
+            time.sleep(EVERY_S)
+            if run.poll() is None and (out / "run.log").exists():
+                rows.writerow([time.monotonic() - start, *sample(run.pid, out)])
+                file.flush()
+    print(run.communicate()[1][-2000:])
+    return run.returncode
+
+
+def sample(process: int, out: Path) -> list[float]:
+    """In the order of ``COLUMNS``, but for the wall time."""
+    system = Path(f"/proc/{process}")
+    pages = int((system / "statm").read_text().split()[1])
+    ticks = (system / "stat").read_text().rpartition(")")[2].split()[11:13]
+    said = re.findall(r" t = ([0-9.]+) of ", (out / "run.log").read_text())
+    sizes = [size(file) for file in out.rglob("*")]
+    return [
+        float(said[-1]) if said else 0.0,
+        sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK"),
+        pages * os.sysconf("SC_PAGE_SIZE") / 2**20,
+        len(list((system / "fd").iterdir())),
+        sum(sizes) / 2**20,
+        len(sizes),
+    ]
+
+
+def size(file: Path) -> int:
+    """0 for what has just gone."""
+    try:
+        return file.stat().st_size
+    except FileNotFoundError:
+        return 0
+
+
+def table(out: Path) -> str:
+    """A Markdown table: each figure by tenths of the run, and its growth by the hour of simulated
+    time in the second half (least squares)."""
+    data = np.loadtxt(out.with_suffix(".csv"), delimiter=",", skiprows=1)
+    simulated = data[:, 1]
+    rows = ["| simulated / s | " + " | ".join(COLUMNS[2:]) + " |", "|" + " --- |" * 6]
+    for part in np.linspace(0, len(data) - 1, 11).astype(int):
+        rows.append("| " + " | ".join(f"{value:.4g}" for value in data[part, 1:]) + " |")
+    late = simulated > simulated[-1] / 2
+    slopes = 3600 * np.polyfit(simulated[late], data[late, 2:], 1)[0]
+    rows.append("| growth per hour | " + " | ".join(f"{slope:.4g}" for slope in slopes) + " |")
+    return "\n".join([*rows, "", energy(out)])
+
+
+def energy(out: Path) -> str:
+    """Means of the books' stored energies, and changes of the others, by tenths of the run."""
+    with h5py.File(out / "history.h5") as history:
+        books = {name: series[:] for name, series in history["energy"].items()}
+    time_s = books.pop("time_s")
+    rows = []
+    for name, values in books.items():
+        if not values.any():
+            continue
+        tenths = np.array_split(values, 10)
+        if name.startswith("stored."):
+            figures, what = [part.mean() for part in tenths], "mean"
+        else:
+            figures, what = [part[-1] - part[0] for part in tenths], "change"
+        said = " ".join(f"{figure:.4g}" for figure in figures)
+        rows.append(f"{name} ({what} in each tenth of {time_s[-1]:g} s): {said}")
+    return "\n".join(rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

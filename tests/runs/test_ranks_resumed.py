@@ -1,0 +1,172 @@
+"""Runs on two ranks that are stopped, killed or left without a disk: they end soon, and what goes
+on is, to the last bit, the run that never stopped."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from orchestrator.records.folder_lock import at_work
+from tests.runs.outside import (
+    HANG_S,
+    QUICK,
+    flipflow,
+    left_usable,
+    of,
+    run_words,
+    said_plainly,
+    started,
+    wait_until,
+)
+from tests.runs.same_run import run_differences
+
+pytestmark = [
+    pytest.mark.solver,
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun"),
+]
+ENDED_S = 10.0
+OFTEN = "save.every_s=0.0006"
+# 20 pieces of coal in LIGGGHTS, a panel on each rank; 60 sync intervals
+CASE = [*QUICK, "particles.solver=liggghts", "bed.blocks.coal.count=20"]
+CASE += ["duration_s=0.006", "output.interval_s=0.0015"]
+# slow enough to be told something while it runs
+SLOW = """
+import time
+from adapters.frames import two_mass
+advance = two_mass.TwoMassFrames.advance
+def slowly(self, interval, reaction):
+    time.sleep(0.05)
+    return advance(self, interval, reaction)
+two_mass.TwoMassFrames.advance = slowly
+"""
+# the disk of one rank is full from the second save on
+FULL = """
+import pathlib
+from mpi4py import MPI
+from orchestrator.saves import files
+savez = files.np.savez
+def full(file, **arrays):
+    savez(file, **arrays)
+    if MPI.COMM_WORLD.rank == {rank} and pathlib.Path(file).parent.name > ".000000000006":
+        raise OSError(28, "No space left on device")
+files.np.savez = full
+"""
+
+
+def process(folder: Path, rank: int) -> int:
+    """The id of the process of a rank of the run in this folder."""
+    name = f"OMPI_COMM_WORLD_RANK={rank}\0".encode()
+    (found,) = (one for one in of(folder) if name in Path(f"/proc/{one}/environ").read_bytes())
+    return found
+
+
+def newest(folder: Path) -> str:
+    saves = folder / "saves"
+    return max((one.name for one in saves.glob("[0-9]*")), default="") if saves.exists() else ""
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Not stopped, and saved at its end only."""
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    done = flipflow(*run_words("quickstart", folder, CASE), ranks=2)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def goes_on(folder: Path, whole: Path) -> str:
+    """With the command that was said; what is said then."""
+    done = flipflow("resume", str(folder), ranks=2)
+    assert done.returncode == 0, done.stderr
+    said_plainly(done)
+    assert run_differences(whole, folder) == []
+    return done.stderr
+
+
+@pytest.mark.parametrize(
+    ("sent", "heard", "code"),
+    [("SIGINT", "SIGTERM", 1), ("SIGTERM", "SIGTERM", 1), ("SIGUSR1", "SIGUSR1", 138)],
+)
+def test_mpirun_told_to_stop(
+    tmp_path: Path,
+    whole: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    sent: str,
+    heard: str,
+    code: int,
+) -> None:
+    """Open MPI ends its processes by SIGTERM and, a second later (here five: a busy machine may
+    need them), by SIGKILL, and exits with 1; SIGUSR1 it passes on, and then exits as they do."""
+    monkeypatch.setenv("OMPI_MCA_odls_base_sigkill_timeout", "5")
+    folder = tmp_path / "run"
+    run = started(*run_words("quickstart", folder, CASE), before=SLOW, ranks=2)
+    wait_until(lambda: (folder / "particles/particles_00001.vtu").exists())
+    run.send_signal(getattr(signal, sent))
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == code, said
+    assert "Traceback" not in said
+    assert said.count(f"stopped by {heard} at t = ") == 1
+    assert f"\nto go on: mpirun -n 2 flipflow resume {folder}\n" in said
+    wait_until(lambda: of(folder) == [])
+    goes_on(folder, whole)
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_killed_rank(tmp_path: Path, whole: Path, rank: int) -> None:
+    """mpirun says which; a report says what can be done; nothing of the last save is lost."""
+    folder = tmp_path / "run"
+    run = started(*run_words("quickstart", folder, [*CASE, OFTEN]), before=SLOW, ranks=2)
+    wait_until(lambda: newest(folder) >= f"{12:012d}")
+    killed = time.monotonic()
+    os.kill(process(folder, rank), signal.SIGKILL)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert time.monotonic() - killed < ENDED_S
+    assert run.returncode == 128 + signal.SIGKILL, said
+    assert "Traceback" not in said
+    assert f"process rank {rank} with PID " in said
+    wait_until(lambda: of(folder) == [] and not at_work(folder))
+    assert not (folder / "summary.json").exists()
+    reported = flipflow("report", str(folder))
+    assert reported.returncode == 2
+    assert "the run was killed before it could close its books; `flipflow resume" in reported.stderr
+    assert "the run had been killed, or the machine stopped" in goes_on(folder, whole)
+
+
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_full_disk_while_one_rank_saves(tmp_path: Path, whole: Path, rank: int) -> None:
+    folder = tmp_path / "run"
+    words = run_words("quickstart", folder, [*CASE, OFTEN])
+    done = flipflow(*words, before=FULL.format(rank=rank), ranks=2)
+    ended = time.time()
+    assert done.returncode == 4, done.stderr
+    said_plainly(done)
+    reason = "the save at t = 0.0012 s cannot be written: [Errno 28] No space left on device"
+    assert done.stderr.count(reason) == 1
+    assert left_usable(folder, "failed")["reason"] == reason
+    assert ended - (folder / "failure.txt").stat().st_mtime < ENDED_S
+    wait_until(lambda: of(folder) == [])
+    assert [save.name for save in (folder / "saves").iterdir()] == [f"{6:012d}"]
+    goes_on(folder, whole)
+
+
+def test_a_folder_that_vanishes(tmp_path: Path, whole: Path) -> None:
+    folder, gone = tmp_path / "run", tmp_path / "gone"
+    run = started(*run_words("quickstart", folder, [*CASE, OFTEN]), before=SLOW, ranks=2)
+    wait_until(lambda: newest(folder) >= f"{6:012d}")
+    folder.rename(gone)
+    away = time.monotonic()
+    said = run.communicate(timeout=HANG_S)[1]
+    assert time.monotonic() - away < ENDED_S
+    assert run.returncode == 4, said
+    assert "Traceback" not in said
+    assert said.count("cannot be written: [Errno 2] No such file or directory") == 1
+    assert f"{folder} has gone" in said
+    assert not folder.exists()
+    wait_until(lambda: of(folder) == [])
+    goes_on(Path(gone.rename(folder)), whole)
