@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any
 
 from orchestrator.casefile.errors import CaseError, Mistake
-from orchestrator.metered import named
+from orchestrator.naming import named
 
 
 def imported(port: str, solver: str) -> ModuleType:

@@ -172,7 +172,18 @@ def _panels(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelP
         line = surface.start + piece.centre_line
         shape = surface.start + piece.shape
         found.append(
-            PanelPoints(piece.name, surface, clamps, line, shape, held[first], held[~first], stops)
+            PanelPoints(
+                piece.name,
+                surface,
+                clamps,
+                line,
+                shape,
+                held[first],
+                held[~first],
+                stops,
+                surface.start + piece.edges.points,
+                piece.edges.length_m,
+            )
         )
     return tuple(found)
 

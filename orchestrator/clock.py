@@ -20,10 +20,17 @@ def exact(value_s: float) -> Fraction:
 
 @dataclass(frozen=True)
 class Interval:
-    """Sync interval ``index`` (from 0) of constant length."""
+    """Interval ``index`` (from 0) of constant length: a sync interval, or one of ``parts`` equal
+    parts of one, which then are counted."""
 
     index: int
     length_s: float
+    parts: int = 1
+
+    def divided(self, parts: int) -> list[Interval]:
+        """Equal parts of a sync interval.  Halves of halves of a decimal number are again exact."""
+        first, length_s = parts * self.index, self.length_s / parts
+        return [Interval(first + part, length_s, parts) for part in range(parts)]
 
     @property
     def start_s(self) -> float:

@@ -151,3 +151,19 @@ class TriangleSurface:
     position_m: Array
     triangles: Indices
     material: Indices
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Pairs of points (n, 2), and how far apart they are, (n,)."""
+
+    points: Indices
+    length_m: Array
+
+    @staticmethod
+    def of(coordinates_m: Array, triangles: Indices) -> Edges:
+        """Of triangles (m, 3), each once."""
+        all_of_them = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+        points = np.unique(np.sort(all_of_them, axis=1), axis=0)
+        ends_m = coordinates_m[points]
+        return Edges(points, np.linalg.norm(ends_m[:, 1] - ends_m[:, 0], axis=1))

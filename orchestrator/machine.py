@@ -8,7 +8,7 @@ from orchestrator.bed.material_book import MaterialBook
 from orchestrator.coupling import Scheme, Solvers
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
-from orchestrator.ports import Indices, Wearing
+from orchestrator.ports import Array, Indices, Wearing
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
 
@@ -17,7 +17,8 @@ from orchestrator.stopwatch import Stopwatch
 class PanelPoints:
     """Where one panel lies in the concatenated surface and clamps; ``centre_line`` and ``shape``
     (what is recorded of it for playing back) index the surface, ``first_clamp``,
-    ``second_clamp`` and ``stops`` (points of beams below it) the clamps."""
+    ``second_clamp`` and ``stops`` (points of beams below it) the clamps.  ``edges`` (n, 2) of its
+    triangles index the surface, too; ``edge_length_m`` (n,) is their stress-free length."""
 
     name: str
     surface: slice
@@ -27,6 +28,8 @@ class PanelPoints:
     first_clamp: Indices
     second_clamp: Indices
     stops: Indices
+    edges: Indices
+    edge_length_m: Array
 
 
 @dataclass(frozen=True)

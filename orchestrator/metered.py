@@ -5,19 +5,14 @@ A metered solver is again a solver; the coupling does not know the difference.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from traceback import clear_frames
-
 import numpy as np
 
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
-from orchestrator.plans import SolverFailed
+from orchestrator.naming import named
 from orchestrator.ports import (
     Account,
     Array,
-    BrokenRecord,
     Frames,
     Load,
     Motion,
@@ -35,46 +30,16 @@ from orchestrator.state import put_back, restorable, taken
 from orchestrator.stopwatch import Stopwatch
 
 
-class MemberFailed(SolverFailed):
-    """A failure that says which member failed, and when."""
-
-
-@contextmanager
-def named(member: str, interval: Interval | None) -> Iterator[None]:
-    """A failure inside says which member failed, and when (None: at the start); said once, by
-    the innermost of nested members.  Any other exception gets it as a note."""
-    try:
-        yield
-    except MemberFailed:
-        raise
-    except (SolverFailed, BrokenRecord, FloatingPointError) as error:
-        raise MemberFailed(f"{member} failed {_when(interval)}: {error}") from error
-    except MemoryError as error:
-        what = f"out of memory. {error}".strip()
-        clear_frames(error.__traceback__)  # what they hold is needed to close the books
-        raise MemberFailed(f"{member} failed {_when(interval)}: {what}") from error
-    except Exception as error:
-        if not hasattr(error, "__notes__"):
-            error.add_note(f"{member} {_when(interval)}")
-        raise
-
-
-def _when(interval: Interval | None) -> str:
-    if interval is None:
-        return "at t = 0 s"
-    return (
-        f"between t = {interval.start_s:.6g} s and {interval.end_s:.6g} s "
-        f"(sync interval {interval.index})"
-    )
-
-
 def impulse_N_s(load: Load, interval: Interval) -> Array:
     """(3,) what a mean load hands over in the interval."""
     return np.asarray(interval.length_s * load.force_N.sum(axis=0))
 
 
 class MeteredFrames:
-    """``received_N_s`` (3,): impulse of the panels on the frames since t = 0."""
+    """``received_N_s`` (3,): impulse of the panels on the frames since t = 0; ``last`` what they
+    felt last, and where that took them."""
+
+    last: tuple[Load, Motion]
 
     def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
         self._frames, self._name, self._stopwatch = frames, name, stopwatch
@@ -87,7 +52,9 @@ class MeteredFrames:
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
         with self._stopwatch("frames"), named(self._name, interval):
-            return self._frames.advance(interval, reaction)
+            motion = self._frames.advance(interval, reaction)
+        self.last = reaction, motion
+        return motion
 
     def account(self) -> Account:
         return self._frames.account()
@@ -132,7 +99,10 @@ class TimedPanel:
 
 
 class MeteredPanel:
-    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0."""
+    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0;
+    ``last`` where the clamps were told to go, under which load, and what came of it."""
+
+    last: tuple[Motion, Load, PanelState]
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
         self._panel = TimedPanel(panel, name, part, stopwatch)
@@ -147,6 +117,7 @@ class MeteredPanel:
         state = self._panel.advance(interval, clamps, load)
         self.received_N_s = self.received_N_s + impulse_N_s(load, interval)
         self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
+        self.last = clamps, load, state
         return state
 
     def account(self) -> Account:
@@ -164,9 +135,11 @@ class MeteredPanel:
 
 
 class MeteredParticles:
-    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0.  Their ``feed`` is
-    saved with them: particles that step back are fed again.  ``runs`` counts intervals run, those
-    taken back, too."""
+    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0; ``last`` the path
+    that the surface took last, and the load on it.  Their ``feed`` is saved with them: particles
+    that step back are fed again.  ``runs`` counts intervals run, those taken back, too."""
+
+    last: tuple[Path, Load]
 
     def __init__(
         self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch
@@ -183,6 +156,7 @@ class MeteredParticles:
     def advance(self, interval: Interval, path: Path) -> Load:
         with self._stopwatch("particles"), named(self._name, interval):
             load = self._particles.advance(interval, path)
+        self.last = path, load
         self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
         self.runs += 1
         return load

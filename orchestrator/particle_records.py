@@ -53,6 +53,9 @@ class Overlaps:
     surface_per_diameter: float
 
 
+Bed = tuple[ParticleSnapshot, Overlaps]
+
+
 def in_order(parts: Sequence[Removed]) -> Removed:
     """All of several, none included, in the order of time, then id."""
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)

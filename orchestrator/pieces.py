@@ -19,6 +19,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.deck.surface_grids import surface_grids
+from orchestrator.geometry import Edges
 from orchestrator.mapping import Grid, Mapped
 from orchestrator.metered import TimedPanel
 from orchestrator.planning import panel_plans
@@ -38,16 +39,17 @@ def _nothing(*shape: int) -> Callable[[], Indices]:
 class Piece:
     """How to open one piece, and what is known of its points before.
 
-    ``triangles`` (m, 3), ``centre_line`` and ``shape`` (the points of its ``RecordedGrid``, where
-    it is recorded) hold the piece's own point numbers; ``points`` maps the names of points looked
-    at (probes, centres of mass) to their numbers.  The last three times ``stops`` of its clamps are
-    points of beams below it.
+    ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the points of
+    its ``RecordedGrid``, where it is recorded) hold the piece's own point numbers; ``points`` maps
+    the names of points looked at (probes, centres of mass) to their numbers.  The last three times
+    ``stops`` of its clamps are points of beams below it.
     """
 
     name: str
     open: Callable[[], Panel]
     points: dict[str, int]
     triangles: Indices = field(default_factory=_nothing(0, 3))
+    edges: Edges = field(default_factory=lambda: Edges.of(np.empty((0, 2)), _nothing(0, 3)()))
     material: str = ""
     centre_line: Indices = field(default_factory=_nothing(0))
     shape: Indices = field(default_factory=_nothing(0))
@@ -95,6 +97,7 @@ def _panel(
         points={name: first + number for number, name in enumerate(at)},
         stops=len(plan.stops),
         triangles=touched.triangles,
+        edges=Edges.of(touched.coordinates_m, touched.triangles),
         material=material,
         centre_line=touched.centre_line,
         shape=np.arange(len(coordinates) - len(shape_m), len(coordinates)),
@@ -116,7 +119,7 @@ def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:
 
     def piece(wall: Wall) -> Piece:
         opened = carried(wall.position_m, wall.frame)
-        return Piece(wall.name, opened, {}, wall.triangles, wall.material)
+        return Piece(wall.name, opened, {}, wall.triangles, material=wall.material)
 
     return [piece(wall) for wall in walls(case, case_folder)]
 

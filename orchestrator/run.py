@@ -18,7 +18,7 @@ from orchestrator.coupling import State, initial
 from orchestrator.ending import Ending
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
-from orchestrator.metered import named
+from orchestrator.naming import named
 from orchestrator.progress import Progress
 from orchestrator.ranks import is_first
 from orchestrator.records.recorder import Recorder
@@ -29,6 +29,7 @@ from orchestrator.saves.origin import origin
 from orchestrator.scene.account import Entry
 from orchestrator.stability.bound import Card
 from orchestrator.watch import Interrupted, Say, Stop, check_stable
+from orchestrator.watching.guard import Guard, Stopped
 
 
 class Run:
@@ -56,7 +57,7 @@ class Run:
         self._interval_s = self._case.coupling.sync_interval_s
         self._intervals = steps_in(self._case.duration_s, self._interval_s)
         self._every = steps_in(self._case.output.interval_s, self._interval_s)
-        self._steps = steps_in(self._interval_s, particle_step_s(self._case))
+        self._step_s = particle_step_s(self._case)
         self._schedule = Schedule(self._case.save, self._interval_s, world)
 
     def go(self) -> None:
@@ -81,40 +82,49 @@ class Run:
             recorder = Recorder(
                 self._folder, machine, ledger, state, self._case, self._world, goes_on
             )
-        keeper = Keeper(self._folder, machine, recorder, self._about, self._world)
-        interrupted = None
+        guard = Guard(self._case, machine, state, self._world, self._console)
+        keeper = Keeper(self._folder, machine, recorder, guard, self._about, self._world)
+        interrupted: Interrupted | Stopped | None = None
         try:
-            state = self._start(keeper, recorder, state)
-            state = self._loop(machine, recorder, keeper, state, stop)
-        except Interrupted as stopped:
+            state = self._start(keeper, recorder, guard, state)
+            state = self._loop(machine, recorder, keeper, guard, state, stop)
+        except (Interrupted, Stopped) as stopped:
             interrupted, state = stopped, stopped.state
             self._save(keeper, state)
         finally:
+            self._progress.figures["watch"] = guard.figures(self._done)
             recorder.close()
-        pending = machine.scheme.pending(state, self._interval(0))
+        pending = machine.scheme.pending(state, Interval(0, guard.pace.last_s))
         self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
         if interrupted:
             raise interrupted
 
-    def _start(self, keeper: Keeper, recorder: Recorder, state: State) -> State:
+    def _start(self, keeper: Keeper, recorder: Recorder, guard: Guard, state: State) -> State:
         """The state that the run goes on from."""
         if self.resumes is None:
-            self._record(recorder, state, 0, 0)
+            self._record(recorder, guard, state, 0, 0)
             return state
         return keeper.restore(self.resumes, state)
 
     def _loop(
-        self, machine: Machine, recorder: Recorder, keeper: Keeper, state: State, stop: Stop
+        self,
+        machine: Machine,
+        recorder: Recorder,
+        keeper: Keeper,
+        guard: Guard,
+        state: State,
+        stop: Stop,
     ) -> State:
-        first = self._progress.figures["sync_intervals"]
+        first = self._done
         with Say(first, self._intervals, self._interval_s, self._console) as say:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs = machine.particle_runs
                 with named("the coupling", interval):
-                    state = machine.scheme.advance(machine.solvers, interval, state)
-                check_stable(state, interval.end_s)
-                steps = self._steps * (machine.particle_runs - runs)
-                self._record(recorder, state, interval.index + 1, steps)
+                    state, seen = guard.advance(interval, state)
+                check_stable(seen, interval.end_s)
+                steps = steps_in(guard.pace.last_s, self._step_s) * (machine.particle_runs - runs)
+                self._record(recorder, guard, seen, interval.index + 1, steps)
+                guard.act(interval.end_s, state)
                 say.done(interval.index + 1)
                 stop.check(self._world, state)
                 if self._schedule.due(interval.index + 1):
@@ -123,9 +133,9 @@ class Run:
         return state
 
     def _save(self, keeper: Keeper, state: State) -> None:
-        done, time_s = (self._progress.figures[key] for key in ("sync_intervals", "simulated_s"))
+        time_s = self._progress.figures["simulated_s"]
         with self._progress.stopwatch("saves"), written("save", time_s):
-            keeper.save(state, done)
+            keeper.save(state, self._done)
         self._schedule.done()
 
     def _about(self) -> dict[str, Any]:
@@ -138,7 +148,13 @@ class Run:
     def _origin(self) -> dict[str, Any]:
         return origin(self._loaded, self._folder, self._world)
 
-    def _record(self, recorder: Recorder, state: State, done: int, steps: int) -> None:
+    @property
+    def _done(self) -> int:
+        return int(self._progress.figures["sync_intervals"])
+
+    def _record(
+        self, recorder: Recorder, guard: Guard, state: State, done: int, steps: int
+    ) -> None:
         """Sync point ``done``, after so many steps of each particle; an output time every
         ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
@@ -147,9 +163,11 @@ class Run:
             recorder.sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:
-                    figures["particles"] = recorder.output(time_s, state)
+                    bed = recorder.output(time_s, state)
                 finally:  # also when it is the material that stops the run
                     figures["material"] = recorder.material()
+                figures["particles"] = len(bed[0].id) if bed is not None else 0
+                guard.output(time_s, state, bed)
         self._progress.sync_point(done, time_s, steps)
 
     def _interval(self, index: int) -> Interval:

@@ -169,7 +169,7 @@ class Feeds:
         self._offered: list[int] = []
 
     def due(self, interval: Interval) -> ParticleList:
-        if interval.index % self._every:
+        if interval.index % (self._every * interval.parts):
             self._offered = [0] * len(self.feeds)
             return nobody()
         offers = [feed.due(interval) for feed in self.feeds]

@@ -76,6 +76,7 @@ RANGES: dict[str, tuple[float, float]] = {
     "every_s": (1e-7, 1e4),
     "wall_min": (1e-3, 1e5),
     "jam_s": (1e-6, 1e4),
+    "calm_s": (1e-6, 1e4),
     "start_s": (0.0, 1e4),
     "stop_s": (1e-6, 1e4),
     "run_up_s": (0.0, 1e4),

@@ -66,6 +66,12 @@ DIMENSIONLESS = frozenset(
         "rated_slip",
         "breakdown_ratio",
         "tolerance",
+        "largest_created_share",
+        "largest_created_in_total",
+        "largest_growing_share",
+        "largest_stretch",
+        "largest_overlap",
+        "largest_step_share",
     }
 )
 HEAD = """\

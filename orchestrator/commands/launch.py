@@ -10,7 +10,7 @@ from __future__ import annotations
 import shlex
 import signal
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -26,6 +26,7 @@ from orchestrator.records import run_folder, summary
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
+from orchestrator.saves import files
 from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
 from orchestrator.stability import words
@@ -152,6 +153,9 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
         console.print(reason)
         if status != "refused":
             _leave_usable(run, status, reason, folder, console)
+            for line in _last_good(folder, world):
+                LOG.error(line)
+                console.print(line)
         elif run.resumes is None:
             run_folder.discard(folder)
     return ranks.end_all(world, code)
@@ -166,10 +170,24 @@ def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Con
         console.print(f"no summary: {error or OUT}")
 
 
-def go_on(folder: Path, world: Any) -> str:
-    """The command that takes the run up again."""
+def _last_good(folder: Path, world: Any) -> Iterator[str]:
+    """Where a run that failed can be taken up again."""
+    last = files.newest(folder)
+    if last is None:
+        return
+    good = files.of(folder, last.good)
+    if good is None:
+        yield f"nothing was saved before; state at t = {last.simulated_s:g} s: {last.folder}"
+    else:
+        yield f"last good state: t = {good.simulated_s:g} s, {good.folder}"
+    yield f"to go on from there: {go_on(folder, world, good or last)}"
+
+
+def go_on(folder: Path, world: Any, save: Save | None = None) -> str:
+    """The command that takes the run up again, from ``save`` or the last one."""
     with_ranks = [] if world is None else ["mpirun", "-n", str(world.size)]
-    return shlex.join([*with_ranks, "flipflow", "resume", str(folder)])
+    point = [] if save is None else ["--save", str(save.sync_points)]
+    return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
 
 
 def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:

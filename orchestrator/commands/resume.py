@@ -21,11 +21,12 @@ from orchestrator.scene.account import account
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
 
 
-def resume(folder: Path, overrides: Sequence[str]) -> int:
-    """Goes on with a run on every rank; returns the exit code."""
+def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
+    """Goes on with a run on every rank, from its last save or from that of a ``sync_point``;
+    returns the exit code."""
     world = ranks.communicator()
     try:
-        save = ranks.first_rank_does(world, lambda: _last(folder))
+        save = ranks.first_rank_does(world, lambda: _save(folder, sync_point))
         as_saved = load(folder, None, overrides)
         loaded = replace(as_saved, name=save.about["name"], level=save.about["level"])
         ready(loaded)
@@ -36,13 +37,18 @@ def resume(folder: Path, overrides: Sequence[str]) -> int:
         return refused(world, error)
 
 
-def _last(folder: Path) -> Save:
-    """The last save that is whole.  Raises FolderUnusable."""
+def _save(folder: Path, sync_point: int | None) -> Save:
+    """The last save that is whole, or the one of a sync point.  Raises FolderUnusable."""
     if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
         raise FolderUnusable(f"{folder}: is not the folder of a run")
     if at_work(folder):
         raise FolderUnusable(f"{folder}: the run is still going on")
-    save = files.newest(folder)
+    save = files.newest(folder) if sync_point is None else files.of(folder, sync_point)
+    if save is None and sync_point is not None:
+        raise FolderUnusable(
+            f"{folder}: has no whole save of sync point {sync_point}; saves are in "
+            f"{folder / files.FOLDER}"
+        )
     if save is None:
         raise FolderUnusable(
             f"{folder}: nothing was saved; [save] in a case says when that is done, and what ends "

@@ -33,6 +33,10 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
 def resume(
     run: RunPath,
     overrides: Overrides = None,
+    save: Annotated[
+        int | None,
+        typer.Option("--save", min=0, help="sync point of the save [default: the last save]"),
+    ] = None,
 ) -> None:
     """Go on with a run from its last save.
 
@@ -42,7 +46,7 @@ def resume(
     """
     from orchestrator.commands.resume import resume as go_on
 
-    raise typer.Exit(go_on(run, overrides or []))
+    raise typer.Exit(go_on(run, overrides or [], save))
 
 
 def report(run: RunPath) -> None:

@@ -20,6 +20,7 @@ from orchestrator.deck.opening_places import openings_m
 from orchestrator.deck.panels import single_panels
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
+from orchestrator.particle_records import Bed
 from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
 from orchestrator.ranks import is_first
 from orchestrator.records.deck_record import deck_record
@@ -90,15 +91,13 @@ class Recorder:
             values = vars(surface.part(panel.shape))
             self._history.add(f"shapes/{panel.name}", time_s, values)
 
-    def output(self, time_s: float, state: State) -> int:
-        """Every output time: shapes, books, and files for ParaView.  Returns the number of
-        particles (on rank 0)."""
+    def output(self, time_s: float, state: State) -> Bed | None:
+        """Every output time: shapes, books, and files for ParaView.  Returns the particles."""
         terms = self._ledger.energy_J()
-        particles = self._material(time_s)
-        count = len(particles.id) if particles is not None else 0
+        bed = self._material(time_s)
         worn_m3 = None if self._machine.wearing is None else self._machine.wearing.worn_m3()
         if not self._writes:
-            return count
+            return bed
         self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
         surface = state.panel.surface
         for panel in self._machine.panels:
@@ -110,14 +109,15 @@ class Recorder:
             worn = {} if worn_m3 is None else self._worn(time_s, worn_m3)
             mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle, worn)
             self._surface.add(time_s, mesh)
-        if particles is not None:
+        if bed is not None:
+            particles = bed[0]
             self._history.add("bed", time_s, _bed(particles))
             if self._deck is not None:
                 for group, values in self._deck.at(time_s, surface, particles).items():
                     self._history.add(group, time_s, values)
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
-        return count
+        return bed
 
     def material(self) -> dict[str, Any] | None:
         """The material's balance at the last output time, on rank 0."""
@@ -140,7 +140,7 @@ class Recorder:
         if self._writes:
             self._history.close()
 
-    def _material(self, time_s: float) -> ParticleSnapshot | None:
+    def _material(self, time_s: float) -> Bed | None:
         """Who came and went since the last output time, into the books and the event tables."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is None or book is None:
@@ -156,7 +156,7 @@ class Recorder:
                 values = {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
             book.add(time_s, fed, removed, present)
-        return present
+        return present, overlaps
 
     def _worn(self, time_s: float, worn_m3: Array) -> dict[str, Array]:
         for group, values in self._wear.groups(worn_m3).items():

@@ -17,7 +17,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.ports import Array
 
 FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_s")
-PARTS = ("particles", "panel", "frames", "mapping", "output", "saves")
+PARTS = ("particles", "panel", "frames", "mapping", "output", "saves", "watch")
 
 
 def cycle_s(case: Case) -> float:

@@ -2,7 +2,7 @@
 
 Each holds the arrays of every rank, a copy of what the run had recorded by then, and
 ``save.json``, which says what it is of and has the checksum of every other file.  A save is written
-aside and renamed when all of it is on the disk; the last ``KEPT`` stay.
+aside and renamed when all of it is on the disk; the last ``KEPT`` stay, and the last good one.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy as np
 
 from orchestrator.ports import Saved
 from orchestrator.ranks import is_first
+from orchestrator.saves.names import flat, nested
 
 KEPT = 2
 FOLDER, ABOUT = "saves", "save.json"
@@ -42,13 +43,18 @@ class Save:
         return int(self.about["sync_points"])
 
     @property
+    def good(self) -> int:
+        """Sync point of the last save, up to this one, at which nothing was amiss; -1: of none."""
+        return int(self.about.get("good", self.sync_points))
+
+    @property
     def simulated_s(self) -> float:
         return float(self.about["progress"]["figures"]["simulated_s"])
 
     def state(self, world: Any) -> Saved:
         """This rank's arrays."""
         with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
-            return _nested({name: file[name] for name in file.files})
+            return nested({name: file[name] for name in file.files})
 
     def put_back(self, run: Path) -> None:
         """The files that were copied, into the folder of the run."""
@@ -62,8 +68,9 @@ def write(
     run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
 ) -> None:
     """A new save in the folder of a run, of every rank of ``world``; ``about`` needs
-    ``sync_points``.  Raises OSError on the rank that cannot write; the saves before stay."""
-    name = f"{about['sync_points']:012d}"
+    ``sync_points``, and those of the last ``good`` one.  Raises OSError on the rank that cannot
+    write; the saves before stay."""
+    name = _name(about["sync_points"])
     aside = run / FOLDER / f".{name}"
     try:
         _write(aside, name, state, copies, about, world)
@@ -84,7 +91,7 @@ def _write(
     if world is not None:
         world.barrier()
     mine = aside / _of_rank(world)
-    np.savez(mine, **_flat(state))
+    np.savez(mine, **flat(state))
     checked = {mine.name: _on_disk(mine)}
     ranks = [checked] if world is None else world.gather(checked)
     if not is_first(world):
@@ -101,7 +108,8 @@ def _write(
     aside.replace(parent / name)
     _sync(parent)
     for old in _names(parent)[:-KEPT]:
-        shutil.rmtree(parent / old)
+        if old != _name(about["good"]):
+            shutil.rmtree(parent / old)
 
 
 def newest(run: Path) -> Save | None:
@@ -113,6 +121,15 @@ def newest(run: Path) -> Save | None:
         except TornSave as wrong:
             torn.append(f"{wrong}; the one before is taken")
     return None
+
+
+def of(run: Path, sync_points: int) -> Save | None:
+    """The save of that sync point, if there is one and it is whole."""
+    folder = run / FOLDER / _name(sync_points)
+    try:
+        return Save(folder, _checked(folder))
+    except TornSave:
+        return None
 
 
 def drop_later(run: Path, save: Save) -> None:
@@ -144,30 +161,12 @@ def _names(parent: Path) -> list[str]:
     return sorted(folder.name for folder in parent.iterdir() if folder.name.isdigit())
 
 
+def _name(sync_points: int) -> str:
+    return f"{sync_points:012d}"
+
+
 def _of_rank(world: Any) -> str:
     return f"rank-{0 if world is None else world.rank}.npz"
-
-
-def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
-    """Names with slashes; one that ends with a slash stands for "nothing in here"."""
-    flat: dict[str, Any] = {} if saved else {within: np.empty(0)}
-    for name, value in saved.items():
-        flat |= (
-            _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
-        )
-    return flat
-
-
-def _nested(flat: dict[str, Any]) -> Saved:
-    saved: Saved = {}
-    for path, value in flat.items():
-        *parents, name = path.split("/")
-        inner = saved
-        for parent in parents:
-            inner = inner.setdefault(parent, {})
-        if name:
-            inner[name] = value
-    return saved
 
 
 def _on_disk(file: Path) -> str:

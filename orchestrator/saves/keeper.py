@@ -17,6 +17,7 @@ from orchestrator.saves import files
 from orchestrator.saves.files import Save
 from orchestrator.state import as_arrays, like
 from orchestrator.tables.numerics import Save as Wanted
+from orchestrator.watching.guard import Guard
 
 
 class Schedule:
@@ -52,22 +53,26 @@ class Keeper:
         folder: Path,
         machine: Machine,
         recorder: Recorder,
+        guard: Guard,
         about: Callable[[], dict[str, Any]],
         world: Any,
     ) -> None:
         self._folder, self._machine, self._recorder = folder, machine, recorder
-        self._about, self._world = about, world
-        self._last = -1
+        self._guard, self._about, self._world = guard, about, world
+        self._last = self._good = -1
 
     def save(self, state: State, done: int) -> None:
-        """After ``done`` sync intervals, once.  Raises OSError."""
+        """After ``done`` sync intervals, once.  The last save from before anything was amiss stays.
+        Raises OSError."""
         if done == self._last:
             return
-        books = {"recorder": self._recorder.save()}
+        if self._guard.pace.trusted:
+            self._good = done
+        books = {"recorder": self._recorder.save(), "watch": self._guard.save()}
         if self._machine.material is not None:
             books["material"] = self._machine.material.save()
         saved = {"members": self._members(), "coupling": as_arrays(state)} | books
-        about = self._about() | {"sync_points": done}
+        about = self._about() | {"sync_points": done, "good": self._good}
         if self._machine.scheme.memory is not None:
             saved["scheme"] = self._machine.scheme.memory.save()
         files.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
@@ -86,7 +91,8 @@ class Keeper:
         if self._machine.scheme.memory is not None:
             self._machine.scheme.memory.restore(saved["scheme"])
         self._recorder.restore(saved["recorder"])
-        self._last = save.sync_points
+        self._guard.restore(saved["watch"])
+        self._last, self._good = save.sync_points, save.good
         state: State = like(start, saved["coupling"])
         return state
 

@@ -105,10 +105,44 @@ class HandOver(Table):
     """Panels and walls push the frames."""
 
 
-class Watch(Table):
-    """What a run does about what should not happen: "warn" says it once and goes on, "stop" ends
-    the run with its results kept (exit code 4).  Looked at at output times."""
+Then = Literal["warn", "shorten", "stop"]
 
+
+class Watch(Table):
+    """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
+    runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
+    "stop" ends the run with its results kept (exit code 4), and names the last save from before.
+    Looked at at output times, the first three after every sync interval
+    (docs/theory/stability.md)."""
+
+    created_energy: Then = "shorten"
+    """Energy that the coupling creates or destroys within some twenty intervals."""
+    largest_created_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
+    """Of the energy that went through the interface in them."""
+    created_in_total: Literal["warn", "stop"] = "warn"
+    """The same since t = 0."""
+    largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
+    """Of the energy that went through since then."""
+    growing_modes: Then = "shorten"
+    """Points of the surface that alternate from interval to interval, more and more."""
+    largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
+    """Their speed, of the largest one that the surface had so far."""
+    stretched_panels: Then = "warn"
+    """Panels that are stretched too far anywhere, along an edge of the surface's triangles."""
+    largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3
+    """Over the stress-free length: as far as the material's constants were measured.  Panels that
+    work are stretched by some hundredths."""
+    deep_overlaps: Then = "warn"
+    """Particles that overlap each other or the surface too deeply."""
+    largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
+    """Of the smaller radius: contacts are small against bodies, as Hertz's theory wants."""
+    long_steps: Then = "warn"
+    """Particles, or points of the surface, that move too far in a step of the particles."""
+    largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
+    """Of a radius (for the surface the smallest): farther, contacts are found late or never."""
+    calm_s: NotNegative = 0.0
+    """How long nothing must be amiss before intervals become longer again; 0: a cycle of the
+    machine."""
     lost_particles: Literal["warn", "stop"] = "warn"
     """Particles that leave the domain elsewhere than through an exit."""
     escaped_particles: Literal["warn", "stop"] = "warn"

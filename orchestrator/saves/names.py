@@ -1,0 +1,31 @@
+"""Arrays by name within names: as one table, as a file of arrays holds them, and back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from orchestrator.ports import Saved
+
+
+def flat(saved: Saved, within: str = "") -> dict[str, Any]:
+    """Names with slashes; one that ends with a slash stands for "nothing in here"."""
+    flat: dict[str, Any] = {} if saved else {within: np.empty(0)}
+    for name, value in saved.items():
+        flat |= (
+            flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
+        )
+    return flat
+
+
+def nested(flat: dict[str, Any]) -> Saved:
+    saved: Saved = {}
+    for path, value in flat.items():
+        *parents, name = path.split("/")
+        inner = saved
+        for parent in parents:
+            inner = inner.setdefault(parent, {})
+        if name:
+            inner[name] = value
+    return saved

@@ -1,0 +1,140 @@
+"""The watch: runs each interval as finely as needed, looks at it, and does what the case wants."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from rich.console import Console
+
+from orchestrator.bed.particle_step import particle_step_s
+from orchestrator.casefile.case import Case
+from orchestrator.clock import Interval, steps_in
+from orchestrator.coupling import State
+from orchestrator.machine import Machine
+from orchestrator.plans import SolverFailed
+from orchestrator.particle_records import Bed
+from orchestrator.ports import Saved
+from orchestrator.ranks import first_rank_does, is_first
+from orchestrator.records.summary import cycle_s
+from orchestrator.tables.numerics import Then
+from orchestrator.watching.coupling_watch import CouplingWatch
+from orchestrator.watching.figures import Figures
+from orchestrator.watching.output_watch import OutputWatch
+from orchestrator.watching.pace import Pace
+
+LOG = logging.getLogger("flipflow")
+MOST_PARTS = 64
+WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
+
+
+class Stopped(SolverFailed):
+    """The watch stops the run, at a sync point with the ``state`` there."""
+
+    def __init__(self, what: str, state: State) -> None:
+        super().__init__(f"stopped by the watch at {what}")
+        self.state = state
+
+
+class Guard:
+    """On every rank; the first one looks and decides for all."""
+
+    def __init__(
+        self, case: Case, machine: Machine, start: State, world: Any, console: Console
+    ) -> None:
+        self._machine, self._world, self._console = machine, world, console
+        self._interval_s = case.coupling.sync_interval_s
+        self.pace = Pace(self._interval_s, most_parts(case), calm_intervals(case))
+        self._figures = Figures(case.watch)
+        self._coupling = CouplingWatch(case.hand_over, machine.members, start)
+        self._output = OutputWatch(machine.panels, particle_step_s(case))
+        self._said_shortest = False
+
+    def advance(self, interval: Interval, state: State) -> tuple[State, State]:
+        """The state after a sync interval, to go on from and to be recorded."""
+        machine = self._machine
+        return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
+
+    def output(self, time_s: float, state: State, bed: Bed | None) -> None:
+        """At output times."""
+        if is_first(self._world):
+            with self._machine.stopwatch("watch"):
+                self._output.look(self._figures, time_s, state, bed)
+
+    def act(self, time_s: float, state: State) -> None:
+        """After an interval: warns or shortens the next ones, as the case wants.  Raises
+        Stopped."""
+        with self._machine.stopwatch("watch"):
+            then, what = first_rank_does(self._world, lambda: self._verdict(time_s))
+        if then == "stop":
+            self.pace.trusted = False
+            raise Stopped(what, state)
+        if then == "shorten":
+            self._shorten(time_s, what)
+        elif self.pace.ease():
+            self._changed(f"t = {time_s:.6g} s: nothing was amiss for a while")
+
+    def figures(self, intervals: int) -> dict[str, Any]:
+        """For ``summary.json``, after so many sync intervals."""
+        return {
+            "shortened_intervals": self.pace.divided,
+            "shortened_share": self.pace.divided / intervals if intervals else 0.0,
+            "shortest_interval_s": self._interval_s / self.pace.finest,
+            "figures": self._figures.as_json(),
+        }
+
+    def save(self) -> Saved:
+        saved = {"pace": self.pace.save(), "figures": self._figures.save()}
+        return saved | {"coupling": self._coupling.save()}
+
+    def restore(self, saved: Saved) -> None:
+        self.pace.restore(saved["pace"])
+        self._figures.restore(saved["figures"])
+        self._coupling.restore(saved["coupling"])
+
+    def _look(self, part: Interval, state: State) -> None:
+        if is_first(self._world):
+            with self._machine.stopwatch("watch"):
+                self._coupling.add(part.length_s, state)
+
+    def _verdict(self, time_s: float) -> tuple[Then, str]:
+        """What is to be done, and why."""
+        self._coupling.look(self._figures, time_s)
+        alarms = self._figures.alarms()
+        for alarm in alarms:
+            if alarm.new:
+                self._say(alarm.what)
+        for alarm in sorted(alarms, key=lambda alarm: WEIGHT.index(alarm.then)):
+            return alarm.then, alarm.what
+        return "warn", ""
+
+    def _shorten(self, time_s: float, what: str) -> None:
+        if self.pace.shorten():
+            self._changed(what)
+        elif not self._said_shortest:
+            self._said_shortest = True
+            self._say(f"{what}: the sync intervals cannot be shortened any further")
+
+    def _changed(self, why: str) -> None:
+        """The length of what the coupling is looked at by is another from now on."""
+        self._coupling.begin_anew()
+        parts = self.pace.parts
+        if is_first(self._world):
+            LOG.info("%s: sync intervals of %g s from here on", why, self._interval_s / parts)
+
+    def _say(self, what: str) -> None:
+        LOG.warning(what)
+        self._console.print(f"warning: {what}")
+
+
+def most_parts(case: Case) -> int:
+    """Each part has at least a step of the particles."""
+    if case.particles.solver == "none":
+        return MOST_PARTS
+    return min(MOST_PARTS, steps_in(case.coupling.sync_interval_s, particle_step_s(case)))
+
+
+def calm_intervals(case: Case) -> int:
+    """Sync intervals of a cycle of the machine, if the case says nothing else: what was amiss comes
+    back with it."""
+    return steps_in(case.watch.calm_s or cycle_s(case), case.coupling.sync_interval_s)

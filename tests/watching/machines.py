@@ -1,0 +1,72 @@
+"""The members on a line as a machine that the watch can look at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from orchestrator.clock import Interval
+from orchestrator.coupling import SCHEMES, Solvers, State, initial
+from orchestrator.geometry import TriangleSurface
+from orchestrator.ledger import Members
+from orchestrator.machine import Machine
+from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.records.bushing_forces import BushingForces
+from orchestrator.stopwatch import Stopwatch
+from orchestrator.watching.guard import Guard
+from tests.case.cases import loaded
+from tests.coupling.line import FreeFrame, HungPlate, Sphere
+
+NOBODY = np.empty(0, dtype=np.int64)
+NOWHERE = np.empty((0, 3))
+
+
+def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> Members:
+    watch = Stopwatch()
+    return Members(
+        MeteredFrames(frame, "frame", watch),
+        MeteredPanel(plate, "plate", "panel", watch),
+        MeteredParticles(sphere, "sphere", watch),
+    )
+
+
+def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -> Machine:
+    meters = metered(sphere, plate, frame)
+    return Machine(
+        solvers=Solvers(meters.frames, meters.panel, meters.particles),
+        members=meters,
+        scheme=SCHEMES[scheme],
+        stopwatch=Stopwatch(),
+        surface=TriangleSurface(NOWHERE, np.empty((0, 3), dtype=np.int64), NOBODY),
+        panel_of_triangle=NOBODY,
+        panels=(),
+        centres={},
+        probes=(),
+        bushings=BushingForces.of((), {}, NOWHERE),
+        material=None,
+        wearing=None,
+        contacts=None,
+    )
+
+
+def guarded(
+    folder: Path,
+    machine: Machine,
+    interval_s: float,
+    intervals: int,
+    sets: Sequence[str] = (),
+    each: Callable[[State], object] = lambda state: None,
+) -> Guard:
+    """Runs so many intervals under the watch; ``each`` is shown what is recorded of them."""
+    free = [f"coupling.sync_interval_s={interval_s}", "particles.solver=none", *sets]
+    state = initial(machine.solvers)
+    guard = Guard(loaded(folder, free).case, machine, state, None, Console(quiet=True))
+    for index in range(intervals):
+        interval = Interval(index, interval_s)
+        state, seen = guard.advance(interval, state)
+        each(seen)
+        guard.act(interval.end_s, state)
+    return guard

@@ -1,0 +1,115 @@
+"""What alternates and grows is found, what only moves, rings or rattles is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+
+from orchestrator.clock import Interval
+from orchestrator.coupling import SCHEMES, initial
+from orchestrator.ports import Array
+from orchestrator.stability.contact_limits import light_point_s
+from orchestrator.watching.alternation import Alternation
+from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
+from tests.stability.growth import CONTACT, Line, limit_s
+
+POINTS, LOUD = 50, 0.05
+STROKE = np.linspace(0.0, 1.0, POINTS)[:, None] * np.array([1.0, 0.0, 0.5])  # m/s
+TURN = 78.5 * 5e-5  # of the machine, in a sync interval
+
+
+def worst(velocities_m_s: Iterable[Array]) -> float:
+    steps = iter(velocities_m_s)
+    watched, found = Alternation(next(steps)), 0.0
+    for velocity_m_s in steps:
+        watched.add(velocity_m_s)
+        found = max(found, watched.share())
+    return found
+
+
+def shaken(intervals: int) -> list[Array]:
+    return [np.sin(TURN * n) * STROKE for n in range(intervals)]
+
+
+@pytest.mark.parametrize("root", [-1.02, -1.2, -3.0])
+def test_one_point_that_grows_among_others_that_move(root: float) -> None:
+    one = np.zeros((POINTS, 3))
+    one[17] = [0.0, 0.0, 1e-6]
+    until = round(np.log(1e7) / np.log(-root))
+    assert worst(v + root**n * one for n, v in enumerate(shaken(until))) > LOUD
+
+
+@pytest.mark.parametrize("root", [-0.9, 0.9, 1.02, -1.0, 1j, -0.7 + 0.7j, 0.9j])
+def test_what_rings_or_grows_slowly_is_none(root: complex) -> None:
+    """Physical modes that an interval samples at any phase, and what alternates but does not grow."""
+    one = np.zeros((POINTS, 3))
+    one[17] = [0.0, 0.0, 1.0]
+    assert worst(v + (root**n).real * one for n, v in enumerate(shaken(300))) == 0.0
+
+
+@pytest.mark.parametrize("ringing", [0.0, -0.5, 1.0])
+def test_a_rattling_bed_is_none(ringing: float) -> None:
+    """Blows at random, on points that forget them at once, ring at the interval's own frequency, or
+    keep their speed: 100 points, 5000 intervals."""
+    chance = np.random.default_rng(1)
+    blows = chance.normal(size=(5000, 100, 3)) * (chance.random((5000, 100, 1)) < 0.1)
+    speed = np.zeros((100, 3))
+    assert worst(speed := ringing * speed + blow for blow in blows) == 0.0
+
+
+def test_rounding_that_grows_at_rest_is_too_slow_to_count() -> None:
+    one = 1e-12 * np.ones((POINTS, 3))
+    assert worst((-1.2) ** n * one for n in range(60)) < LOUD
+
+
+def test_it_begins_anew_with_intervals_of_another_length() -> None:
+    watched = Alternation(np.zeros((1, 3)))
+    for n in range(20):
+        watched.add(np.full((1, 3), (-1.2) ** n))
+    assert watched.share() > LOUD
+    watched.forget_recent()
+    assert watched.share() == 0.0
+    for n in range(6):  # not yet as often as needed
+        watched.add(np.full((1, 3), (-1.2) ** n))
+    assert watched.share() == 0.0
+
+
+def test_it_is_restored() -> None:
+    watched, other = (Alternation(np.zeros((2, 3))) for _ in range(2))
+    for n in range(7):
+        watched.add(np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]]))
+    other.restore(watched.save())
+    for n in range(7, 12):
+        for one in (watched, other):
+            one.add(np.array([[0.0, 0.0, (-1.2) ** n], [0.0, 0.0, 1.0]]))
+        assert watched.share() == other.share()
+    assert watched.share() > LOUD
+
+
+def held_down(damping_N_s_m: float, v: float) -> tuple[Sphere, HungPlate, FreeFrame]:
+    """A heavy sphere that stays on a free plate of 1 kg, which has the speed v."""
+    sphere = Sphere(1e6, 1.0, 0.0, 0.0, 20, damping_N_s_m, stays=True)
+    return sphere, HungPlate(1.0, 0.0, 20, v=v), FreeFrame(1e6)
+
+
+@pytest.mark.parametrize("damping_N_s_m", [0.0, 0.3, 3.0])
+@pytest.mark.parametrize(("of_the_limit", "found"), [(1.1, True), (0.9, False)])
+def test_the_real_limit_of_a_light_point(
+    damping_N_s_m: float, of_the_limit: float, found: bool
+) -> None:
+    """Found by bisection of the real loop: beyond it the watch sees the mode, below it does not."""
+    predicted_s = light_point_s(1.0, damping_N_s_m, 1.0, 0.0)
+    line = Line(*held_down(damping_N_s_m, 0.0))
+    limit = limit_s(lambda h: line.radius("particles-first", h, CONTACT), predicted_s)
+    interval_s = of_the_limit * limit
+    solvers = members(*held_down(damping_N_s_m, 1e-3))
+    state = initial(solvers)
+    watched, share = Alternation(state.panel.surface.velocity_m_s), 0.0
+    for index in range(60):
+        interval = Interval(index, interval_s)
+        state = SCHEMES["particles-first"].advance(solvers, interval, state)
+        watched.add(state.panel.surface.velocity_m_s)
+        share = max(share, watched.share())
+    assert (share > LOUD) is found
