@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.records.summary import closing_lines, cycle_s
+from orchestrator.records.summary import closing_lines, cycle_s, watch_lines
 from tests.case.cases import loaded
 
 
@@ -22,6 +22,17 @@ def test_energy_created_is_warned_of(created_J: float, warned: bool) -> None:
         "particles": 0,
     }
     assert any("WARNING" in line for line in closing_lines(summary)) is warned
+
+
+@pytest.mark.parametrize("intervals", [0, 12])
+def test_intervals_run_in_parts_are_warned_of(intervals: int) -> None:
+    watch = {
+        "shortened_intervals": intervals,
+        "shortened_share": intervals / 100,
+        "shortest_interval_s": 2.5e-5,
+    }
+    said = ["the watch ran 12 sync intervals (12 %) in parts, down to 2.5e-05 s"]
+    assert [line[9:].split(";")[0] for line in watch_lines(watch)] == said[: bool(intervals)]
 
 
 def test_the_cycle_is_that_of_the_slowest_that_moves(tmp_path: Path) -> None:

@@ -105,6 +105,17 @@ def material_lines(material: dict[str, Any]) -> list[str]:
     return lines
 
 
+def watch_lines(watch: dict[str, Any]) -> list[str]:
+    """Whether intervals had to be shortened."""
+    if not watch["shortened_intervals"]:
+        return []
+    return [
+        f"WARNING: the watch ran {watch['shortened_intervals']} sync intervals "
+        f"({100 * watch['shortened_share']:.2g} %) in parts, down to "
+        f"{watch['shortest_interval_s']:g} s; run.log says when and why"
+    ]
+
+
 def created_J(ledger: dict[str, float]) -> float:
     """Energy that the coupling made."""
     return sum(value for name, value in ledger.items() if name.startswith("created."))
@@ -150,6 +161,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         lines += iteration_lines(iterations)
     if material := summary.get("material"):
         lines += material_lines(material)
+    if watch := summary.get("watch"):
+        lines += watch_lines(watch)
     if abs(share) > LARGEST_SHARE_CREATED:
         lines.append(
             f"WARNING: the coupling created more than {100 * LARGEST_SHARE_CREATED:g} % of the "

@@ -30,9 +30,22 @@ def quality(summary: dict[str, Any]) -> list[tuple[str, str]]:
         turned = sum(abs(v) for k, v in ledger.items() if k.startswith(("supplied.", "lost.")))
         rows.append(("energy supplied and lost", f"{number(turned)} J"))
     rows.append(("sync intervals", f"{summary['sync_intervals']}"))
+    if watch := summary.get("watch"):
+        rows += list(_watched(watch))
     if summary["particle_steps_per_s"]:
         rows.append(("particle steps per second", f"{summary['particle_steps_per_s']:.2e}"))
     return rows
+
+
+def _watched(watch: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What the watch did, and the worst that it saw."""
+    if watch["shortened_intervals"]:
+        shortened = f"{watch['shortened_intervals']}, down to {watch['shortest_interval_s']:g} s"
+        yield "of them run in parts", shortened
+    for name, figure in watch["figures"].items():
+        seen = f"{number(figure['worst'])} (limit {figure['limit']:g})"
+        times = f", beyond it {figure['times']} times" if figure["times"] else ""
+        yield f"watch: {name.replace('_', ' ')}, worst", seen + times
 
 
 def warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:

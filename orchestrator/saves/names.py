@@ -11,17 +11,18 @@ from orchestrator.ports import Saved
 
 def flat(saved: Saved, within: str = "") -> dict[str, Any]:
     """Names with slashes; one that ends with a slash stands for "nothing in here"."""
-    flat: dict[str, Any] = {} if saved else {within: np.empty(0)}
+    table: dict[str, Any] = {} if saved else {within: np.empty(0)}
     for name, value in saved.items():
-        flat |= (
+        table |= (
             flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
         )
-    return flat
+    return table
 
 
-def nested(flat: dict[str, Any]) -> Saved:
+def nested(table: dict[str, Any]) -> Saved:
+    """What ``flat`` was made of."""
     saved: Saved = {}
-    for path, value in flat.items():
+    for path, value in table.items():
         *parents, name = path.split("/")
         inner = saved
         for parent in parents:

@@ -134,8 +134,8 @@ class Watch(Table):
     work are stretched by some hundredths."""
     deep_overlaps: Then = "warn"
     """Particles that overlap each other or the surface too deeply."""
-    largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
-    """Of the smaller radius: contacts are small against bodies, as Hertz's theory wants."""
+    largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
+    """Of the smaller radius: twice what Hertz's theory wants, contacts small against bodies."""
     long_steps: Then = "warn"
     """Particles, or points of the surface, that move too far in a step of the particles."""
     largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1

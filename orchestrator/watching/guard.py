@@ -12,8 +12,8 @@ from orchestrator.casefile.case import Case
 from orchestrator.clock import Interval, steps_in
 from orchestrator.coupling import State
 from orchestrator.machine import Machine
-from orchestrator.plans import SolverFailed
 from orchestrator.particle_records import Bed
+from orchestrator.plans import SolverFailed
 from orchestrator.ports import Saved
 from orchestrator.ranks import first_rank_does, is_first
 from orchestrator.records.summary import cycle_s

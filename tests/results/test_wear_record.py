@@ -37,6 +37,8 @@ def record() -> tuple[WearRecord, TriangleSurface]:
         first_clamp=NONE,
         second_clamp=NONE,
         stops=NONE,
+        edges=NONE,
+        edge_length_m=np.empty(0),
     )
     return WearRecord(surface, [panel], [AT]), surface
 

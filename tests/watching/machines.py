@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from orchestrator import schemes
 from orchestrator.clock import Interval
-from orchestrator.coupling import SCHEMES, Solvers, State, initial
+from orchestrator.coupling import Solvers, State, initial
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
 from orchestrator.machine import Machine
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.ports import Saved
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.watching.guard import Guard
@@ -24,12 +26,19 @@ NOBODY = np.empty(0, dtype=np.int64)
 NOWHERE = np.empty((0, 3))
 
 
+class NoFeed:
+    def save(self) -> Saved:
+        return {}
+
+    def restore(self, saved: Saved) -> None: ...
+
+
 def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> Members:
     watch = Stopwatch()
     return Members(
         MeteredFrames(frame, "frame", watch),
         MeteredPanel(plate, "plate", "panel", watch),
-        MeteredParticles(sphere, "sphere", watch),
+        MeteredParticles(sphere, NoFeed(), "sphere", watch),
     )
 
 
@@ -38,7 +47,7 @@ def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -
     return Machine(
         solvers=Solvers(meters.frames, meters.panel, meters.particles),
         members=meters,
-        scheme=SCHEMES[scheme],
+        scheme=schemes.scheme(scheme),
         stopwatch=Stopwatch(),
         surface=TriangleSurface(NOWHERE, np.empty((0, 3), dtype=np.int64), NOBODY),
         panel_of_triangle=NOBODY,

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from orchestrator.clock import Interval
-from orchestrator.coupling import SCHEMES, initial
+from orchestrator.coupling import initial
 from orchestrator.ports import Array
+from orchestrator.schemes import scheme
 from orchestrator.stability.contact_limits import light_point_s
 from orchestrator.watching.alternation import Alternation
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
@@ -43,7 +44,7 @@ def test_one_point_that_grows_among_others_that_move(root: float) -> None:
 
 @pytest.mark.parametrize("root", [-0.9, 0.9, 1.02, -1.0, 1j, -0.7 + 0.7j, 0.9j])
 def test_what_rings_or_grows_slowly_is_none(root: complex) -> None:
-    """Physical modes that an interval samples at any phase, and what alternates but does not grow."""
+    """Modes that an interval samples at any phase, and what alternates but does not grow."""
     one = np.zeros((POINTS, 3))
     one[17] = [0.0, 0.0, 1.0]
     assert worst(v + (root**n).real * one for n, v in enumerate(shaken(300))) == 0.0
@@ -105,11 +106,11 @@ def test_the_real_limit_of_a_light_point(
     limit = limit_s(lambda h: line.radius("particles-first", h, CONTACT), predicted_s)
     interval_s = of_the_limit * limit
     solvers = members(*held_down(damping_N_s_m, 1e-3))
-    state = initial(solvers)
+    state, advance = initial(solvers), scheme("particles-first").advance
     watched, share = Alternation(state.panel.surface.velocity_m_s), 0.0
     for index in range(60):
         interval = Interval(index, interval_s)
-        state = SCHEMES["particles-first"].advance(solvers, interval, state)
+        state = advance(solvers, interval, state)
         watched.add(state.panel.surface.velocity_m_s)
         share = max(share, watched.share())
     assert (share > LOUD) is found

@@ -1,0 +1,85 @@
+"""The watch on a whole run: what it stops can go on, what it shortens is one run for everybody."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+from pathlib import Path
+
+import h5py
+import pytest
+
+from orchestrator.commands import launch
+from orchestrator.commands.resume import resume
+from tests.runs.outside import flipflow, left_usable, run_words, said_plainly, summary
+from tests.runs.same_run import run_differences
+from tests.runs.test_resumed import QUICKSTART, UNSAVED, run, saves
+
+# 30 pieces of coal fall faster and faster: too fast for this at 6 ms, the second output time
+FAST = "watch.largest_step_share=4.5e-4"
+UNEASY = [FAST, "watch.long_steps=shorten", "watch.calm_s=0.0018"]
+
+
+def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: Path) -> None:
+    whole = run(tmp_path / "whole", QUICKSTART, [*UNSAVED, FAST])
+    folder = tmp_path / "run"
+    sets = [*QUICKSTART[1:], FAST, "watch.long_steps=stop", "save.every_s=0.0011"]
+    done = flipflow(*run_words(QUICKSTART[0], folder, sets))
+    assert done.returncode == 4, done.stderr
+    said_plainly(done)
+    stopped, _, good, command = done.stderr.strip().splitlines()[-4:]
+    assert stopped.startswith("stopped by the watch at t = 0.006 s: particle ")
+    assert left_usable(folder, "failed")["reason"] == stopped
+    assert good == f"last good state: t = 0.0055 s, {saves(folder)[-2]}"
+    assert saves(folder)[-1].name == f"{60:012d}"  # that of the stop is there, too
+    words = shlex.split(command.removeprefix("to go on from there: flipflow "))
+    assert words == ["resume", str(folder), "--save", "55"]
+    gone_on = flipflow(*words, "--set", "watch.long_steps=warn")
+    assert gone_on.returncode == 0, gone_on.stderr
+    assert run_differences(whole, folder) == []
+
+
+def test_stopped_before_anything_was_saved_it_can_go_on_from_where_it_stopped(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, (name, *sets) = tmp_path / "run", QUICKSTART
+    words = [*sets, *UNSAVED, FAST, "watch.long_steps=stop"]
+    code = launch.run(Path("cases") / name, "draft", folder, words)
+    assert code == launch.FAILED
+    said = capsys.readouterr().err.replace("\n", " ")
+    assert f"nothing was saved before; state at t = 0.006 s: {saves(folder)[0]}" in said
+    assert resume(folder, ["watch.long_steps=warn"]) == launch.DONE
+    assert summary(folder)["status"] == "done"
+
+
+def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
+    whole = run(tmp_path / "whole", QUICKSTART, [*UNSAVED, *UNEASY])
+    folder = run(tmp_path / "run", QUICKSTART, ["save.every_s=0.0077", *UNEASY])
+    shutil.rmtree(saves(folder)[-1])
+    assert resume(folder, []) == launch.DONE
+    assert run_differences(whole, folder) == []
+    watched = summary(whole)["watch"]
+    # from 6 ms in halves, from 7.8 ms whole, from 9 ms on in halves again, and twice as long
+    assert watched["shortened_intervals"] == 18 + 30
+    assert watched["shortest_interval_s"] == 1e-4 / 2
+    assert watched["figures"]["long_steps"]["first_s"] == 0.006
+    with h5py.File(whole / "history.h5") as history:
+        assert len(history["forces/deck-1/time_s"]) == 121  # as of any run
+    assert "sync intervals of 5e-05 s from here on" in (whole / "run.log").read_text()
+
+
+def test_the_save_from_before_stays(tmp_path: Path) -> None:
+    """While intervals are shortened, later saves are not trusted."""
+    sets = ["save.every_s=0.0011", *UNEASY, "watch.calm_s=1.0"]
+    names = [save.name for save in saves(run(tmp_path / "run", QUICKSTART, sets))]
+    assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
+    assert len(names) == 3
+    assert int(names[0]) == 55
+
+
+def test_a_save_that_is_not_there_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = run(tmp_path / "run", QUICKSTART, ["duration_s=0.003"])
+    assert resume(folder, [], 7) == launch.WRONG
+    assert "has no whole save of sync point 7" in capsys.readouterr().err

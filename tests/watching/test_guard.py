@@ -1,0 +1,148 @@
+"""What the watch does about what it sees, on the members on a line."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.machine import Machine
+from orchestrator.stability.contact_limits import light_point_s
+from orchestrator.watching.guard import Stopped
+from tests.coupling.line import FreeFrame, HungPlate, Sphere
+from tests.watching.machines import guarded, on_a_line
+
+STIFFNESS_N_m, DAMPING_N_s_m = 1e5, 20.0
+LIMIT_s = light_point_s(STIFFNESS_N_m, DAMPING_N_s_m, 1.0 / 0.8, 0.0)  # 0.8 of it is counted
+LONG_s, INTERVALS = 0.0062, 200
+STAYS = "watch.calm_s=100.0"  # short to the end
+CREATED, GROWING = "created_energy", "growing_modes"
+ALONE = {
+    CREATED: ["watch.growing_modes=warn", "watch.largest_growing_share=1.0"],
+    GROWING: ["watch.created_energy=warn", "watch.largest_created_share=1.0"],
+}
+
+
+def pressed() -> tuple[HungPlate, Machine]:
+    """A plate of 1 kg that something heavy holds by a contact's spring and damper, on a soft spring
+    to a heavy frame; it starts at rest 0.1 mm out of its place."""
+    plate = HungPlate(1.0, 100.0, 20, x=1e-4)
+    sphere = Sphere(1e9, STIFFNESS_N_m, 0.0, 0.0, 20, DAMPING_N_s_m, stays=True)
+    return plate, on_a_line(sphere, plate, FreeFrame(1e9), "particles-first")
+
+
+def test_the_interval_is_beyond_the_limit_and_its_half_is_not() -> None:
+    assert LONG_s / 2 < LIMIT_s < LONG_s
+
+
+@pytest.mark.parametrize("then", ["created_energy", "growing_modes"])
+def test_what_would_grow_without_end_is_shortened_and_ends_as_a_fine_run(
+    tmp_path: Path, then: str
+) -> None:
+    """Each of the two alone finds it.  A fine run is still at its end; without the watch the plate
+    is ten million times as far from there as at the start."""
+    free, machine = pressed()
+    guarded(tmp_path / "a", machine, LONG_s, INTERVALS, [*ALONE[CREATED], f"watch.{CREATED}=warn"])
+    assert abs(free.x) > 1e3
+    watched, machine = pressed()
+    guard = guarded(tmp_path / "b", machine, LONG_s, INTERVALS, [*ALONE[then], STAYS])
+    fine, machine = pressed()
+    guarded(tmp_path / "c", machine, LONG_s / 16, 16 * INTERVALS)
+    assert abs(watched.x - fine.x) < 1e-3 * 1e-4
+    said = guard.figures(INTERVALS)
+    assert said["shortest_interval_s"] <= LONG_s / 2
+    assert said["figures"][then]["times"] >= 1
+    assert said["shortened_share"] == said["shortened_intervals"] / INTERVALS > 0.5
+
+
+def test_a_quiet_run_is_left_alone(tmp_path: Path) -> None:
+    _, machine = pressed()
+    guard = guarded(tmp_path, machine, LONG_s / 8, INTERVALS)
+    said = guard.figures(INTERVALS)
+    assert said["shortened_intervals"] == 0
+    assert {one["times"] for one in said["figures"].values()} == {0}
+
+
+def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    _, machine = pressed()
+    sets = ["watch.created_energy=warn", "watch.growing_modes=warn"]
+    with caplog.at_level(logging.INFO, "flipflow"):
+        guard = guarded(tmp_path, machine, LONG_s, INTERVALS, sets)
+    assert caplog.text.count("a mode of the interface grows") == 1
+    assert caplog.text.count("in the last intervals") == 1
+    said = guard.figures(INTERVALS)
+    assert said["shortened_intervals"] == 0
+    assert said["figures"]["growing_modes"]["times"] > 10
+
+
+def test_stop_stops_before_it_is_too_late(tmp_path: Path) -> None:
+    plate, machine = pressed()
+    with pytest.raises(Stopped, match=r"stopped by the watch at t = .* s: a mode of the int") as at:
+        guarded(tmp_path, machine, LONG_s, INTERVALS, [*ALONE[GROWING], "watch.growing_modes=stop"])
+    assert at.value.state.panel.surface.position_m[0, 0] == plate.x
+    assert abs(plate.x) < 0.01
+
+
+def test_what_cannot_be_shortened_further_is_said_once(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A frame lighter than what it carries: no interval is short enough."""
+    plate = HungPlate(1.0, 1e9, 20, v=1.0)
+    machine = on_a_line(Sphere(1.0, 1.0, 9.0, 0.0, 2), plate, FreeFrame(0.5), "serial-staggered")
+    with caplog.at_level(logging.WARNING, "flipflow"), np.errstate(all="ignore"):
+        guard = guarded(tmp_path, machine, 1e-3, 60)
+    assert guard.figures(60)["shortest_interval_s"] == 1e-3 / 64
+    assert caplog.text.count("cannot be shortened any further") == 1
+
+
+def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> None:
+    """What the frame gains in momentum is what was recorded of the reaction."""
+    _, machine = pressed()
+    recorded: list[float] = []
+    guarded(
+        tmp_path,
+        machine,
+        LONG_s,
+        INTERVALS,
+        each=lambda seen: recorded.append(seen.panel.reaction.force_N[0, 0]),
+    )
+    received = machine.members.frames.received_N_s[0]
+    assert LONG_s * sum(recorded) == pytest.approx(received, rel=1e-12)
+
+
+def test_calm_again_it_goes_on_in_whole_intervals(tmp_path: Path) -> None:
+    """What was amiss is over when the sphere lets go."""
+    _, machine = pressed()
+    sphere = machine.members.particles
+    assert sphere is not None
+    done = []
+
+    def lets_go(_: object) -> None:
+        done.append(1)
+        if len(done) == 40:
+            sphere._particles.stiffness_N_m = sphere._particles.damping_N_s_m = 0.0  # type: ignore[attr-defined]
+
+    guard = guarded(tmp_path, machine, LONG_s, 200, ["watch.calm_s=0.21"], lets_go)
+    assert guard.pace.parts == 1
+    assert guard.pace.trusted
+    assert 30 <= guard.pace.divided < 180
+
+
+def test_it_goes_on_bit_for_bit_from_a_save(tmp_path: Path) -> None:
+    _, machine = pressed()
+    whole = guarded(tmp_path / "a", machine, LONG_s, 30)
+    other, again = pressed()[1], None
+    again = guarded(tmp_path / "b", other, LONG_s, 0)
+    again.restore(whole.save())
+    for name, value in flat(whole.save()).items():
+        np.testing.assert_array_equal(value, flat(again.save())[name])
+
+
+def flat(saved: dict, within: str = "") -> dict:
+    found = {}
+    for name, value in saved.items():
+        key = f"{within}/{name}"
+        found |= flat(value, key) if isinstance(value, dict) else {key: value}
+    return found

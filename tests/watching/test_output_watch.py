@@ -1,0 +1,95 @@
+"""Stretch, overlap and motion per step: each found in a scene made for it, and in no other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from orchestrator.coupling import State
+from orchestrator.geometry import Edges
+from orchestrator.machine import PanelPoints
+from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
+from orchestrator.tables.numerics import Watch
+from orchestrator.watching.figures import Figures
+from orchestrator.watching.output_watch import OutputWatch, largest_stretch
+
+STEP_s = 1e-5
+NONE = np.empty(0, dtype=np.int64)
+FLAT_m = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]], dtype=float)
+EDGES = Edges.of(FLAT_m[:, :2], np.array([[0, 1, 2], [1, 3, 2]]))
+PANEL = PanelPoints(
+    "deck",
+    slice(4),
+    slice(0),
+    NONE,
+    NONE,
+    NONE,
+    NONE,
+    NONE,
+    EDGES.points,
+    EDGES.length_m,
+)
+BALLS = ParticleSnapshot(
+    id=np.array([3, 8]),
+    position_m=np.zeros((2, 3)),
+    velocity_m_s=np.array([[0, 0, -1.0], [2.0, 0, 0]]),
+    spin_rad_s=np.zeros((2, 3)),
+    diameter_m=np.array([0.01, 0.004]),
+    density_kg_m3=np.ones(2),
+    material=np.zeros(2, dtype=np.int64),
+)
+
+
+def state(position_m: np.ndarray = FLAT_m, speed_m_s: float = 1.0) -> State:
+    surface = Motion(position_m, np.full_like(position_m, speed_m_s / np.sqrt(3)))
+    clamps = Motion(np.empty((0, 3)), np.empty((0, 3)))
+    return State(clamps, np.empty((0, 3)), PanelState(surface, Load.zero(0)), Load.zero(4))
+
+
+def alarms(now: State, balls: ParticleSnapshot, overlap: float) -> list[str]:
+    figures = Figures(Watch())
+    OutputWatch([PANEL], STEP_s).look(figures, 0.5, now, balls, overlap)
+    return [alarm.what for alarm in figures.alarms()]
+
+
+def test_five_edges_of_two_triangles() -> None:
+    assert len(EDGES.points) == 5
+    assert sorted(EDGES.length_m) == pytest.approx([0.1] * 4 + [0.1 * np.sqrt(2)])
+
+
+def test_stretch_is_the_largest_over_the_stress_free_lengths() -> None:
+    pulled = FLAT_m * [1.2, 1.0, 1.0]
+    assert largest_stretch(PANEL, pulled) == pytest.approx(0.2)
+    turned = pulled @ np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
+    assert largest_stretch(PANEL, turned) == pytest.approx(0.2)
+    assert largest_stretch(PANEL, 0.9 * FLAT_m) == pytest.approx(-0.1)
+
+
+@pytest.mark.parametrize(
+    ("position_m", "speed_m_s", "fastest_m_s", "overlap", "said"),
+    [
+        (FLAT_m, 1.0, 2.0, 0.01, None),
+        (1.29 * FLAT_m, 1.0, 2.0, 0.19, None),
+        (1.31 * FLAT_m, 1.0, 2.0, 0.01, "panel deck is stretched by 0.31"),
+        (FLAT_m, 1.0, 2.0, 0.21, "particles overlap by 0.21 of a radius"),
+        (FLAT_m, 1.0, 21.0, 0.01, "particle 8 moves in a particle step by 0.1"),
+        (FLAT_m, 21.0, 2.0, 0.01, "the surface moves in a particle step by 0.1"),
+    ],
+)
+def test_each_is_found_alone(
+    position_m: np.ndarray, speed_m_s: float, fastest_m_s: float, overlap: float, said: str | None
+) -> None:
+    """A step of 0.01 ms; the smaller ball has a radius of 2 mm, a tenth of which is 20 m/s."""
+    velocity_m_s = np.array([[0, 0, -1.0], [fastest_m_s, 0, 0]])
+    found = alarms(state(position_m, speed_m_s), replace(BALLS, velocity_m_s=velocity_m_s), overlap)
+    assert len(found) == (said is not None)
+    assert all(f"t = 0.5 s: {said}" in what for what in found)
+
+
+def test_no_particles_is_no_trouble() -> None:
+    nobody = ParticleSnapshot(
+        **{name: values[:0] for name, values in vars(BALLS).items()},
+    )
+    assert alarms(state(), nobody, 0.0) == []
