@@ -404,19 +404,3 @@ def test_a_surface_with_a_nan_cannot_cross() -> None:
     position_m[4, 1] = np.nan
     with pytest.raises(BrokenRecord, match="point 4"):
         Motion(position_m, still.velocity_m_s)
-
-
-@pytest.mark.parametrize(
-    ("place_m", "radius_m", "expected"),
-    [
-        ([[0.0, 0.0, 0.005], [0.01, 0.0, 0.0052]], (0.005, 0.005), 0.0),  # nobody touches
-        ([[0.0, 0.0, 0.0049], [0.015, 0.0, 0.0099]], (0.005, 0.01), 0.02),  # on the surface
-        ([[0.0, 0.0, 0.02], [0.0, 0.0, 0.0349]], (0.005, 0.01), 0.02),  # of the smaller one
-    ],
-)
-def test_the_deepest_overlap(
-    build: Build, place_m: list[list[float]], radius_m: tuple[float, float], expected: float
-) -> None:
-    given = particles(place_m, diameter_m=2.0 * np.array(radius_m))
-    run = build(plan(plate(0.03, 3), given, gravity_m_s2=WEIGHTLESS))
-    assert run.solver.deepest_overlap() == pytest.approx(expected, abs=1e-12)

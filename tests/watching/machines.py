@@ -57,7 +57,6 @@ def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -
         bushings=BushingForces.of((), {}, NOWHERE),
         material=None,
         wearing=None,
-        contacts=None,
     )
 
 

@@ -10,6 +10,7 @@ import pytest
 from orchestrator.coupling import State
 from orchestrator.geometry import Edges
 from orchestrator.machine import PanelPoints
+from orchestrator.particle_records import Overlaps
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.tables.numerics import Watch
 from orchestrator.watching.figures import Figures
@@ -50,7 +51,8 @@ def state(position_m: np.ndarray = FLAT_m, speed_m_s: float = 1.0) -> State:
 
 def alarms(now: State, balls: ParticleSnapshot, overlap: float) -> list[str]:
     figures = Figures(Watch())
-    OutputWatch([PANEL], STEP_s).look(figures, 0.5, now, balls, overlap)
+    overlaps = Overlaps(0.0, 0.0, 0.001, overlap / 2)
+    OutputWatch([PANEL], STEP_s).look(figures, 0.5, now, (balls, overlaps))
     return [alarm.what for alarm in figures.alarms()]
 
 
