@@ -13,6 +13,7 @@ from orchestrator.commands import launch
 from orchestrator.commands.resume import resume
 from tests.runs.outside import flipflow, left_usable, run_words, said_plainly, summary
 from tests.runs.same_run import run_differences
+from tests.runs.test_failed import FAR_TOO_LONG
 from tests.runs.test_resumed import QUICKSTART, UNSAVED, run, saves
 
 # 30 pieces of coal fall faster and faster: too fast for this at 6 ms, the second output time
@@ -83,3 +84,15 @@ def test_a_save_that_is_not_there_is_named(
     folder = run(tmp_path / "run", QUICKSTART, ["duration_s=0.003"])
     assert resume(folder, [], 7) == launch.WRONG
     assert "has no whole save of sync point 7" in capsys.readouterr().err
+
+
+def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path) -> None:
+    """Fifty times the quickstart's, which fails without the watch (``test_failed.py``)."""
+    folder = run(tmp_path / "run", ["quickstart", *FAR_TOO_LONG], [])
+    said = summary(folder)
+    assert said["watch"]["shortest_interval_s"] < 5e-3 / 4
+    ledger = said["energy_ledger_J"]
+    assert (
+        abs(ledger["created.particles-panel"]) < 0.02 * ledger["lost.particles.contact_dissipation"]
+    )
+    assert "WARNING: the watch ran " in (folder / "run.log").read_text()
