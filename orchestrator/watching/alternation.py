@@ -57,7 +57,7 @@ class Alternation:
         """Speed of the fastest point that alternates and grows, of the largest speed so far."""
         return self.alternating_m_s / max(self._fastest_m_s, SLOW_M_S)
 
-    def forget_recent(self) -> None:
+    def begin_anew(self) -> None:
         """Begins anew, where intervals are of another length."""
         self.alternating_m_s = 0.0
         self._begin(self._before_m_s)

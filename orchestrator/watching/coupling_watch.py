@@ -40,8 +40,8 @@ class CouplingWatch:
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
         for work in self._works.values():
-            work.balance.forget_recent()
-        self._modes.forget_recent()
+            work.begin_anew()
+        self._modes.begin_anew()
 
     def save(self) -> Saved:
         works = {where: work.save() for where, work in self._works.items()}

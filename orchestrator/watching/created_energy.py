@@ -60,8 +60,10 @@ class Balance:
         """The same since t = 0."""
         return self._share(self.created_J, self.through_J)
 
-    def forget_recent(self) -> None:
-        self._recent_created_J = self._recent_through_J = self._newest_J = 0.0
+    def begin_anew(self, in_transit_J: float = 0.0) -> None:
+        """Forgets what is recent but what the next interval takes back."""
+        self._recent_created_J = in_transit_J / FADE  # whole in the next interval
+        self._recent_through_J = self._newest_J = 0.0
 
     def save(self) -> Saved:
         return taken(self, *_SUMS)
@@ -100,6 +102,11 @@ class ContactWork:
         self._surface_m, self._path_end_m = state.surface.position_m, path.end.position_m
         self._load_before_N, self._load_N = self._load_N, load.force_N
 
+    def begin_anew(self) -> None:
+        """Intervals are of another length from now on."""
+        jump_m = self._surface_m - self._path_end_m
+        self.balance.begin_anew(float(np.vdot(self._load_N, jump_m)))
+
     def save(self) -> Saved:
         return taken(self, *_OF_CONTACTS) | {"balance": self.balance.save()}
 
@@ -108,7 +115,7 @@ class ContactWork:
         self.balance.restore(saved["balance"])
 
 
-_OF_CLAMPS = ("_clamps_m", "_told_m")
+_OF_CLAMPS = ("_clamps_m", "_told_m", "_reaction_N")
 
 
 class ClampWork:
@@ -117,6 +124,7 @@ class ClampWork:
     def __init__(self, start: State) -> None:
         self.balance = Balance()
         self._clamps_m = self._told_m = start.clamps.position_m
+        self._reaction_N = start.panel.reaction.force_N
 
     def add(self, members: Members, length_s: float) -> None:
         reaction, clamps = members.frames.last
@@ -126,6 +134,12 @@ class ClampWork:
         created_J = np.vdot(reaction.force_N, moved_m) - panels_J
         self.balance.add(float(created_J), through_J(reaction, moved_m, length_s))
         self._clamps_m, self._told_m = clamps.position_m, told.position_m
+        self._reaction_N = state.reaction.force_N
+
+    def begin_anew(self) -> None:
+        """Intervals are of another length from now on."""
+        jump_m = self._clamps_m - self._told_m
+        self.balance.begin_anew(float(np.vdot(self._reaction_N, jump_m)))
 
     def save(self) -> Saved:
         return taken(self, *_OF_CLAMPS) | {"balance": self.balance.save()}

@@ -70,7 +70,7 @@ def test_it_begins_anew_with_intervals_of_another_length() -> None:
     for n in range(20):
         watched.add(np.full((1, 3), (-1.2) ** n))
     assert watched.share() > LOUD
-    watched.forget_recent()
+    watched.begin_anew()
     assert watched.share() == 0.0
     for n in range(6):  # not yet as often as needed
         watched.add(np.full((1, 3), (-1.2) ** n))

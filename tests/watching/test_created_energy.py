@@ -106,7 +106,10 @@ def test_a_share_of_what_went_through() -> None:
     for _ in range(50):
         balance.add(-0.5, 1.0)
     assert balance.recently() > 0.3  # destroyed is as bad as created
-    balance.forget_recent()
+    balance.begin_anew()
+    assert balance.recently() == 0.0
+    balance.begin_anew(0.3)
+    balance.add(-0.3, 0.01)  # taken back
     assert balance.recently() == 0.0
 
 
