@@ -74,6 +74,14 @@ def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
     assert "no interval is short enough for serial-staggered (late reaction" in said
 
 
+@pytest.mark.parametrize("scheme", ["aitken", "quasi-newton"])
+def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: str) -> None:
+    found = card(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
+    assert set(by_name(found)) == {"shortest impact", "carried mass", "extrapolated clamps"}
+    assert found.stable is not None
+    assert found.stable.name == "extrapolated clamps"
+
+
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load(written(tmp_path, BARE), None, STRIP)
     assert set(by_name(card(bare.case))) == {"carried mass", "extrapolated clamps"}
