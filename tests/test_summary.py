@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.records.summary import closing_lines, cycle_s, watch_lines
+from orchestrator.records.summary import closing_lines, cycle_s, iteration_lines, watch_lines
 from tests.case.cases import loaded
 
 
@@ -22,6 +22,15 @@ def test_energy_created_is_warned_of(created_J: float, warned: bool) -> None:
         "particles": 0,
     }
     assert any("WARNING" in line for line in closing_lines(summary)) is warned
+
+
+@pytest.mark.parametrize(("unsolved", "lines"), [(0, 1), (3, 2)])
+def test_repeated_intervals_are_told_and_unsolved_ones_warned_of(unsolved: int, lines: int) -> None:
+    iterations = {"mean": 2.5, "most": 20, "unsolved": unsolved, "worst": 0.0123}
+    said = iteration_lines(iterations)
+    assert said[0] == "intervals run 2.50 times on average, 20 at most"
+    assert len(said) == lines
+    assert said[1:] == [one for one in said if one.startswith("WARNING: 3 ") and "0.012" in one]
 
 
 @pytest.mark.parametrize("intervals", [0, 12])

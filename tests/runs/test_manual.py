@@ -9,6 +9,7 @@ from typing import Any
 import h5py
 import pytest
 
+from orchestrator.schemes import scheme
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words, summary
 
 MANUAL = (ROOT / "docs/run-folder.md").read_text()
@@ -63,6 +64,10 @@ def test_the_keys_of_the_summary(folder: Path) -> None:
     assert set(said["probes"]) == {"driving", "driven", "driven-end", "middle-1", "middle-2"}
     for figures in said["probes"].values():
         assert set(figures) == documented("### each of `probes`")
+
+
+def test_the_keys_of_the_iterations() -> None:
+    assert set(scheme("aitken").figures()) == documented("### `iterations`")
 
 
 def test_the_keys_of_the_results(folder: Path) -> None:
