@@ -11,6 +11,7 @@ from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
+from scipy.sparse import csr_array
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -124,3 +125,42 @@ class Account:
     lost_J: Mapping[str, float] = field(default_factory=dict)
     supplied_J: Mapping[str, float] = field(default_factory=dict)
     received_J: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Response:
+    """How the particles' mean load on the surface over an interval answers to the surface's motion:
+    at each point, moving with the constant velocity v from where the particles last saw it,
+
+        load = push_N - impedance_N_s_m v.
+
+    ``push_N`` (points, 3), ``impedance_N_s_m`` (points, 3, 3) symmetric and not negative; the part
+    of a contact inside a triangle stands at its corners, by the same shares as its load.  It knows
+    only the contacts that there are when it is asked for, each linear about its present place.
+    """
+
+    push_N: Array
+    impedance_N_s_m: Array
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """Free masses ``mass_kg`` (masses,) that carry surface points: the points' velocity is
+    ``shapes`` (points, masses), sparse, times the masses' (masses, 3), and the masses feel its
+    transpose times the points' load.  ``held`` (masses, 3): the unit vector along which a mass
+    does not yield, zero where it yields every way.  The row of a point that nothing is known of is
+    empty.
+    """
+
+    shapes: csr_array
+    mass_kg: Array
+    held: Array
+
+    def yielding(self, values: Array) -> Array:
+        """The part of vectors (masses, 3) in which the masses yield."""
+        along = np.einsum("mk,mk->m", values, self.held)
+        return np.asarray(values - along[:, None] * self.held)
+
+    @staticmethod
+    def unknown(points: int) -> Inertia:
+        return Inertia(csr_array((points, 0)), np.empty(0), np.empty((0, 3)))

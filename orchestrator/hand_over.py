@@ -7,11 +7,16 @@ energy no longer close across that interface, and the run's log says so.
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import cast
+
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
+from orchestrator.inertia import inertia_of
 from orchestrator.ports import (
     Account,
     Frames,
+    Inertia,
     Load,
     Motion,
     Mount,
@@ -21,6 +26,8 @@ from orchestrator.ports import (
     Particles,
     ParticleSnapshot,
     Removed,
+    Responding,
+    Response,
     Saved,
 )
 from orchestrator.state import restorable
@@ -85,6 +92,9 @@ class StillClampedPanel:
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return self._panel.advance(interval, self._still, load)
 
+    def inertia(self) -> Inertia:
+        return inertia_of(self._panel)
+
     def account(self) -> Account:
         return self._panel.account()
 
@@ -110,6 +120,11 @@ class ParticlesOnStillSurface:
 
     def advance(self, interval: Interval, path: Path) -> Load:
         return self._particles.advance(interval, Path(self._still, self._still, path.length_s))
+
+    def response(self, length_s: float) -> Response:
+        """The surface's motion does not matter."""
+        told = cast(Responding, self._particles).response(length_s)
+        return replace(told, impedance_N_s_m=0.0 * told.impedance_N_s_m)
 
     def snapshot(self) -> ParticleSnapshot:
         return self._particles.snapshot()

@@ -6,17 +6,19 @@ the same whatever the two meshes are; H's rows sum to one, so that force is cons
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle
+from orchestrator.inertia import inertia_of
 from orchestrator.ports import (
     Account,
     Array,
     Indices,
+    Inertia,
     Load,
     Motion,
     Mount,
@@ -71,6 +73,10 @@ class Mapped:
         self._H = H
         self._HT = csr_array(H.T)
         self.mount: Mount = panel.mount
+
+    def inertia(self) -> Inertia:
+        own = inertia_of(self._panel)
+        return replace(own, shapes=csr_array(self._H @ own.shapes))
 
     def initial(self) -> PanelState:
         return self._seen(self._panel.initial())

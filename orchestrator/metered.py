@@ -5,15 +5,19 @@ A metered solver is again a solver; the coupling does not know the difference.
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
+from orchestrator.inertia import inertia_of
 from orchestrator.naming import named
 from orchestrator.ports import (
     Account,
     Array,
     Frames,
+    Inertia,
     Load,
     Motion,
     Mount,
@@ -23,6 +27,8 @@ from orchestrator.ports import (
     Particles,
     ParticleSnapshot,
     Removed,
+    Responding,
+    Response,
     Restorable,
     Saved,
 )
@@ -85,6 +91,9 @@ class TimedPanel:
         with self._stopwatch(self._part), named(self._name, interval):
             return self._panel.advance(interval, clamps, load)
 
+    def inertia(self) -> Inertia:
+        return inertia_of(self._panel)
+
     def account(self) -> Account:
         return self._panel.account()
 
@@ -119,6 +128,9 @@ class MeteredPanel:
         self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
         self.last = clamps, load, state
         return state
+
+    def inertia(self) -> Inertia:
+        return inertia_of(self._panel)
 
     def account(self) -> Account:
         return self._panel.account()
@@ -160,6 +172,10 @@ class MeteredParticles:
         self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
         self.runs += 1
         return load
+
+    def response(self, length_s: float) -> Response:
+        with self._stopwatch("particles"):
+            return cast(Responding, self._particles).response(length_s)
 
     def snapshot(self) -> ParticleSnapshot:
         return self._particles.snapshot()

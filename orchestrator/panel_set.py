@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 
 from orchestrator.clock import Interval
-from orchestrator.ports import Account, Load, Motion, Mount, Panel, PanelState, Saved
+from orchestrator.inertia import inertia_of
+from orchestrator.inertia import joined as joined_inertia
+from orchestrator.ports import Account, Inertia, Load, Motion, Mount, Panel, PanelState, Saved
 from orchestrator.state import restorable
 
 
@@ -52,6 +54,11 @@ class PanelSet:
             for i, panel in self._own.items()
         }
         return joined(self._exchanged(own))
+
+    def inertia(self) -> Inertia:
+        return joined_inertia(
+            self._exchanged({i: inertia_of(panel) for i, panel in self._own.items()})
+        )
 
     def account(self) -> Account:
         return total(self._exchanged({i: panel.account() for i, panel in self._own.items()}))

@@ -22,10 +22,12 @@ from orchestrator.crossing import (
     Array,
     BrokenRecord,
     Indices,
+    Inertia,
     Load,
     Motion,
     Mount,
     PanelState,
+    Response,
     counted,
 )
 from orchestrator.particle_records import Overlaps, ParticleSnapshot, Removed, in_order
@@ -39,6 +41,8 @@ __all__ = [
     "BrokenRecord",
     "Frames",
     "Indices",
+    "Inert",
+    "Inertia",
     "Load",
     "MeshedPanel",
     "Motion",
@@ -49,6 +53,8 @@ __all__ = [
     "ParticleSnapshot",
     "Particles",
     "Removed",
+    "Responding",
+    "Response",
     "Restorable",
     "Saved",
     "Wearing",
@@ -146,6 +152,22 @@ class Wearing(Protocol):
     def worn_m3(self) -> Array:
         """(surface points,) volume worn off since t = 0, by point; alike on every rank."""
         ...
+
+
+class Responding(Protocol):
+    """Particles that foretell their load, built from a plan that asks for it."""
+
+    def response(self, length_s: float) -> Response:
+        """Over the next interval of ``length_s``; at a sync point, alike on every rank (collective
+        under MPI).  Changes nothing."""
+        ...
+
+
+@runtime_checkable
+class Inert(Protocol):
+    """A panel that tells the masses behind its surface points."""
+
+    def inertia(self) -> Inertia: ...
 
 
 Saved = dict[str, Any]

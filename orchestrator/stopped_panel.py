@@ -20,10 +20,12 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
+from orchestrator.inertia import inertia_of
 from orchestrator.plans import PanelPlan
 from orchestrator.ports import (
     Account,
     Array,
+    Inertia,
     Load,
     MeshedPanel,
     Motion,
@@ -62,6 +64,9 @@ class StoppedPanel:
         self._surface = panel.initial().surface
         self._lost_J = self._from_stops_J = self._to_panel_J = 0.0
         self._refuse_rest_on(plan)
+
+    def inertia(self) -> Inertia:
+        return inertia_of(self._panel)
 
     def initial(self) -> PanelState:
         return self._with(self._panel.initial(), np.zeros((3 * self._stops, 3)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, identity
 
 from adapters.panel.grid import Interpolating
 from adapters.panel.state import Action, HeldForce, State
@@ -16,6 +16,7 @@ from orchestrator.ports import (
     Account,
     Array,
     Indices,
+    Inertia,
     Load,
     Motion,
     Mount,
@@ -84,6 +85,14 @@ class ElasticPanel:
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
         return self._grid.interpolation(coordinates_m)
+
+    def inertia(self) -> Inertia:
+        """The free nodes on the surface."""
+        nodes = len(self._body.mass_kg)
+        on_surface = np.arange(nodes)[self._surface]
+        free = np.setdiff1d(on_surface, self._body.held)
+        shapes = identity(nodes, format="csr")[on_surface][:, free]
+        return Inertia(csr_array(shapes), self._body.mass_kg[free], np.zeros((len(free), 3)))
 
     def initial(self) -> PanelState:
         return self._initial

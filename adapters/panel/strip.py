@@ -23,7 +23,17 @@ from adapters.panel.perforated_strip import left
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan, SolverFailed, SolverMissing
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Inertia,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    counted,
+)
 from orchestrator.state import put_back, taken
 
 try:
@@ -85,6 +95,7 @@ class Strip:
     def __init__(self, plan: PanelPlan) -> None:
         self._name, self._width_m = plan.name, plan.rectangle.width_m
         self._chain = links = chain(plan)
+        self._across = plan.rectangle.across
         self._step_s = plan.step_s if plan.step_s > 0 else MARGIN * largest_step_s(plan)
         self._mass_kg = row_mass_kg(plan, links)
         self._gravity_m_s2 = plan.gravity_m_s2
@@ -102,6 +113,15 @@ class Strip:
         self._halves = shares(links)
         self._surface = self._surface_now()
         self._elapsed_s, self._received_J = 0.0, {"load": 0.0, "clamps": 0.0}
+
+    def inertia(self) -> Inertia:
+        """The free rows: both points of a row go with its middle, whose force is their sum, and
+        not across, where it follows the clamps."""
+        free = np.flatnonzero(self._chain.held < 0)
+        points = np.arange(2 * len(self._mass_kg))
+        rows = csr_array((np.ones(len(points)), (points, points // 2)))
+        across = np.broadcast_to(self._across, (len(free), 3))
+        return Inertia(csr_array(rows[:, free]), self._mass_kg[free], across)
 
     def initial(self) -> PanelState:
         reaction_N = self._motion.onto_held(self._weight_N + self._motion.internal_N)

@@ -99,6 +99,12 @@ class Engine:
     def force_N(self) -> Array:
         """On each surface point (points, 3) in the last force evaluation."""
 
+    def ask_response(self) -> None:
+        """To be called before the first force evaluation by who will want ``response``."""
+
+    def response(self, length_s: float) -> tuple[Array, Array]:
+        """This rank's part of ``orchestrator.ports.Response``: (points, 3) and (3 * points, 3)."""
+
     def worn_m3(self) -> Array:
         """(points,) since t = 0; empty without ``set_wear``."""
 

@@ -28,6 +28,7 @@ from orchestrator.ports import (
     Overlaps,
     ParticleSnapshot,
     Removed,
+    Response,
     Saved,
     in_order,
 )
@@ -148,6 +149,11 @@ class Liggghts:
 
     def worn_m3(self) -> Array:
         return self._summed(self._engine.worn_m3())
+
+    def response(self, length_s: float) -> Response:
+        assert self._plan.responds, "asked of a plan without"
+        push_N, impedance_N_s_m = (self._summed(a) for a in self._engine.response(length_s))
+        return Response(push_N, impedance_N_s_m.reshape(-1, 3, 3))
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """This rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,

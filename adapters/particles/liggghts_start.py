@@ -36,6 +36,8 @@ def start(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine:
     set_laws(engine, plan)
     if plan.wear_m3_N_m is not None:
         engine.set_wear(plan.wear_m3_N_m.ravel().tolist())
+    if plan.responds:
+        engine.ask_response()
     if plan.periodic_y:
         period_m = float(plan.domain_m[1, 1] - plan.domain_m[0, 1])
         engine.repeat_surface(period_m, joined_across(plan.surface, period_m).astype(np.int32))

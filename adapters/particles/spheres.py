@@ -13,6 +13,7 @@ from scipy.spatial.distance import cdist
 from adapters.particles.sphere_contacts import laws
 from adapters.particles.sphere_forces import Forces, System, forces_at
 from adapters.particles.sphere_neighbours import near_surface, neighbours
+from adapters.particles.sphere_response import response
 from adapters.particles.sphere_rolling import rolling
 from adapters.particles.sphere_state import Spheres, spheres
 from adapters.particles.sphere_wear import wear
@@ -28,6 +29,7 @@ from orchestrator.ports import (
     Overlaps,
     ParticleSnapshot,
     Removed,
+    Response,
     Saved,
     counted,
     in_order,
@@ -95,6 +97,9 @@ class SpheresSolver:
 
     def overlaps(self) -> Overlaps:
         return self._now.touching.deepest(2.0 * self._spheres.radius_m)
+
+    def response(self, length_s: float) -> Response:
+        return response(self._system, self._spheres, self._now, self._plan.gravity_m_s2, length_s)
 
     def worn_m3(self) -> Array:
         assert self._wear is not None, "asked of a plan without wear"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orchestrator.coupling import Scheme
-from orchestrator.schemes import iterated, staggered
+from orchestrator.schemes import iterated, robin, staggered
 from orchestrator.schemes.effort import Effort
 
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
@@ -13,6 +13,7 @@ SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
     "serial-staggered": lambda effort: Scheme(staggered.serial_staggered, late=True),
     "aitken": iterated.aitken,
     "quasi-newton": iterated.quasi_newton,
+    "robin": lambda effort: robin.robin(),
 }
 
 

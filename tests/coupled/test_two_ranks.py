@@ -38,7 +38,7 @@ def datasets(history: h5py.File) -> list[str]:
 @pytest.mark.solver
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
-@pytest.mark.parametrize("scheme", ["particles-first", "serial-staggered", "aitken"])
+@pytest.mark.parametrize("scheme", ["particles-first", "robin", "serial-staggered", "aitken"])
 def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
     """20 ms in which the bed lands and is thrown, astride the border between the ranks' domains (at
     x = 0.25 m, in the middle of the second panel), which one particle crosses.

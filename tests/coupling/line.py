@@ -10,11 +10,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
 from orchestrator.coupling import Solvers
 from orchestrator.hermite import Path
-from orchestrator.ports import Account, Load, Motion, Mount, PanelState, Saved
+from orchestrator.ports import (
+    Account,
+    Inertia,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Response,
+    Saved,
+)
 from orchestrator.state import put_back, taken
 
 
@@ -65,6 +75,9 @@ class HungPlate:
     clamp: Motion = field(default_factory=lambda: point(0.0, 0.0))
     mount: Mount = field(default_factory=lambda: Mount(np.zeros((1, 3)), ("frame",)))
 
+    def inertia(self) -> Inertia:
+        return Inertia(csr_array(np.eye(1)), np.array([self.mass_kg]), np.zeros((1, 3)))
+
     def save(self) -> Saved:
         return taken(self, "x", "v", "clamp")
 
@@ -106,12 +119,24 @@ class Sphere:
     steps: int = 40
     damping_N_s_m: float = 0.0
     stays: bool = False
+    seen: float = 0.0  # where the plate was at last
 
     def save(self) -> Saved:
-        return taken(self, "x", "v")
+        return taken(self, "x", "v", "seen")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "x", "v")
+        put_back(self, saved, "x", "v", "seen")
+
+    def response(self, length_s: float) -> Response:
+        """By the implicit midpoint rule, of the contact that there is now."""
+        overlap = self.seen - self.x
+        touching = float(overlap > 0.0 or self.stays)
+        impedance = self.stiffness_N_m * length_s / 2 + self.damping_N_s_m
+        share = touching / (1 + impedance * length_s / (2 * self.mass_kg))
+        resisting = np.zeros((1, 3, 3))
+        resisting[0, 0, 0] = share * impedance
+        given = share * (impedance * self.v - self.stiffness_N_m * overlap)
+        return Response(push(given).force_N, resisting)
 
     def initial(self) -> Load:
         return push(0.0)
@@ -127,6 +152,7 @@ class Sphere:
             self.v += dt / 2 * after / self.mass_kg
             impulse += dt / 2 * (force + after)
             force = after
+        self.seen = path.end.position_m[0, 0]
         return push(-impulse / interval.length_s)
 
     def _force(self, path: Path, fraction: float) -> float:

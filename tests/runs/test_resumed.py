@@ -34,6 +34,7 @@ DEAR = [
     "panel.cells=[8, 3]",
     "frames.solver=exudyn",
 ]
+ROBIN = [*DEAR, "coupling.scheme=robin"]
 
 
 def run(folder: Path, case: Sequence[str], sets: Sequence[str]) -> Path:
@@ -82,7 +83,9 @@ def test_it_is_the_run_that_never_stopped(whole: Path, stopped: Path) -> None:
 @pytest.mark.solver
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "case", [STICKY, FED, REPEATED, DEAR], ids=["sticky", "fed", "repeated", "dear"]
+    "case",
+    [STICKY, FED, REPEATED, DEAR, ROBIN],
+    ids=["sticky", "fed", "repeated", "dear", "robin"],
 )
 def test_so_it_is_with_other_physics_and_solvers(tmp_path: Path, case: list[str]) -> None:
     whole = run(tmp_path / "whole", case, UNSAVED)

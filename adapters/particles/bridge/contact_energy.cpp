@@ -31,9 +31,8 @@ ContactEnergy ContactLaws::stored(int type_i, int type_j, double radius_i_m, dou
   const double reduced = radius_j_m == 0.0
                              ? radius_i_m
                              : radius_i_m * radius_j_m / (radius_i_m + radius_j_m);
-  const bool sticks = adhesion == Adhesion::jkr;
   const Jkr law = jkr(type_i, type_j, reduced);
-  const double neck = sticks ? history[0] : std::sqrt(reduced * overlap_m);
+  const double neck = neck_m(reduced, overlap_m, history);
   ContactEnergy energy = {law.elastic_J(neck, overlap_m), law.adhesion_J(neck)};
   if (adhesion == Adhesion::sjkr)
     energy.adhesion_J = -strength[pair] * sjkr_volume_m3(radius_i_m, radius_j_m, overlap_m);

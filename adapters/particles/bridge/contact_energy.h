@@ -40,6 +40,11 @@ struct ContactLaws {
   // Where the tangential spring is in a contact's history; -1 without one.
   int spring() const { return tangential_spring ? (adhesion == Adhesion::jkr ? 1 : 0) : -1; }
 
+  // Radius of the contact area of a touching pair, as the contact model left it.
+  double neck_m(double reduced_radius_m, double overlap_m, const double *history) const {
+    return adhesion == Adhesion::jkr ? history[0] : std::sqrt(reduced_radius_m * overlap_m);
+  }
+
   bool touching(double overlap_m, const double *history) const {
     return adhesion == Adhesion::jkr ? history[0] > 0.0 : overlap_m > 0.0;
   }

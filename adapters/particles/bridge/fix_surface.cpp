@@ -61,6 +61,7 @@ void FixSurface::save(SavedState &saved) const {
   search_.save(saved);
   history_.save(atom->nlocal, saved);
   load_.save(saved);
+  response_.save(saved);
   wear_.save(saved);
   saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
   saved.reals["surface_deepest"] = {deepest_.depth_m, deepest_.share};
@@ -72,6 +73,7 @@ void FixSurface::restore(const SavedState &saved) {
   search_.restore(saved);
   history_.restore(saved);
   load_.restore(saved);
+  response_.restore(saved);
   wear_.restore(saved);
   const auto &energy = saved.real("surface_energy_J");
   energy_ = {energy[0], energy[1]};
@@ -94,7 +96,10 @@ void FixSurface::post_force(int) {
     search_.surface_moved(surface_.fastest_m_s() * update->dt);
   }
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
-  load_.next_evaluation(update->setupflag || update->ntimestep == last_step_);
+  const bool last = update->setupflag || update->ntimestep == last_step_;
+  load_.next_evaluation(last);
+  responds_now_ = last && response_.asked();
+  if (responds_now_) response_.clear();
   energy_ = {};
   deepest_ = {};
   contacts_ = 0;
@@ -178,11 +183,13 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   const auto before = worn.before(history);
   impl->compute_force(this, contact, overlap > 0, &wall.x);
 
-  Vec3 added = from(force) - force_before;
+  Vec3 added = from(force) - force_before, turned = {0, 0, 0};
+  const Vec3 unshared = added;
   if (touch.weight < 1) {
     added = touch.weight * added;
     const double stiffness = 8.0 / 15.0 * law(i, touch).e_star_Pa * std::sqrt(atom->radius[i]);
-    added = added + stiffness * touch.turning;
+    turned = stiffness * touch.turning;
+    added = added + turned;
     put(force, force_before + added);
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }
@@ -191,10 +198,43 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
     ++contacts_;
+    if (responds_now_) respond(touch, contact, history, unshared, turned);
     worn.after(before, contact, history, corner, w, touch.weight, step);
     energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
                 touch.weight);
   }
+}
+
+// What a contact does to a surface that moves: `added` is its whole force, of which it gives its
+// share, `turned` what it gives besides.  A contact that slides has no tangential spring or damper.
+void FixSurface::respond(const Touch &touch,
+                         const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
+                         const double *history, Vec3 added, Vec3 turned) {
+  const Vec3 n = from(contact.en), slip = {contact.vtr1, contact.vtr2, contact.vtr3};
+  const double neck = laws_.neck_m(atom->radius[contact.i], contact.deltan, history);
+  Vec3 damping = -contact.gamman * contact.vn * n;
+  double spring = 0.0, damper = 0.0;
+  if (laws_.tangential_spring) {
+    const Vec3 stretch = from(history + laws_.spring());
+    const Vec3 across = added - dot(added, n) * n + contact.kt * stretch;  // -damper slip, or zero
+    const double sticking = contact.gammat * norm(slip);
+    if (norm(across) >= 0.5 * sticking) {
+      spring = contact.kt;
+      damper = contact.gammat;
+      damping = damping - damper * slip;
+    }
+  }
+  const double w = touch.weight, normal = 2.0 * law(contact.i, touch).e_star_Pa * neck;
+  const double *corner = touch.at.weight;
+  response_.add({contact.i,
+                 search_.triangle(touch.triangle),
+                 {corner[0], corner[1], corner[2]},
+                 n,
+                 w * added,
+                 w * (added - damping) + turned,
+                 {w * normal, w * spring},
+                 {w * contact.gamman, w * damper},
+                 contact.cri});
 }
 
 }  // namespace flipflow

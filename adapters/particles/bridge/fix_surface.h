@@ -9,6 +9,7 @@
 
 #include "contact_energy.h"
 #include "contact_history.h"
+#include "contact_response.h"
 #include "contact_search.h"
 #include "deepest_overlap.h"
 #include "jkr.h"
@@ -56,6 +57,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void save(SavedState &saved) const;
   void restore(const SavedState &saved);  // after the particles
 
+  ContactResponse &response() { return response_; }
+
   const SurfaceLoad &load() const { return load_; }
   const Wear &wear() const { return wear_; }
   ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
@@ -88,6 +91,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void touch(const ContactSearch::Near &near, Worn &worn);
   void keep_necks(int i);
   Jkr law(int i, const Touch &touch) const;
+  void respond(const Touch &touch, const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
+               const double *history, Vec3 added, Vec3 turned);
   template <class Worn>
   void push(int i, const Touch &touch, double *history, Worn &worn);
 
@@ -100,11 +105,12 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   std::vector<Touch> touches_;
   ContactHistory history_;
   SurfaceLoad load_;
+  ContactResponse response_;
   Wear wear_;
   std::function<void()> touch_all_;  // with or without wear
 
   LAMMPS_NS::bigint first_step_ = 0, last_step_ = 0;
-  bool neighbours_listed_now_ = true;
+  bool neighbours_listed_now_ = true, responds_now_ = false;
   ContactEnergy energy_;
   int contacts_ = 0;
   DeepestOverlap deepest_;

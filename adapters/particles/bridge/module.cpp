@@ -179,6 +179,13 @@ Doubles by_point(const std::vector<double> &values) {
   return array;
 }
 
+py::tuple response(Engine &engine, double length_s) {
+  const size_t points = engine.surface().points();
+  std::vector<double> push_N(3 * points, 0.0), impedance_N_s_m(9 * points, 0.0);
+  engine.surface().response().respond(*engine.lammps().atom, length_s, push_N, impedance_N_s_m);
+  return py::make_tuple(by_point(push_N), by_point(impedance_N_s_m));
+}
+
 }  // namespace
 
 PYBIND11_MODULE(_liggghts, module) {
@@ -212,6 +219,8 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("particles", &particles)
       .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().load().impulse_N_s()); })
       .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })
+      .def("ask_response", [](Engine &e) { e.surface().response().ask(); })
+      .def("response", &response)
       .def("worn_m3", &worn_m3)
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
       .def("surface_energy_J", [](Engine &e) { return pair_of(e.surface().energy()); })
