@@ -13,6 +13,11 @@ ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0, "aitken": 2.0, "quasi
 """Of the position (docs/theory/coupling.md); those of the other schemes are nowhere derived."""
 WITHOUT_PARTICLES = ("particles-first", "serial-staggered")  # the others repeat the first then
 
+DAMPED = (
+    "contacts with restitution below 1 cost particles-first an order in motion and force, not in "
+    "energy (docs/theory/coupling.md)"
+)
+
 
 def sync(case: Case, points: int) -> list[Family]:
     """The interval of the case's own scheme, halved and doubled."""
@@ -42,4 +47,9 @@ def _family(knob: str, case: Case, name: str, overlay: str, points: int) -> Fami
         settings.append(Setting(label, (overlay, *sets) if overlay else sets, length_s))
     order = ORDERS.get(name)
     rank = (order or 0.0) + (0.5 if knob == "sync" else 0.0)
-    return Family(knob, "coupling", name, tuple(settings), LENGTH, order, rank)
+    note = DAMPED if name == "particles-first" and _damped(case) else ""
+    return Family(knob, "coupling", name, tuple(settings), LENGTH, order, rank, note)
+
+
+def _damped(case: Case) -> bool:
+    return has_particles(case) and any(row.restitution < 1 for row in case.contacts)

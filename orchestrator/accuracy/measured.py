@@ -141,7 +141,7 @@ def errors(found: Measured, reference: Measured, spread: Scatter) -> dict[str, E
         for a, b in zip(found.figures, reference.figures, strict=True)
         if a.shapes_m.size and a.shapes_m.shape == b.shapes_m.shape
     ]
-    if pairs:
+    if pairs and np.isfinite(pairs).all():  # else nothing is bent
         differences["shape"] = Error(float(np.mean(pairs)))
     return differences
 

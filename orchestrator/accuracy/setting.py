@@ -21,7 +21,8 @@ class Family:
 
     ``axis``: knobs that exclude each other share one, and one of all their settings is taken;
     ``length``: what ``h`` is; ``expected``: order in h that theory gives, None where there is none;
-    ``rank``: on one axis the family of the highest is nearest to the truth.
+    ``rank``: on one axis the family of the highest is nearest to the truth; ``note``: what a reader
+    must know.
     """
 
     knob: str
@@ -31,6 +32,7 @@ class Family:
     length: str = ""
     expected: float | None = None
     rank: float = 0.0
+    note: str = ""
 
 
 class NotOffered(Exception):
