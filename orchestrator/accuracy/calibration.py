@@ -1,15 +1,15 @@
 """A short run on this machine, and what a long one takes by it.
 
-Time of a run = start + rate x simulated time.  A study has a short and a whole run of the case as
-it is, which tell start and rate on its machine; the same short run here tells how much faster or
-slower this machine is, with whatever else it is busy with.
+A run takes its start (importing, opening the solvers, results: part "rest" of its wall time), and
+then the same for each simulated second.  The study's short run, made again here, tells the start
+here, and how much faster or slower this machine steps, with whatever else it is busy with.
 """
 
 from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,33 +19,53 @@ from orchestrator.plans import SolverFailed
 from orchestrator.studies import sweep
 from orchestrator.studies.workers import Crew
 
+START = "rest"
+PART = 8  # of a run that has no study: so much shorter it is made
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Of one kind of time: what a start takes here, and what one second of the study's processor
+    time in stepping takes here."""
+
+    start_s: float
+    factor: float
+
 
 @dataclass(frozen=True)
 class Timing:
-    """``start_s``: processor time before anything moves, where ``study_s`` were simulated in
-    ``whole_s`` of processor time; each second of these takes ``wall`` and ``processor`` here."""
+    """The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``."""
 
-    start_s: float
-    study_s: float
-    whole_s: float
-    wall: float
-    processor: float
-
-    def scaled_s(self, processor_s: float, duration_s: float) -> float:
-        """Of the study's processor time, for another duration."""
-        rate = max(processor_s - self.start_s, 0.0) / self.study_s
-        return self.start_s + rate * duration_s
+    study_start_s: float
+    simulated_s: float
+    wall: Clock
+    processor: Clock
 
     def wall_s(self, processor_s: float, duration_s: float) -> float:
-        return self.wall * self.scaled_s(processor_s, duration_s)
+        """Wall time here of a run of ``duration_s`` with settings that took ``processor_s`` in the
+        study."""
+        return self._on(self.wall, processor_s, duration_s)
 
     def processor_s(self, processor_s: float, duration_s: float) -> float:
-        return self.processor * self.scaled_s(processor_s, duration_s)
+        """Processor time of it."""
+        return self._on(self.processor, processor_s, duration_s)
+
+    def _on(self, clock: Clock, processor_s: float, duration_s: float) -> float:
+        return clock.start_s + clock.factor * self._rate(processor_s) * duration_s
 
     def duration_s(self, processor_s: float, wall_s: float) -> float:
         """How long a run may last to take so much wall time; 0 if not even its start fits."""
-        rate = max(processor_s - self.start_s, 0.0) / self.study_s
-        return max(wall_s / self.wall - self.start_s, 0.0) / rate if rate else 0.0
+        rate = self.wall.factor * self._rate(processor_s)
+        return max(wall_s - self.wall.start_s, 0.0) / rate if rate else 0.0
+
+    def affordable_s(self, wall_s: float, duration_s: float) -> float:
+        """The study's processor time of settings that take so much wall time here."""
+        stepping_s = max(wall_s - self.wall.start_s, 0.0) / self.wall.factor
+        return self.study_start_s + stepping_s * self.simulated_s / duration_s
+
+    def _rate(self, processor_s: float) -> float:
+        """The study's processor time for a simulated second."""
+        return max(processor_s - self.study_start_s, 0.0) / self.simulated_s
 
 
 def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
@@ -62,33 +82,32 @@ def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
 
 
 def by_study(study: Stored, case: Path, level: str | None) -> Timing:
-    """From the study's whole and short run, and its short run made here."""
+    """From the study's short run, made again here."""
     base = study.found["base"]
     (short,) = study.found["short"].values()
-    shared, own = study.found["shared"], study.found["sets"]
-    here = timed(case, level, [*own, *shared, *short["sets"]])
+    here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
+    study_s = _stepping_s(short["processor_by_part_s"])
     return Timing(
-        _start_s(base, short),
+        base["processor_by_part_s"][START],
         base["simulated_s"],
-        base["processor_s"],
-        here["wall_s"] / short["processor_s"],
-        here["processor_s"] / short["processor_s"],
+        *_clocks(here, study_s),
     )
 
 
-def without_study(case: Path, level: str | None, sets: Sequence[str], duration_s: float) -> Timing:
-    """From two short runs here, of which the longer one stands for the study."""
-    short, longer = (
-        timed(case, level, [*sets, f"duration_s={duration_s * part!r}", "output.pictures=false"])
-        for part in (1 / 16, 1 / 8)
-    )
-    start_s = _start_s(longer, short)
-    took_s = longer["processor_s"]
-    return Timing(start_s, longer["simulated_s"], took_s, longer["wall_s"] / took_s, 1.0)
+def as_it_is_s(case: Path, level: str | None, sets: Sequence[str], duration_s: float) -> float:
+    """Wall time here of a case without a study, from a short run."""
+    short = [*sets, f"duration_s={duration_s / PART!r}", "output.pictures=false"]
+    parts_s = timed(case, level, short)["wall_by_part_s"]
+    return float(parts_s[START] + PART * _stepping_s(parts_s))
 
 
-def _start_s(whole: dict[str, Any], short: dict[str, Any]) -> float:
-    rate = (whole["processor_s"] - short["processor_s"]) / (
-        whole["simulated_s"] - short["simulated_s"]
-    )
-    return float(max(short["processor_s"] - rate * short["simulated_s"], 0.0))
+def _clocks(here: Mapping[str, Any], study_s: float) -> tuple[Clock, Clock]:
+    """Wall and processor time; the latter divided among the parts as the former."""
+    start_s, stepping_s = here["wall_by_part_s"][START], _stepping_s(here["wall_by_part_s"])
+    share = here["processor_s"] / here["wall_s"]
+    wall = Clock(start_s, stepping_s / study_s)
+    return wall, Clock(share * start_s, share * stepping_s / study_s)
+
+
+def _stepping_s(parts_s: Mapping[str, float]) -> float:
+    return sum(time_s for part, time_s in parts_s.items() if part != START)

@@ -103,6 +103,10 @@ class Scatter:
         return quantile * self.deviation[name] * math.sqrt(sum(1 / n for n in seeds))
 
 
+EXACT = Scatter(False, {}, 0)
+"""No chance: every difference counts."""
+
+
 def read(points: Sequence[Point]) -> dict[str, Measured]:
     """By name, of those that are done."""
     return {

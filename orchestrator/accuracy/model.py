@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import reduce
+from typing import Literal
 
 import numpy as np
 
@@ -67,12 +68,14 @@ class Model:
             return None
         return self._proposal(int(np.where(worst <= tolerance, self._cost_s, np.inf).argmin()))
 
-    def best(self, budget_s: float) -> Proposal | None:
+    def best(self, budget_s: float, ties: Literal["cheapest", "dearest"]) -> Proposal | None:
         """With the least error for at most so much processor time; None where none is so cheap."""
         worst = self._error.max(axis=-1, initial=0.0)
-        if not (self._cost_s <= budget_s).any():
+        within = np.flatnonzero(self._cost_s <= budget_s)
+        if not len(within):
             return None
-        return self._proposal(int(np.where(self._cost_s <= budget_s, worst, np.inf).argmin()))
+        cost_s = self._cost_s.flat[within] * (1 if ties == "cheapest" else -1)
+        return self._proposal(int(within[np.lexsort((cost_s, worst.flat[within]))[0]]))
 
     def _proposal(self, flat: int) -> Proposal:
         at = np.unravel_index(flat, self._cost_s.shape)

@@ -43,13 +43,7 @@ class Plan:
 
     def coarser(self) -> Candidate | None:
         """The least error within the time."""
-        longest_s = self.budget_s / self.timing.wall
-        low, high = 0.0, longest_s * self.timing.study_s / self.case.duration_s + longest_s
-        for _ in range(60):  # the study's processor time that takes the budget here
-            middle = (low + high) / 2
-            within = self.timing.scaled_s(middle, self.case.duration_s) <= longest_s
-            low, high = (middle, high) if within else (low, middle)
-        return self.study.best(low)
+        return self.study.best(self.timing.affordable_s(self.budget_s, self.case.duration_s))
 
     def remedies(self) -> Iterator[str]:
         """What would make it fit, in words."""

@@ -70,7 +70,7 @@ class Stored:
     def best(self, budget_s: float) -> Candidate | None:
         """With the least error for so much processor time."""
         within = [one for one in self.measured() if one.processor_s <= budget_s]
-        proposal = self.model().best(budget_s)
+        proposal = self.model().best(budget_s, "cheapest")
         if proposal is not None:
             within.append(_candidate(proposal))
         return min(within, key=lambda one: one.error, default=None)

@@ -66,15 +66,14 @@ def _planned(
     budget_s: float,
     overrides: list[str],
 ) -> Plan:
-    from orchestrator.accuracy.calibration import by_study, without_study
+    from orchestrator.accuracy.calibration import as_it_is_s, by_study
     from orchestrator.accuracy.plan import planned
     from orchestrator.accuracy.stored import stored
 
     with said():
         found = stored(loaded, given)
         if found is None:
-            timing = without_study(case, level, overrides, loaded.case.duration_s)
-            longest_s = timing.wall_s(timing.whole_s, loaded.case.duration_s)
+            longest_s = as_it_is_s(case, level, overrides, loaded.case.duration_s)
             refuse(
                 f"no study of {loaded.name}, level {loaded.level or 'none'}: its error is not "
                 f"known; as it is it would take about {_time(longest_s)} here. First: flipflow "

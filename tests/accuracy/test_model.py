@@ -52,17 +52,26 @@ def test_the_cheapest_within_a_tolerance_is_found(tolerance: float) -> None:
 
 def test_the_best_within_a_time_and_its_cost() -> None:
     model = Model(AXES, PARTS_S, {}, ["deflection_m"])
-    found = model.best(24.5)
+    found = model.best(24.5, "cheapest")
     assert found is not None
     assert [one.setting.label for one in found.options] == ["half", "fine"]
     assert (found.error, found.processor_s) == (pytest.approx(0.01), pytest.approx(24.0))
     assert found.settings.keys() == {"step", "mesh"}
-    assert model.best(1.0) is None
+    assert model.best(1.0, "cheapest") is None
     assert model.cheapest(0.0) is not None  # all that is measured is perfect here
     assert Model(AXES, PARTS_S, {"rms_g": 0.1}, ["rms_g"]).cheapest(0.05) is None
 
 
+def test_of_settings_that_differ_in_cost_alone_either_end_is_found() -> None:
+    axis = [option("a", name, 0.0, panel=ratio) for name, ratio in (("x", 1.0), ("own", 2.0))]
+    model = Model({"a": axis}, PARTS_S, {}, ["deflection_m"])
+    dear, cheap = model.best(100.0, "dearest"), model.best(100.0, "cheapest")
+    assert dear is not None
+    assert cheap is not None
+    assert (dear.processor_s, cheap.processor_s) == (pytest.approx(12.0), pytest.approx(10.0))
+
+
 def test_the_case_as_it_is_where_nothing_was_turned() -> None:
-    found = Model({}, PARTS_S, {}, ["deflection_m"]).best(100.0)
+    found = Model({}, PARTS_S, {}, ["deflection_m"]).best(100.0, "dearest")
     assert found is not None
     assert (found.settings, found.processor_s) == ({}, pytest.approx(10.0))

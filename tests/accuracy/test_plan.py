@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from orchestrator.accuracy.answers import Answer, off
-from orchestrator.accuracy.calibration import Timing
+from orchestrator.accuracy.calibration import Clock, Timing
 from orchestrator.accuracy.plan import Plan, planned
 from orchestrator.accuracy.stored import Stored, stored
 from orchestrator.casefile.errors import CaseError
@@ -20,7 +20,7 @@ from tests.case.cases import written
 from tests.runs.outside import ROOT
 
 # 2 s to start, then 20 s of processor time for each simulated second; here twice as slow
-TIMING = Timing(start_s=2.0, study_s=0.5, whole_s=12.0, wall=2.0, processor=1.8)
+TIMING = Timing(2.0, 0.5, wall=Clock(4.0, 2.0), processor=Clock(3.6, 1.8))
 FINE = {"label": "half", "sets": ["coupling.sync_interval_s=5e-5"], "error": {"frame_m": 0.0}}
 OWN = {"label": "own", "sets": [], "error": {"frame_m": 0.04}, "ratio": {"panel": 1.0}}
 COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_m": 0.2}}

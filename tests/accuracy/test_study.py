@@ -5,14 +5,19 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from statistics import median
 
 import pytest
 from pyarrow import parquet
 
+from orchestrator.accuracy import tables
+from orchestrator.accuracy.calibration import by_study, timed
 from orchestrator.accuracy.families import Converged
 from orchestrator.accuracy.points import Asked
 from orchestrator.accuracy.rows import pareto, recommended, rows
+from orchestrator.accuracy.stored import stored
 from orchestrator.accuracy.study import Study, studied
+from orchestrator.casefile.levels import load
 from orchestrator.studies.figures import DECISIVE
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow
@@ -139,19 +144,34 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
     assert (wrong.returncode, 'did you mean "sync"?' in wrong.stderr) == (2, True)
 
 
-def test_a_plan_by_the_study_is_kept_by_the_run(study: Study, out: Path, tmp_path: Path) -> None:
-    """Of what was not run: twice the duration.  Processor time within 30 %: of wall time nothing
-    can be said where others are at work."""
-    from orchestrator.accuracy import tables
-    from orchestrator.accuracy.calibration import by_study, timed
-    from orchestrator.accuracy.stored import stored
-    from orchestrator.casefile.levels import load
-
+def test_a_plan_by_the_study_is_kept_by_the_run(study: Study, out: Path) -> None:
+    """Of what was not run: 1.5, 2 and 3 times the duration; in the median within 30 % of processor
+    time.  Of wall time nothing can be said where others are at work."""
     tables.write(study, rows(study), out)
     found = stored(load(BALL, "draft"), out / "accuracy.json")
     assert found is not None
-    timing = by_study(found, BALL, "draft")
     one = found.cheapest(0.05)
     assert one is not None
-    took = timed(BALL, "draft", [*SETS, *study.listed.shared, *one.sets, "duration_s=0.1"])
-    assert timing.processor_s(one.processor_s, 0.1) == pytest.approx(took["processor_s"], rel=0.3)
+    ratios = []
+    for duration_s in (0.075, 0.1, 0.15):
+        predicted_s = by_study(found, BALL, "draft").processor_s(one.processor_s, duration_s)
+        sets = [*SETS, *study.listed.shared, *one.sets, f"duration_s={duration_s}"]
+        ratios.append(predicted_s / timed(BALL, "draft", sets)["processor_s"])
+    assert median(ratios) == pytest.approx(1.0, abs=0.3), ratios
+
+
+def test_answers_known_from_elsewhere_stand_beside_every_point(tmp_path: Path) -> None:
+    """A plate is driven: what is recorded misses its top by at most (w H)^2 / 8 between two sync
+    points, H = 0.8 ms at most.  All are alike, so that the finest is the reference."""
+    words = ["study", "accuracy", str(ROOT / "cases/bushing-hysteresis"), "--quick"]
+    done = flipflow(*words, "--out", str(tmp_path / "x"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    table = list(csv.DictReader((tmp_path / "x/accuracy.csv").read_text().splitlines()))
+    assert len(table) == 3
+    for row in table:
+        assert float(row["against amplitude of the plate"]) < (78.5 * 8e-4) ** 2 / 8
+        assert float(row["against largest speed of the plate"]) < (78.5 * 8e-4) ** 2 / 8
+        assert (row["kind"] == "reference") == row["sets"].endswith("=0.0002")
+    page = (tmp_path / "x/accuracy.html").read_text()
+    assert "the case has no particles" in page
+    assert "the drive that is given" in page
