@@ -56,6 +56,7 @@ class Ending:
             "stability": words.figures(self.stability),
             "wall_s": wall_s,
             "processor_s": time.process_time(),
+            "processor_before_s": progress.processor_before_s,
             "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,
             "wall_by_part_s": by_part,
             "particle_steps_per_s": rate,

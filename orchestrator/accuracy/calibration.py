@@ -1,7 +1,7 @@
 """A short run on this machine, and what a long one takes by it.
 
-A run takes its start (importing, opening the solvers, results: part "rest" of its wall time), and
-then the same for each simulated second.  The study's short run, made again here, tells the start
+A run takes its start (importing, and part "rest" of its time: opening the solvers), and then the
+same for each simulated second.  The study's short run, made again here, tells the start
 here, and how much faster or slower this machine steps, with whatever else it is busy with.
 """
 
@@ -14,12 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from orchestrator.accuracy.measured import parts_s
 from orchestrator.accuracy.stored import Stored
 from orchestrator.plans import SolverFailed
 from orchestrator.studies import sweep
 from orchestrator.studies.workers import Crew
 
-START = "rest"
+START = ("start", "rest")
 PART = 8  # of a run that has no study: so much shorter it is made
 
 
@@ -87,27 +88,23 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
     (short,) = study.found["short"].values()
     here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
     study_s = _stepping_s(short["processor_by_part_s"])
-    return Timing(
-        base["processor_by_part_s"][START],
-        base["simulated_s"],
-        *_clocks(here, study_s),
+    wall, processor = (
+        Clock(_start_s(each), _stepping_s(each) / study_s)
+        for each in (here["wall_by_part_s"], parts_s(here))
     )
+    return Timing(_start_s(base["processor_by_part_s"]), base["simulated_s"], wall, processor)
 
 
 def as_it_is_s(case: Path, level: str | None, sets: Sequence[str], duration_s: float) -> float:
     """Wall time here of a case without a study, from a short run."""
     short = [*sets, f"duration_s={duration_s / PART!r}", "output.pictures=false"]
-    parts_s = timed(case, level, short)["wall_by_part_s"]
-    return float(parts_s[START] + PART * _stepping_s(parts_s))
+    wall_s = timed(case, level, short)["wall_by_part_s"]
+    return _start_s(wall_s) + PART * _stepping_s(wall_s)
 
 
-def _clocks(here: Mapping[str, Any], study_s: float) -> tuple[Clock, Clock]:
-    """Wall and processor time; the latter divided among the parts as the former."""
-    start_s, stepping_s = here["wall_by_part_s"][START], _stepping_s(here["wall_by_part_s"])
-    share = here["processor_s"] / here["wall_s"]
-    wall = Clock(start_s, stepping_s / study_s)
-    return wall, Clock(share * start_s, share * stepping_s / study_s)
+def _start_s(time_s: Mapping[str, float]) -> float:
+    return sum(time_s.get(part, 0.0) for part in START)
 
 
-def _stepping_s(parts_s: Mapping[str, float]) -> float:
-    return sum(time_s for part, time_s in parts_s.items() if part != START)
+def _stepping_s(time_s: Mapping[str, float]) -> float:
+    return sum(part_s for part, part_s in time_s.items() if part not in START)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from orchestrator.accuracy import coupling_knobs, panel_knobs, particle_knobs
 from orchestrator.accuracy.setting import Family, NotOffered, Setting
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -62,12 +63,23 @@ class Offer:
 
 
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
-    """Of the knobs named, ``points`` values each."""
+    """Of the knobs named, ``points`` values each; "scheme=aitken+robin" has these variants only."""
     families: list[Family] = []
     missing = {}
-    for name in names:
+    for each in names:
+        name, _, only = each.partition("=")
         try:
-            families += KNOBS[name].families(case, points)
+            found = KNOBS[name].families(case, points)
+            families += _chosen(found, only.split("+")) if only else found
         except NotOffered as why:
             missing[name] = str(why)
     return Offer(tuple(families), missing)
+
+
+def _chosen(found: Sequence[Family], variants: Sequence[str]) -> list[Family]:
+    """Raises NotOffered for one that there is not."""
+    known = [one.variant for one in found]
+    for name in variants:
+        if name not in known:
+            raise NotOffered(f'no variant "{name}"; {did_you_mean(name, known)}')
+    return [one for one in found if one.variant in variants]

@@ -20,7 +20,12 @@ QUICK_VALUES, QUICK_SEEDS = 3, 1
 def accuracy(
     case: CasePath,
     level: Level = None,
-    knobs: Annotated[str, typer.Option(help="which knobs, with commas [default: all]")] = "",
+    knobs: Annotated[
+        str,
+        typer.Option(
+            help="which, with commas; scheme=aitken+robin: only these variants [default: all]"
+        ),
+    ] = "",
     values: Annotated[int, typer.Option("--points", min=2, max=7, help="values of each knob")] = 4,
     seeds: Annotated[
         int, typer.Option(min=1, help="runs of each point, with other random numbers")
@@ -89,7 +94,7 @@ def _words(option: str, given: str) -> tuple[str, ...]:
     known, usual = ([*KNOBS], [*KNOBS]) if option == "--knobs" else ([*QUANTITIES], [*DECISIVE])
     names = tuple(word.strip() for word in given.split(",")) if given else tuple(usual)
     for name in names:
-        if name not in known:
+        if name.partition("=")[0] not in known:
             raise CaseError([Mistake((), f'no "{name}"', did_you_mean(name, known), option)])
     return names
 

@@ -70,6 +70,7 @@ class Figures:
     wall_by_part_s: dict[str, float]
     memory_MiB: float
     simulated_s: float
+    processor_before_s: float = 0.0
 
 
 def figures(folder: Path) -> Figures:
@@ -105,6 +106,7 @@ def figures(folder: Path) -> Figures:
         summary["wall_by_part_s"],
         summary["peak_memory_MiB"],
         end_s,
+        summary.get("processor_before_s", 0.0),  # runs of older versions do not tell
     )
 
 

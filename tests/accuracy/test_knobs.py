@@ -68,3 +68,10 @@ def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
     case = load(QUICKSTART, "draft").case
     assert seeded(case, 0) == ()
     assert seeded(case, 2) == ("bed.blocks.coal.seed=3",)
+
+
+def test_variants_can_be_chosen() -> None:
+    case = load(QUICKSTART, "draft").case
+    there = offer(case, ["scheme=aitken+serial-staggered", "panel-model=sheat"], 2)
+    assert {family.variant for family in there.families} == {"aitken", "serial-staggered"}
+    assert 'did you mean "sheet"?' in there.missing["panel-model"]

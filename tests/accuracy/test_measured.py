@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.accuracy.measured import Error, Measured, errors, scatter, worst
+from orchestrator.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
 from orchestrator.accuracy.points import KNOB, Point
 from orchestrator.studies.figures import Figures
 
@@ -56,4 +56,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
 
 
 def test_processor_time_is_divided_as_wall_time_was() -> None:
-    assert point(1.0).processor_by_part_s == {"particles": 4.0, "rest": 4.0}
+    found = point(1.0).processor_by_part_s
+    assert found == {"start": 0.0, "particles": 4.0, "rest": 4.0}
+    run = {"processor_before_s": 2.0, "processor_s": 8.0, "wall_s": 12.0}
+    assert parts_s(run | {"wall_by_part_s": {"panel": 12.0}}) == {"start": 2.0, "panel": 6.0}
