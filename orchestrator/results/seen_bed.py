@@ -49,7 +49,7 @@ def bearing(scene: Scene, data: RunData, start_s: float, end_s: float) -> Bearin
         at = panel.rectangle
         normal_N -= float(load_N @ at.normal)
         downhill_N += float(load_N @ at.along) * (-1.0 if at.along[2] > 0 else 1.0)
-        normal_weight += abs(at.normal[2]) / len(panels)
+        normal_weight += float(abs(at.normal[2])) / len(panels)
     weight_N = float(mass_kg) * scene.gravity_m_s2 * normal_weight
     if not (normal_N > 0.0 and weight_N > 0.0):
         return None

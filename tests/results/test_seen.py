@@ -121,6 +121,7 @@ def test_bearing_on_the_deck_by_hand(data: RunData, figures: dict[str, Any]) -> 
     slope_rad = math.asin(-single_panels(data.case)[0].rectangle.along[2])
     assert found.carried == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
     assert found.mobilised == pytest.approx(math.tan(slope_rad), rel=1e-9)
+    assert all(type(value) is float for value in vars(found).values()), "for summary.json"
 
 
 def test_overlaps_by_hand(data: RunData, figures: dict[str, Any]) -> None:
