@@ -30,14 +30,12 @@ class Aitken:
 
     def begin(self) -> None:
         self._residual_N = None
+        self._share = first(self._share)
 
     def next(self, tried_N: Array, answer_N: Array) -> Array:
         residual_N = answer_N - tried_N
         if self._residual_N is not None:
-            change_N = residual_N - self._residual_N
-            square = float(np.vdot(change_N, change_N))
-            if square > 0:
-                self._share *= -float(np.vdot(self._residual_N, change_N)) / square
+            self._share = secant(self._share * self._residual_N, residual_N - self._residual_N)
         self._residual_N = residual_N
         return np.asarray(tried_N + self._share * residual_N)
 
@@ -58,13 +56,16 @@ class LeastSquares:
 
     IQN-ILS: Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87, 2009,
     793-801, doi 10.1016/j.compstruc.2008.11.013.  Columns of earlier intervals, which that paper
-    uses again, made it slower here: contacts come and go (docs/theory/coupling.md).
+    uses again, made it slower here: contacts come and go (docs/theory/coupling.md).  Kept is the
+    share of the residual that would have suited the first change best.
     """
 
     def __init__(self) -> None:
+        self._share = FIRST_SHARE
         self.begin()
 
     def begin(self) -> None:
+        self._share = first(self._share)
         self._residuals: list[Array] = []
         self._answers: list[Array] = []
 
@@ -73,16 +74,29 @@ class LeastSquares:
         self._residuals.append(residual_N.ravel())
         self._answers.append(answer_N.ravel())
         if len(self._answers) == 1:
-            return np.asarray(tried_N + FIRST_SHARE * residual_N)
+            return np.asarray(tried_N + self._share * residual_N)
         V = np.diff(self._residuals, axis=0).T
         W = np.diff(self._answers, axis=0).T
+        if len(self._answers) == 2:
+            self._share = secant(W[:, 0] - V[:, 0], V[:, 0])
         size_N = np.linalg.norm(V, axis=0)  # of one size, so that the last, small ones count, too
         c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
 
     def save(self) -> Saved:
-        """Nothing is remembered at a sync point."""
-        return {}
+        """At a sync point."""
+        return taken(self, "_share")
 
     def restore(self, saved: Saved) -> None:
-        """Nothing to restore."""
+        put_back(self, saved, "_share")
+
+
+def secant(tried_N: Array, residual_N: Array) -> float:
+    """The share w with which these changes would have led on:  |tried + w residual|  is least."""
+    square = float(np.vdot(residual_N, residual_N))
+    return -float(np.vdot(tried_N, residual_N)) / square if square > 0 else FIRST_SHARE
+
+
+def first(share: float) -> float:
+    """Of an interval, after one that ended with ``share``."""
+    return share if 0 < share <= 1 else FIRST_SHARE
