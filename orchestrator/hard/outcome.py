@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from orchestrator.records.summary import LARGEST_SHARE_CREATED, share_created
 
@@ -12,18 +12,37 @@ Outcome = Literal["stable", "warned", "stopped", "not run"]
 MISTAKE = "a mistake in flipflow"
 
 
+REMARKS = ("share created", "intervals not solved", "why it was stopped")
+
+
 def outcome(folder: Path) -> Outcome:
     """``stable``: came to its end, and the coupling created less energy than a run warns of;
     ``warned``: came to its end, and says that it is not to be trusted; ``stopped``: ended early
     with a reason (exit code 4); ``not run``: interrupted, missing, or a mistake in flipflow."""
-    try:
-        found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        status, reason = str(found["status"]), str(found["reason"])
-    except (OSError, ValueError, KeyError):
-        return "not run"
+    found = _summary(folder)
+    status, reason = found.get("status"), str(found.get("reason"))
     if status == "failed" and not reason.startswith(MISTAKE):
         return "stopped"
     if status != "done":
         return "not run"
     share = abs(share_created(found["energy_ledger_J"]))
     return "stable" if share <= LARGEST_SHARE_CREATED else "warned"
+
+
+def remarks(folder: Path) -> tuple[str, str, str]:
+    """``REMARKS``, as far as they are known: energy created over all supplied and lost; intervals
+    that an iterated scheme did not solve to its tolerance; the reason of an early end."""
+    found = _summary(folder)
+    ledger = found.get("energy_ledger_J")
+    share = "" if ledger is None else f"{share_created(ledger):+.1e}"
+    iterations = found.get("iterations") or {}
+    return share, str(iterations.get("unsolved", "")), str(found.get("reason", ""))
+
+
+def _summary(folder: Path) -> dict[str, Any]:
+    """Empty where there is none."""
+    try:
+        found: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found

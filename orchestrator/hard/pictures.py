@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from matplotlib.lines import Line2D
 
+from orchestrator.hard.stability_map import HEAD as MAP_HEAD
 from orchestrator.hard.stability_map import Spot
 from orchestrator.hard.verdicts import HEAD, Line
 from orchestrator.records.run_folder import write_text
@@ -18,7 +19,7 @@ from orchestrator.report.drawing import data_uri, figure
 # outcome: colour, mark, what it says; told apart by shape, too
 SHOWN = {
     "stable": ("#2b7a4b", "o", "stable"),
-    "warned": ("#d08a00", "^", "warned: over 1 % of the energy created"),
+    "warned": ("#d08a00", "^", "warned: over 1 % of the energy made or lost by the coupling"),
     "stopped": ("#b3261e", "X", "stopped, with a reason"),
     "not run": ("#9aa4b0", "_", "not run"),
 }
@@ -76,6 +77,7 @@ def page(lines: Sequence[Line], spots: Sequence[Spot], picture: Path | None, fol
     cases = {line.case.name: line.case for line in lines}
     text = environment.get_template("page.html").render(
         head=HEAD[1:],
+        map_head=MAP_HEAD,
         cases=[(case, [one for one in lines if one.case is case]) for case in cases.values()],
         picture=data_uri(picture.read_bytes(), "image/png") if picture else "",
         spots=[spot.words() for spot in spots],

@@ -21,7 +21,7 @@ from orchestrator.casefile.errors import CaseError, from_validation
 from orchestrator.casefile.levels import load
 from orchestrator.casefile.toml_file import read_toml
 from orchestrator.hard.cases import QUIET, interval_of, point
-from orchestrator.hard.outcome import outcome
+from orchestrator.hard.outcome import REMARKS, outcome, remarks
 from orchestrator.scene.scene import bed_kg
 from orchestrator.schemes import SCHEMES
 from orchestrator.studies.sweep import Point
@@ -29,6 +29,7 @@ from orchestrator.tables.quantities import OneLine, Positive, Table
 
 FILE = "map.toml"
 PLAIN = "particles-first"
+HEAD = ("scheme", "bed / panel", "interval / safe", "sync_interval_s", "outcome", *REMARKS)
 
 
 class Axes(Table):
@@ -61,7 +62,7 @@ class Spot:
     def words(self) -> tuple[str, ...]:
         interval_s = self.run.loaded.case.coupling.sync_interval_s
         numbers = (f"{x:.3g}" for x in (self.mass_ratio, self.multiple, interval_s))
-        return (self.scheme, *numbers, self.outcome)
+        return (self.scheme, *numbers, self.outcome, *remarks(self.run.folder))
 
 
 def axes(case: Path) -> Axes:
@@ -105,6 +106,6 @@ def write(found: Sequence[Spot], folder: Path) -> Path:
     file = folder / "map.csv"
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.writer(text)
-        writer.writerow(("scheme", "bed over panel", "multiple", "sync_interval_s", "outcome"))
+        writer.writerow(HEAD)
         writer.writerows(spot.words() for spot in found)
     return file
