@@ -12,21 +12,25 @@ Outcome = Literal["stable", "warned", "stopped", "not run"]
 MISTAKE = "a mistake in flipflow"
 
 
+OF_THE_COUPLING = ("created_energy", "created_in_total", "growing_modes")  # of the watch
 REMARKS = ("share created", "intervals not solved", "why it was stopped")
 
 
 def outcome(folder: Path) -> Outcome:
-    """``stable``: came to its end, and the coupling created less energy than a run warns of;
-    ``warned``: came to its end, and says that it is not to be trusted; ``stopped``: ended early
-    with a reason (exit code 4); ``not run``: interrupted, missing, or a mistake in flipflow."""
+    """``stable``: came to its end, and neither the watch on the coupling nor the closing lines had
+    anything to say of its energy and modes; ``warned``: came to its end, and they had; ``stopped``:
+    ended early with a reason (exit code 4); ``not run``: interrupted, missing, or a mistake in
+    flipflow."""
     found = _summary(folder)
     status, reason = found.get("status"), str(found.get("reason"))
     if status == "failed" and not reason.startswith(MISTAKE):
         return "stopped"
     if status != "done":
         return "not run"
+    figures = found.get("watch", {}).get("figures", {})
+    amiss = any(figures[key]["times"] for key in OF_THE_COUPLING if key in figures)
     share = abs(share_created(found["energy_ledger_J"]))
-    return "stable" if share <= LARGEST_SHARE_CREATED else "warned"
+    return "warned" if amiss or share > LARGEST_SHARE_CREATED else "stable"
 
 
 def remarks(folder: Path) -> tuple[str, str, str]:

@@ -16,6 +16,7 @@ from orchestrator.hard.outcome import outcome
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
 HEAD = 'number = 1\nhappens = "a"\nexpected = "b"\n[runs.one]\n[runs.two]\n'
+DONE = {"status": "done", "reason": "", "energy_ledger_J": {"lost.a": 1.0}}
 ROW = '[[criteria]]\nwhat = "c"\nrun = "one"\nmeasure = "series"\nband = [0.0, 2.0]\nwhy = "d"\n'
 
 
@@ -89,7 +90,11 @@ def test_what_is_not_there_is_unknown(folders: dict[str, Path]) -> None:
         ({"status": "failed", "reason": "unstable"}, "stopped"),
         ({"status": "failed", "reason": "a mistake in flipflow: x"}, "not run"),
         ({"status": "interrupted", "reason": "stopped by SIGINT"}, "not run"),
-        ({"status": "done", "reason": "", "energy_ledger_J": {"lost.a": 1.0}}, "stable"),
+        (DONE, "stable"),
+        (DONE | {"energy_ledger_J": {"lost.a": 1.0, "created.b": -0.011}}, "warned"),
+        (DONE | {"watch": {"figures": {"growing_modes": {"times": 0}}}}, "stable"),
+        (DONE | {"watch": {"figures": {"growing_modes": {"times": 1}}}}, "warned"),
+        (DONE | {"watch": {"figures": {"deep_overlaps": {"times": 1}}}}, "stable"),
     ],
 )
 def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> None:
