@@ -72,7 +72,7 @@ def test_the_map_has_every_scheme_mass_and_interval(spots: list[stability_map.Sp
 def test_what_was_stopped_is_not_run_again(
     spots: list[stability_map.Spot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for spot, figures in zip(spots, [DONE, WARNED, STOPPED] * 6, strict=False):
+    for spot, figures in zip(spots, [DONE, WARNED, STOPPED] * len(spots), strict=False):
         made_up(spot.run, figures)
     monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run"))
     said: list[str] = []
