@@ -9,8 +9,10 @@ it is then the drive's motion to rounding, and no constraint has to be solved.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import exudyn
 import numpy as np
 
 from adapters.frames.drive import driving
@@ -58,3 +60,12 @@ class Driven:
             coordinates = get()
             coordinates[6 * self.body : 6 * self.body + 6] = value
             put(coordinates)
+
+
+def place_at_start(data: Any, every: Sequence[Driven], bodies: int) -> None:
+    """At t = 0, by the initial values from which Exudyn finds the first accelerations."""
+    places, rates = np.zeros((2, bodies, 6))
+    for driven in every:
+        places[driven.body], rates[driven.body] = driven.coordinates(0.0)
+    data.SetODE2Coordinates(places.ravel(), exudyn.ConfigurationType.Initial)
+    data.SetODE2Coordinates_t(rates.ravel(), exudyn.ConfigurationType.Initial)

@@ -22,7 +22,6 @@ import numpy as np
 
 from adapters.frames import linear, trapezoidal
 from adapters.frames.books import Books
-from adapters.frames.driven import Driven
 from adapters.frames.poses import Attached, Poses, cross
 from adapters.frames.spatial_shaft import shafts
 from orchestrator.clock import Interval
@@ -31,9 +30,8 @@ from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
 from orchestrator.state import put_back, taken
 
 try:
-    import exudyn
-
     from adapters.frames import multibody, newmark
+    from adapters.frames.driven import Driven, place_at_start
 except ImportError as missing:
     raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
 
@@ -132,21 +130,9 @@ class ExudynFrames:
             self._solver = None
 
     def _open(self) -> None:
-        stiffness_N_m = sum(float(bushing.stiffness_N_m.sum()) for bushing in self._plan.bushings)
-        self._settings = newmark.settings(stiffness_N_m)
-        self._place_driven()
-        self._solver = exudyn.MainSolverImplicitSecondOrder()
-        if not self._solver.InitializeSolver(self._bodies.system, self._settings):
-            raise SolverFailed(f"exudyn at 0 s: no start: {self._solver.GetErrorString()}")
-
-    def _place_driven(self) -> None:
-        """At t = 0, by the initial values from which Exudyn finds the first accelerations."""
-        data, initial = self._bodies.system.systemData, exudyn.ConfigurationType.Initial
-        places, rates = np.zeros((2, len(self._plan.bodies), 6))
-        for driven in self._driven:
-            places[driven.body], rates[driven.body] = driven.coordinates(0.0)
-        data.SetODE2Coordinates(places.ravel(), initial)
-        data.SetODE2Coordinates_t(rates.ravel(), initial)
+        self._settings = newmark.settings(self._plan)
+        place_at_start(self._bodies.system.systemData, self._driven, len(self._plan.bodies))
+        self._solver = newmark.opened(self._bodies.system, self._settings)
 
     def _read(self) -> Poses:
         data = self._bodies.system.systemData

@@ -14,13 +14,13 @@ import exudyn
 import numpy as np
 
 from adapters.frames.linear import LinearMachine
-from orchestrator.plans import FramesPlan
+from orchestrator.plans import FramesPlan, SolverFailed
 from orchestrator.ports import Saved
 
 
-def settings(stiffness_N_m: float) -> Any:
-    """``stiffness_N_m``: the sum over all bushings; a machine at rest has no larger residual than
-    the rounding of their forces."""
+def settings(plan: FramesPlan) -> Any:
+    """A machine at rest has no larger residual than the rounding of all its bushings' forces."""
+    stiffness_N_m = sum(float(bushing.stiffness_N_m.sum()) for bushing in plan.bushings)
     chosen = exudyn.SimulationSettings()
     chosen.solution.file.write = False
     time = chosen.timeIntegration
@@ -30,6 +30,14 @@ def settings(stiffness_N_m: float) -> Any:
     time.newton.relativeTolerance = 1e-13
     time.newton.absoluteTolerance = max(1e-10, 1e-15 * stiffness_N_m)
     return chosen
+
+
+def opened(system: Any, settings: Any) -> Any:
+    """A solver of ``system`` at t = 0."""
+    solver: Any = exudyn.MainSolverImplicitSecondOrder()
+    if not solver.InitializeSolver(system, settings):
+        raise SolverFailed(f"exudyn at 0 s: no start: {solver.GetErrorString()}")
+    return solver
 
 
 def start_interval(solver: Any, step_s: float) -> None:
