@@ -74,17 +74,26 @@ def converged(
     _, best = found[-1]
     off = tuple(errors(there, best, spread) for _, there in found)
     exact = tuple(_exact(family, there, known) for _, there in found)
+    return Converged(family, found, off, exact, _orders(found, off, exact))
+
+
+def _orders(
+    found: Sequence[tuple[Setting, Measured]],
+    off: Sequence[dict[str, Error]],
+    exact: Sequence[dict[str, float]],
+) -> dict[str, Order]:
+    """What chance explains is no error that an order can be seen in."""
     lengths = [one.h for one, _ in found if one.h is not None]
+    if len(found) < 3 or len(lengths) < len(found):
+        return {}
     orders = {}
-    if len(found) > 2 and len(lengths) == len(found):
-        for name in off[0]:
-            seen = [each.get(name, Error(0.0)) for each in off]
-            sizes = [one.value if one.certain else 0.0 for one in seen]
-            orders[name] = observed(lengths, sizes, lengths[-1])
-        for name in exact[0]:
-            orders[name] = observed(lengths, [each.get(name, 0.0) for each in exact], 0.0)
-    seen_orders = {name: order for name, order in orders.items() if order is not None}
-    return Converged(family, found, off, exact, seen_orders)
+    for name in off[0]:
+        seen = [each.get(name, Error(0.0)) for each in off]
+        sizes = [one.value if one.certain else 0.0 for one in seen]
+        orders[name] = observed(lengths, sizes, lengths[-1])
+    for name in exact[0]:
+        orders[name] = observed(lengths, [each.get(name, 0.0) for each in exact], 0.0)
+    return {name: order for name, order in orders.items() if order is not None}
 
 
 def _exact(family: Family, there: Measured, known: Mapping[str, Answer]) -> dict[str, float]:

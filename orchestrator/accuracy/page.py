@@ -8,9 +8,10 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
+from orchestrator.accuracy.convergence import convergence
 from orchestrator.accuracy.knobs import KNOBS
 from orchestrator.accuracy.measured import Error
-from orchestrator.accuracy.pictures import convergence, work_precision
+from orchestrator.accuracy.pictures import work_precision
 from orchestrator.accuracy.rows import RECOMMENDED, Row, pareto, recommended
 from orchestrator.accuracy.study import Study
 from orchestrator.ladder.tables import SHORT, percent

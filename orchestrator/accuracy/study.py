@@ -31,7 +31,7 @@ from orchestrator.accuracy.points import (
     scale,
 )
 from orchestrator.accuracy.setting import Setting
-from orchestrator.casefile.levels import LoadedCase
+from orchestrator.casefile.levels import NUMERICS, LoadedCase
 from orchestrator.clock import exact
 from orchestrator.studies import sweep
 
@@ -97,7 +97,13 @@ def listed(asked: Asked) -> Listed:
         for one in family.settings:
             if one.sets:
                 points.append(point(asked, loaded.case, shared, KNOB, {family.axis: one}))
-    return Listed(asked, loaded, there, shared, points, answers(asked.case))
+    return Listed(asked, loaded, there, shared, points, _known(asked))
+
+
+def _known(asked: Asked) -> dict[str, Answer]:
+    """Answers are of the case as it is described: they do not hold for another physics."""
+    numerics = all(one.partition(".")[0] in NUMERICS for one in asked.sets)
+    return answers(asked.case) if numerics else {}
 
 
 def _short(base: Point) -> dict[str, Setting]:
