@@ -37,6 +37,7 @@ from orchestrator.ranks import FramesOnFirstRank
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.schemes import scheme
 from orchestrator.schemes.effort import effort
+from orchestrator.stability.choice import settled
 from orchestrator.stopwatch import Stopwatch
 
 NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
@@ -57,7 +58,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
 def _built(
     loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
 ) -> Machine:
-    case = loaded.case
+    case = settled(loaded.case)
     panels = panel_pieces(case, loaded.folder, stopwatch, world)
     walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
     pieces = [*panels, *walls, *frames]

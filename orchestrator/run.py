@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ from orchestrator.saves.keeper import Keeper, Schedule
 from orchestrator.saves.origin import origin
 from orchestrator.scene.account import Entry
 from orchestrator.stability.bound import Card
+from orchestrator.stability.choice import with_scheme
 from orchestrator.watch import Interrupted, Say, Stop, check_stable
 from orchestrator.watching.guard import Guard, Stopped
 
@@ -50,6 +52,7 @@ class Run:
     ) -> None:
         self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
         self._case, self.resumes = loaded.case, save
+        self._coupled_as = replace(loaded, case=with_scheme(loaded.case, stability.scheme))
         self._ending = Ending(loaded, effects, stability, folder, console)
         self._progress = Progress()
         if save is not None:
@@ -67,7 +70,7 @@ class Run:
         self._console.print("opening the solvers")
         stopwatch = self._progress.stopwatch
         with stopwatch("rest"), Stop().listening() as stop:
-            machine = build(self._loaded, self._folder, self._world, stopwatch)
+            machine = build(self._coupled_as, self._folder, self._world, stopwatch)
             LOG.info("all solvers are open after %.1f s", self._progress.wall_s)
             try:
                 self._coupled(machine, stop)

@@ -30,7 +30,7 @@ from orchestrator.saves import files
 from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
 from orchestrator.stability import words
-from orchestrator.stability.card import card
+from orchestrator.stability.choice import settled_card
 from orchestrator.watch import Interrupted
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
@@ -89,7 +89,7 @@ def carried_out(
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
         _say(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
-        stability = card(loaded.case)
+        stability = settled_card(loaded.case)
         for line in words.lines(stability):
             LOG.info(line)
         before = [*said, *warnings(loaded), *words.warnings(stability), *at_start(entries)]

@@ -28,7 +28,7 @@ from orchestrator.planning import material_numbers
 from orchestrator.plans import SolverMissing
 from orchestrator.scene.account import account, at_start
 from orchestrator.stability import words
-from orchestrator.stability.card import card
+from orchestrator.stability.choice import settled_card
 
 
 def overview(loaded: LoadedCase) -> Iterator[str]:
@@ -43,7 +43,7 @@ def overview(loaded: LoadedCase) -> Iterator[str]:
     yield from at_start(account(loaded.described, loaded.left_out))
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
-    stability = card(case)
+    stability = settled_card(case)
     yield "stability:"
     yield from words.lines(stability)
     for warning in [*warnings(loaded), *words.warnings(stability), *missing_solvers(case)]:

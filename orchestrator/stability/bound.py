@@ -38,13 +38,15 @@ class StepBound:
 
 @dataclass(frozen=True)
 class Card:
-    """All bounds of a case; ``facts`` are the numbers behind them, name -> text."""
+    """All bounds of a case; ``facts`` are the numbers behind them, name -> text; ``why`` the
+    program took the scheme, "" where the case names it."""
 
     scheme: str
     interval_s: float
     bounds: tuple[Bound, ...]
     steps: tuple[StepBound, ...]
     facts: Mapping[str, str]
+    why: str = ""
 
     @property
     def stable(self) -> Bound | None:

@@ -13,7 +13,12 @@ from scipy.linalg import eigh
 
 from orchestrator.ports import Array
 
-AHEAD = ("particles-first", "aitken", "quasi-newton")  # schemes that extrapolate the clamps
+AHEAD = (
+    "particles-first",
+    "robin",
+    "aitken",
+    "quasi-newton",
+)  # schemes that extrapolate the clamps
 LARGEST_MASS = dict.fromkeys(AHEAD, 1 / 3) | {"serial-staggered": 0.95}
 """Mass that a frame carries stiffly over its own mass, r, above which its acceleration, fed
 back through the panels' inertia, grows at any interval.  ``AHEAD`` schemes extrapolate it,

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from orchestrator.scene.scene import Scene
 from orchestrator.stability.bound import Bound
 from orchestrator.stability.contact_limits import (
+    foreseen_mode_s,
+    foreseen_sphere_s,
     late_contact_s,
     late_rocking_s,
     light_point_s,
@@ -41,9 +43,12 @@ def contacts(
     if not (wanted.particle_load and wanted.panel_motion):
         return
     seats = list(_seats(scene, modes_rad_s, frames))
-    rules = {"particles-first": _drifting, "serial-staggered": _late}
-    if seats and scene.case.coupling.scheme in rules:
-        yield from rules[scene.case.coupling.scheme](seats)
+    rules = {"particles-first": _drifting, "robin": _foreseen, "serial-staggered": _late}
+    scheme = scene.case.coupling.scheme
+    if scheme == "robin" and scene.case.panel.solver in CARRIED:
+        scheme = "particles-first"  # that is what it does on them
+    if seats and scheme in rules:
+        yield from rules[scheme](seats)
 
 
 def _drifting(seats: list[Seat]) -> Iterator[Bound]:
@@ -53,6 +58,14 @@ def _drifting(seats: list[Seat]) -> Iterator[Bound]:
     yield _worst(modes, seats, _resting, lambda s, k, g: resting_mode_s(k, g, s.mode_rad_s))
     pairs = "lasting contacts, light points"
     yield _worst(pairs, seats, _resting, lambda s, k, g: rocking_s(k, g, *_masses(s)))
+
+
+def _foreseen(seats: list[Seat]) -> Iterator[Bound]:
+    """robin."""
+    modes = "foreseen contacts, panels' modes"
+    yield _worst(modes, seats, _deepest, lambda s, k, g: foreseen_mode_s(k, g, *_point(s)))
+    pairs = "foreseen contacts, spheres"
+    yield _worst(pairs, seats, _deepest, lambda s, k, g: foreseen_sphere_s(k, g, *_masses(s)))
 
 
 def _late(seats: list[Seat]) -> Iterator[Bound]:

@@ -11,6 +11,8 @@ from orchestrator.stability.bound import Bound, Card
 
 def lines(card: Card) -> Iterator[str]:
     """All of it: numbers, bounds from the least up, and what follows."""
+    if card.why:
+        yield f"  scheme: {card.scheme}, taken by the program: {card.why}"
     for name, text in card.facts.items():
         yield f"  {name}: {text}"
     for step in card.steps:
@@ -57,6 +59,8 @@ def _too_long(card: Card, stable: Bound) -> str:
 def figures(card: Card) -> dict[str, Any]:
     """For ``summary.json``: bounds in s (None: no limit), and the one that limits."""
     return {
+        "scheme": card.scheme,
+        "taken_because": card.why or None,
         "safe_interval_s": card.safe_s if math.isfinite(card.safe_s) else None,
         "limited_by": card.stable.name if card.stable else None,
         "bounds_s": {

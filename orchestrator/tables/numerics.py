@@ -77,11 +77,13 @@ class ParticlesSolver(Table):
 class Coupling(Table):
     """When solvers exchange motion and load."""
 
-    scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton"] = (
-        "particles-first"
-    )
+    scheme: Literal[
+        "particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"
+    ] = "particles-first"
     """Order of the solvers within a sync interval (docs/theory/coupling.md): robin foretells with
-    the contacts where panels go; the last two repeat it until particles and panels agree."""
+    the contacts where panels go; aitken and quasi-newton repeat it until particles and panels
+    agree; auto is particles-first within its safe interval, else robin (docs/theory/stability.md).
+    """
     sync_interval_s: Positive = 5e-5
     """Time between two exchanges."""
     tolerance: Annotated[float, Strict(), Gt(0), Le(0.1)] = 1e-3

@@ -1,0 +1,60 @@
+"""``coupling.scheme = "auto"``: the scheme that a case's stability card calls for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.contents import has_particles
+from orchestrator.stability.bound import Card
+from orchestrator.stability.card import card
+
+PLAIN, STRONGER, AUTO = "particles-first", "robin", "auto"
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A scheme, and why, in words."""
+
+    scheme: str
+    why: str
+
+
+def taken(case: Case) -> Taken:
+    """For a case without mistakes: the plain scheme where the sync interval is within what it is
+    sure to be stable at, or where nothing is stronger there; else ``robin``."""
+    plain = card(with_scheme(case, PLAIN))
+    if plain.interval_s <= plain.safe_s:
+        return Taken(PLAIN, f"the sync interval is within its safe one, {_limit(plain)}")
+    beyond = f"the sync interval of {plain.interval_s:.3g} s is above {PLAIN}'s {_limit(plain)}"
+    if not has_particles(case):
+        return Taken(PLAIN, f"{beyond}, and without particles {STRONGER} is no other")
+    stronger = card(with_scheme(case, STRONGER))
+    if stronger.safe_s > plain.safe_s:
+        return Taken(STRONGER, f"{beyond}; {STRONGER}'s is {_limit(stronger)}")
+    return Taken(PLAIN, f"{beyond}, and {STRONGER}'s is no longer: {_limit(stronger)}")
+
+
+def settled_card(case: Case) -> Card:
+    """The card of a case, with the scheme that is taken where it leaves that to the program."""
+    if case.coupling.scheme != AUTO:
+        return card(case)
+    one = taken(case)
+    return replace(card(with_scheme(case, one.scheme)), why=one.why)
+
+
+def settled(case: Case) -> Case:
+    """The case with a scheme of its own, or with the one that is taken for it."""
+    return case if case.coupling.scheme != AUTO else with_scheme(case, taken(case).scheme)
+
+
+def with_scheme(case: Case, name: str) -> Case:
+    coupling = case.coupling.model_copy(update={"scheme": name})
+    return case.model_copy(update={"coupling": coupling})
+
+
+def _limit(found: Card) -> str:
+    if found.stable is None or math.isinf(found.safe_s):
+        return "unlimited"
+    return f"{found.safe_s:.2g} s ({found.stable.name})"
