@@ -14,6 +14,7 @@ from orchestrator.scene.scene import scene
 from orchestrator.stability import words
 from orchestrator.stability.bound import Bound, Card
 from orchestrator.stability.card import card
+from orchestrator.stability.choice import Taken, taken
 from orchestrator.stability.panel_masses import lightest_point_kg
 from tests.case.cases import BLOCK, loaded
 from tests.effects.verdicts import BARE, written
@@ -82,6 +83,38 @@ def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: 
     assert found.stable.name == "extrapolated clamps"
 
 
+def test_auto_takes_the_plain_scheme_where_it_is_safe(tmp_path: Path) -> None:
+    """And else the stronger one, if that is safe at longer intervals."""
+
+    def at(interval_s: float, *sets: str) -> Taken:
+        interval = f"coupling.sync_interval_s={interval_s!r}"
+        return taken(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
+
+    plain_s, robin_s = (
+        card(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
+        for name in ("particles-first", "robin")
+    )
+    assert robin_s > 2 * plain_s
+    assert at(0.9 * plain_s).scheme == "particles-first"
+    long = at(1.1 * plain_s)
+    assert long.scheme == "robin"
+    assert f"above particles-first's {plain_s:.2g} s (" in long.why
+    assert f"robin's is {robin_s:.2g} s" in long.why
+    rigid = at(1e-2, "panel.solver=rigid")
+    assert rigid.scheme == "particles-first"
+    assert "no longer" in rigid.why
+
+
+def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
+    sets = ["coupling.scheme=auto", "coupling.sync_interval_s=1e-4", "duration_s=2e-3"]
+    sets += ["output.pictures=false", "output.interval_s=1e-3"]
+    assert run(CASES / "quickstart", "draft", tmp_path / "run", sets) == 0
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    assert summary["stability"]["scheme"] == "robin"
+    assert "is above particles-first's" in summary["stability"]["taken_because"]
+    assert "scheme: robin, taken by the program" in (tmp_path / "run" / "run.log").read_text()
+
+
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load(written(tmp_path, BARE), None, STRIP)
     assert set(by_name(card(bare.case))) == {"carried mass", "extrapolated clamps"}
@@ -100,6 +133,8 @@ def test_in_words_and_in_numbers() -> None:
     assert "1.5 times what is sure to be stable, 0.0001 s (b: two; there)" in stability
     assert "the d wants 5e-05 s for accuracy (four)" in accuracy
     assert words.figures(found) == {
+        "scheme": "particles-first",
+        "taken_because": None,
         "safe_interval_s": 1e-4,
         "limited_by": "b",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},

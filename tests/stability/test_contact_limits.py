@@ -7,6 +7,8 @@ import math
 import pytest
 
 from orchestrator.stability.contact_limits import (
+    foreseen_mode_s,
+    foreseen_sphere_s,
     late_contact_s,
     late_rocking_s,
     light_point_s,
@@ -44,6 +46,11 @@ def bound_s(scheme: str, sphere_kg: float, damping: float, mode_rad_s: float) ->
             late_contact_s(*contact, PLATE_KG, mode_rad_s),
             late_rocking_s(*contact, sphere_kg, PLATE_KG),
         )
+    if scheme == "robin":
+        return min(
+            foreseen_mode_s(*contact, PLATE_KG, mode_rad_s),
+            foreseen_sphere_s(*contact, sphere_kg, PLATE_KG),
+        )
     return min(
         light_point_s(*contact, PLATE_KG, mode_rad_s),
         resting_mode_s(*contact, mode_rad_s),
@@ -80,7 +87,8 @@ def test_a_held_sphere_drives_a_mode(restitution: float) -> None:
     # measured, real over predicted: particles-first 1.003 to 1.39, serial-staggered 1.018 to 5.8;
     # there a sphere no heavier than its point gives way before the load comes back to it
     ("scheme", "farthest"),
-    [("particles-first", 1.5), ("serial-staggered", 6.0)],
+    # robin 1.01 to 2.8; nothing grows within ten times for four of the 27
+    [("particles-first", 1.5), ("serial-staggered", 6.0), ("robin", math.inf)],
 )
 def test_free_spheres_at_least_as_heavy_as_their_point(
     scheme: str, farthest: float, restitution: float, mode_rad_s: float, sphere_kg: float
@@ -88,10 +96,19 @@ def test_free_spheres_at_least_as_heavy_as_their_point(
     damping = damping_N_s_m(restitution, sphere_kg)
     predicted_s = bound_s(scheme, sphere_kg, damping, mode_rad_s)
     found_s = real_s(scheme, sphere_kg, damping, mode_rad_s, predicted_s)
-    assert predicted_s < found_s < farthest * predicted_s
+    assert predicted_s < found_s <= farthest * predicted_s
 
 
-@pytest.mark.parametrize("scheme", ["particles-first", "serial-staggered"])
+@pytest.mark.parametrize(("restitution", "mode_rad_s"), [(0.9, 3.0), (0.5, 3.0), (0.5, 10.0)])
+def test_a_held_sphere_drives_a_foreseen_mode(restitution: float, mode_rad_s: float) -> None:
+    """A condition that suffices: measured 2.2, 1.5 and 1.2 times the bound."""
+    damping = damping_N_s_m(restitution, PLATE_KG)
+    predicted_s = foreseen_mode_s(STIFFNESS_N_m, damping, PLATE_KG, mode_rad_s)
+    found_s = real_s("robin", 1e6, damping, mode_rad_s, predicted_s)
+    assert predicted_s < found_s < 2.5 * predicted_s
+
+
+@pytest.mark.parametrize("scheme", ["particles-first", "robin", "serial-staggered"])
 @pytest.mark.parametrize("mode_rad_s", [0.0, 3.0])
 def test_light_spheres_are_safe(scheme: str, mode_rad_s: float) -> None:
     """A tenth of the point's mass: predicted to be unstable 1.3 to 9 times too soon, or where
@@ -108,4 +125,5 @@ def test_no_damper_no_limit_but_the_late_force() -> None:
     assert math.isinf(resting_mode_s(1.0, 0.0, 10.0))
     assert math.isinf(rocking_s(1.0, 0.0, 1.0, 1.0))
     assert late_contact_s(1.0, 0.0, 1.0) == 0.0
+    assert foreseen_mode_s(1.0, 0.0, 1.0, 10.0) == light_point_s(1.0, 0.0, 1.0, 10.0)
     assert real_s("serial-staggered", 1e6, 0.0, 0.5, 0.01) < 0.01
