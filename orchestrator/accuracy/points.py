@@ -77,9 +77,12 @@ class Point:
 
 def common(case: Case, coarsest_s: float) -> tuple[str, ...]:
     """``--set`` overlays of all points alike: written at the same times by all sync intervals down
-    from ``coarsest_s``, and lasting for whole samples."""
+    from ``coarsest_s``, and lasting for whole samples.  A watch that shortens intervals only warns:
+    an interval is what its label says."""
     every = sample_s(coarsest_s)
+    shortens = [name for name, then in case.watch.model_dump().items() if then == "shorten"]
     return (
+        *(f"watch.{name}=warn" for name in shortens),
         *sampled_at(coarsest_s),
         f"output.interval_s={_whole(exact(case.output.interval_s), every)!r}",
         f"duration_s={_whole(exact(case.duration_s), every)!r}",

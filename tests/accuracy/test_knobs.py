@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from orchestrator.accuracy.knobs import KNOBS, offer
-from orchestrator.accuracy.points import seeded
+from orchestrator.accuracy.points import common, seeded
 from orchestrator.casefile.levels import load
 from orchestrator.checks import mistakes
 from orchestrator.clock import exact, steps_in
@@ -62,6 +62,17 @@ def test_what_a_case_has_not_is_not_offered(case: str, missing: set[str]) -> Non
     there = offer(load(ROOT / "cases" / case, "draft").case, [*KNOBS], 3)
     assert set(there.missing) == missing
     assert all(there.missing.values())
+
+
+def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
+    case = load(QUICKSTART, "draft").case
+    shared = common(case, 2e-4)
+    at = load(QUICKSTART, "draft", shared).case
+    assert "shorten" not in at.watch.model_dump().values()
+    for time_s in (at.duration_s, at.output.interval_s, at.output.shapes_s):
+        assert exact(time_s) % exact(at.output.series_s) == 0
+    assert exact(at.output.series_s) % exact(2e-4) == 0
+    assert at.duration_s == pytest.approx(case.duration_s, abs=at.output.series_s)
 
 
 def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
