@@ -127,7 +127,7 @@ class Run:
                 check_stable(seen, interval.end_s)
                 steps = steps_in(guard.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, guard, seen, interval.index + 1, steps)
-                guard.act(interval.end_s, state)
+                guard.act(interval, state)
                 say.done(interval.index + 1)
                 stop.check(self._world, state)
                 if self._schedule.due(interval.index + 1):

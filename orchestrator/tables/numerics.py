@@ -114,7 +114,7 @@ class Watch(Table):
     """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
     runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
     "stop" ends the run with its results kept (exit code 4), and names the last save from before.
-    Looked at at output times, the first three after every sync interval
+    Looked at at output times; created energy and growing modes after every sync interval
     (docs/theory/stability.md)."""
 
     created_energy: Then = "shorten"
@@ -127,8 +127,8 @@ class Watch(Table):
     """Of the energy that went through since then."""
     growing_modes: Then = "shorten"
     """Points of the surface that alternate from interval to interval, more and more."""
-    largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
-    """Their speed, of the largest one that the surface had so far."""
+    largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1
+    """Their speed, of the largest one that the surface had so far (root mean square)."""
     stretched_panels: Then = "warn"
     """Panels that are stretched too far anywhere, along an edge of the surface's triangles."""
     largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3

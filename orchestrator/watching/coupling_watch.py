@@ -2,40 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from orchestrator.casefile.case import Case
 from orchestrator.coupling import State
-from orchestrator.ledger import Members
+from orchestrator.machine import PanelPoints
 from orchestrator.ports import Saved
-from orchestrator.tables.numerics import HandOver
 from orchestrator.watching.alternation import Alternation
 from orchestrator.watching.created_energy import ClampWork, ContactWork
+from orchestrator.watching.crossed import Crossed
 from orchestrator.watching.figures import Figures
 
 PARTICLES, FRAMES = "particles and panels", "panels and frames"
 
 
 class CouplingWatch:
-    """Interfaces whose hand-over is turned off are not looked at: their energy does not close."""
+    """Of the panels, which come before all else of the surface.  Interfaces whose hand-over is
+    turned off are not looked at: their energy does not close."""
 
-    def __init__(self, handed: HandOver, members: Members, start: State) -> None:
-        self._members = members
+    def __init__(self, case: Case, start: State, panels: Sequence[PanelPoints]) -> None:
+        self._surface = slice(0, max((one.surface.stop for one in panels), default=None))
+        clamps = slice(0, max((one.clamps.stop for one in panels), default=None))
+        handed = case.hand_over
         self._works: dict[str, ContactWork | ClampWork] = {}
-        if members.particles is not None and handed.panel_motion and handed.particle_load:
-            self._works[PARTICLES] = ContactWork(start)
+        if case.particles.solver != "none" and handed.panel_motion and handed.particle_load:
+            self._works[PARTICLES] = ContactWork(start, self._surface)
         if handed.frame_motion and handed.panel_reaction:
-            self._works[FRAMES] = ClampWork(start)
-        self._modes = Alternation(start.panel.surface.velocity_m_s)
+            self._works[FRAMES] = ClampWork(start, clamps)
+        least = case.watch.largest_growing_share
+        self._modes = Alternation(start.panel.surface.velocity_m_s[self._surface], least)
 
-    def add(self, length_s: float, state: State) -> None:
-        """The interval of ``length_s`` that the members have just ended."""
+    def add(self, crossed: Crossed) -> None:
+        """An interval's."""
         for work in self._works.values():
-            work.add(self._members, length_s)
-        self._modes.add(state.panel.surface.velocity_m_s)
+            work.add(crossed)
+        self._modes.add(crossed.panel[2].surface.velocity_m_s[self._surface])
 
     def look(self, figures: Figures, time_s: float) -> None:
         for where, work in self._works.items():
             figures.look("created_energy", work.balance.recently(), time_s, where)
-            figures.look("created_in_total", work.balance.in_total(), time_s, where)
         figures.look("growing_modes", self._modes.share(), time_s)
+
+    def look_at_all(self, figures: Figures, time_s: float) -> None:
+        """At what counts since t = 0."""
+        for where, work in self._works.items():
+            figures.look("created_in_total", work.balance.in_total(), time_s, where)
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""

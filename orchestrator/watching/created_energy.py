@@ -3,16 +3,16 @@
 Between two sync points each side of an interface moves from a known place to a known place under a
 known mean load, so that no solver needs to be asked, and no rank to wait.
 
-Particles and panels: particles on a path from p to q give the mean load F, panels move from x to y
-under P (F itself, or an earlier one), and the particles' next path starts at y.  The particles
-receive -F.(q - p), and of the jump from the last path's end to p the mean of the loads before and
-after; the panels receive P.(y - x).  The sum is what was created.  Left out: on a curved path the
-load's deviation from its mean times the velocity's, and what the load at the sync point differs
-from the mean of both, each of second order in what changes within one interval.
+Particles and panels: the panels move from x to y under the load P, the particles on a path from x
+to y - d under their mean load F, so that d is what the path missed, and jump by d at the next sync
+point.  The particles receive -F.(y - d - x) and -J.d, J their load at the jump; the panels receive
+P.(y - x).  Created are  (P - F).(y - x) + F.d - J.d.  J is (5 F + 2 F_next - F_before)/6, exact for
+loads that go with the square of time.  Left out: what J is off, and on a curved path the load's
+deviation from its mean times the velocity's; both are of second order in what changes within an
+interval.
 
-Panels and frames: panels whose clamps are told to move from c to d give the mean reaction R, frames
-move from x to y under Q (R, or an earlier one), and receive Q.(y - x); the panels receive
--R.(d - c).  Left out: likewise.
+Panels and frames: the clamps are told to go to y - e, with R as the panels' mean reaction, and the
+frames go to y under Q.  Created are  (Q - R).(y - x) + R.(e - e_before).  Left out: likewise.
 
 docs/theory/stability.md, "The watch"; tests/watching compares both with the ledger.
 """
@@ -22,9 +22,9 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.coupling import State
-from orchestrator.ledger import Members
-from orchestrator.ports import Array, Load, Saved
+from orchestrator.ports import Array, Saved
 from orchestrator.state import put_back, taken
+from orchestrator.watching.crossed import Crossed
 
 SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
@@ -35,8 +35,9 @@ _SUMS = ("created_J", "through_J", "_recent_created_J", "_recent_through_J", "_n
 class Balance:
     """Energy created at an interface, against what went through it.
 
-    ``through_J``: sum of the sizes of each point's work; a load on what moves slower than
-    ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative: destroyed.
+    ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
+    slower than ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
+    destroyed.
     """
 
     def __init__(self) -> None:
@@ -73,39 +74,42 @@ class Balance:
 
     def _share(self, created_J: float, through_J: float) -> float:
         beyond_J = abs(created_J) - self._newest_J
-        return beyond_J / through_J if beyond_J > 0 else 0.0
+        return beyond_J / through_J if beyond_J > 0 and through_J > 0 else 0.0
 
 
-_OF_CONTACTS = ("_surface_m", "_path_end_m", "_load_N", "_load_before_N")
+_OF_CONTACTS = ("_surface_m", "_missed_m", "_load_N", "_at_end_J", "_before_J")
 
 
 class ContactWork:
-    """Between particles and panels."""
+    """Between particles and panels; every scheme begins the path where the surface is."""
 
-    def __init__(self, start: State) -> None:
-        self.balance = Balance()
-        self._surface_m = self._path_end_m = start.panel.surface.position_m
-        self._load_N = self._load_before_N = start.load.force_N
+    def __init__(self, start: State, points: slice) -> None:
+        """``points``: those of the surface that count."""
+        self.balance, self._points = Balance(), points
+        self._surface_m = start.panel.surface.position_m[points]
+        self._load_N = start.load.force_N[points]
+        self._missed_m = np.zeros_like(self._surface_m)
+        self._at_end_J = self._before_J = 0.0  # F.d and F_before.d of the last interval
 
-    def add(self, members: Members, length_s: float) -> None:
-        """Of the interval of ``length_s`` that the members have just ended."""
-        assert members.particles is not None
-        path, load = members.particles.last
-        _, given, state = members.panel.last
-        moved_m = state.surface.position_m - self._surface_m
-        jump_m = path.start.position_m - self._path_end_m
-        at_jump_N = (2 * load.force_N + 5 * self._load_N - self._load_before_N) / 6
-        particles_J = np.vdot(load.force_N, path.end.position_m - path.start.position_m)
-        particles_J += np.vdot(at_jump_N, jump_m)
-        created_J = np.vdot(given.force_N, moved_m) - particles_J
-        self.balance.add(float(created_J), through_J(load, moved_m, length_s))
-        self._surface_m, self._path_end_m = state.surface.position_m, path.end.position_m
-        self._load_before_N, self._load_N = self._load_N, load.force_N
+    def add(self, crossed: Crossed) -> None:
+        assert crossed.particles is not None
+        path, load = crossed.particles
+        _, given, state = crossed.panel
+        surface_m, force_N = state.surface.position_m[self._points], load.force_N[self._points]
+        moved_m = surface_m - self._surface_m
+        jump_J = (5 * self._at_end_J + 2 * dot(force_N, self._missed_m) - self._before_J) / 6
+        missed_m = surface_m - path.end.position_m[self._points]
+        at_end_J = dot(force_N, missed_m)
+        created_J = at_end_J - jump_J
+        if given is not load:
+            created_J += dot(given.force_N[self._points] - force_N, moved_m)
+        self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
+        self._before_J, self._at_end_J = dot(self._load_N, missed_m), at_end_J
+        self._surface_m, self._missed_m, self._load_N = surface_m, missed_m, force_N
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
-        jump_m = self._surface_m - self._path_end_m
-        self.balance.begin_anew(float(np.vdot(self._load_N, jump_m)))
+        self.balance.begin_anew(self._at_end_J)
 
     def save(self) -> Saved:
         return taken(self, *_OF_CONTACTS) | {"balance": self.balance.save()}
@@ -115,31 +119,36 @@ class ContactWork:
         self.balance.restore(saved["balance"])
 
 
-_OF_CLAMPS = ("_clamps_m", "_told_m", "_reaction_N")
+_OF_CLAMPS = ("_clamps_m", "_missed_m", "_at_end_J")
 
 
 class ClampWork:
     """Between panels and frames."""
 
-    def __init__(self, start: State) -> None:
-        self.balance = Balance()
-        self._clamps_m = self._told_m = start.clamps.position_m
-        self._reaction_N = start.panel.reaction.force_N
+    def __init__(self, start: State, points: slice) -> None:
+        """``points``: those of the clamps that count."""
+        self.balance, self._points = Balance(), points
+        self._clamps_m = start.clamps.position_m[points]
+        self._missed_m = np.zeros_like(self._clamps_m)
+        self._at_end_J = 0.0  # R.e of the last interval
 
-    def add(self, members: Members, length_s: float) -> None:
-        reaction, clamps = members.frames.last
-        told, _, state = members.panel.last
-        moved_m = clamps.position_m - self._clamps_m
-        panels_J = np.vdot(state.reaction.force_N, told.position_m - self._told_m)
-        created_J = np.vdot(reaction.force_N, moved_m) - panels_J
-        self.balance.add(float(created_J), through_J(reaction, moved_m, length_s))
-        self._clamps_m, self._told_m = clamps.position_m, told.position_m
-        self._reaction_N = state.reaction.force_N
+    def add(self, crossed: Crossed) -> None:
+        reaction, clamps = crossed.frames
+        told, _, state = crossed.panel
+        clamps_m = clamps.position_m[self._points]
+        moved_m = clamps_m - self._clamps_m
+        missed_m = clamps_m - told.position_m[self._points]
+        force_N = state.reaction.force_N[self._points]
+        at_end_J = dot(force_N, missed_m)
+        created_J = at_end_J - dot(force_N, self._missed_m)
+        if reaction is not state.reaction:
+            created_J += dot(reaction.force_N[self._points] - force_N, moved_m)
+        self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
+        self._clamps_m, self._missed_m, self._at_end_J = clamps_m, missed_m, at_end_J
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
-        jump_m = self._clamps_m - self._told_m
-        self.balance.begin_anew(float(np.vdot(self._reaction_N, jump_m)))
+        self.balance.begin_anew(self._at_end_J)
 
     def save(self) -> Saved:
         return taken(self, *_OF_CLAMPS) | {"balance": self.balance.save()}
@@ -149,8 +158,12 @@ class ClampWork:
         self.balance.restore(saved["balance"])
 
 
-def through_J(load: Load, moved_m: Array, length_s: float) -> float:
-    """Sum of the sizes of each point's work, (points, 3) moved under ``load`` in ``length_s``."""
-    by_point_J = np.einsum("ij,ij->i", load.force_N, moved_m)
-    slow_J = SLOW_M_S * length_s * np.abs(load.force_N).sum()
-    return float(np.abs(by_point_J).sum() + slow_J)
+def dot(one: Array, other: Array) -> float:
+    """Sum over all points and axes."""
+    return float(np.vdot(one, other))
+
+
+def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
+    """Of points that moved by (points, 3) in ``length_s``."""
+    sizes_N = np.abs(force_N)
+    return dot(sizes_N, np.abs(moved_m)) + SLOW_M_S * length_s * float(sizes_N.sum())

@@ -17,14 +17,17 @@ from orchestrator.plans import SolverFailed
 from orchestrator.ports import Saved
 from orchestrator.ranks import first_rank_does, is_first
 from orchestrator.records.summary import cycle_s
+from orchestrator.state import put_back, taken
 from orchestrator.tables.numerics import Then
 from orchestrator.watching.coupling_watch import CouplingWatch
+from orchestrator.watching.crossed import Crossed, crossed
 from orchestrator.watching.figures import Figures
 from orchestrator.watching.output_watch import OutputWatch
 from orchestrator.watching.pace import Pace
 
 LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
+TOGETHER = 5  # intervals are looked at, which costs little more than one, while all is well
 WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
 
 
@@ -46,8 +49,10 @@ class Guard:
         self._interval_s = case.coupling.sync_interval_s
         self.pace = Pace(self._interval_s, most_parts(case), calm_intervals(case))
         self._figures = Figures(case.watch)
-        self._coupling = CouplingWatch(case.hand_over, machine.members, start)
+        self._coupling = CouplingWatch(case, start, machine.panels)
         self._output = OutputWatch(machine.panels, particle_step_s(case))
+        self._crossed: list[Crossed] = []
+        self._unjudged = 0
         self._said_shortest = False
 
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
@@ -56,22 +61,27 @@ class Guard:
         return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
 
     def output(self, time_s: float, state: State, bed: Bed | None) -> None:
-        """At output times."""
+        """At output times; those figures are judged together with the next ones of the coupling."""
         if is_first(self._world):
             with self._machine.stopwatch("watch"):
+                self._coupling.look_at_all(self._figures, time_s)
                 self._output.look(self._figures, time_s, state, bed)
 
-    def act(self, time_s: float, state: State) -> None:
-        """After an interval: warns or shortens the next ones, as the case wants.  Raises
+    def act(self, interval: Interval, state: State) -> None:
+        """After a sync interval: warns or shortens the next ones, as the case wants.  Raises
         Stopped."""
-        with self._machine.stopwatch("watch"):
-            then, what = first_rank_does(self._world, lambda: self._verdict(time_s))
+        self._unjudged += 1
+        if self.pace.trusted and (interval.index + 1) % TOGETHER:
+            return
+        unjudged, self._unjudged = self._unjudged, 0
+        time_s = interval.end_s
+        then, what = first_rank_does(self._world, lambda: self._verdict(time_s))
         if then == "stop":
             self.pace.trusted = False
             raise Stopped(what, state)
         if then == "shorten":
             self._shorten(time_s, what)
-        elif self.pace.ease():
+        elif self.pace.ease(unjudged):
             self._changed(f"t = {time_s:.6g} s: nothing was amiss for a while")
 
     def figures(self, intervals: int) -> dict[str, Any]:
@@ -84,21 +94,29 @@ class Guard:
         }
 
     def save(self) -> Saved:
+        self._catch_up()
         saved = {"pace": self.pace.save(), "figures": self._figures.save()}
-        return saved | {"coupling": self._coupling.save()}
+        return saved | {"coupling": self._coupling.save()} | taken(self, "_unjudged")
 
     def restore(self, saved: Saved) -> None:
         self.pace.restore(saved["pace"])
         self._figures.restore(saved["figures"])
         self._coupling.restore(saved["coupling"])
+        put_back(self, saved, "_unjudged")
 
-    def _look(self, part: Interval, state: State) -> None:
+    def _look(self, part: Interval) -> None:
         if is_first(self._world):
-            with self._machine.stopwatch("watch"):
-                self._coupling.add(part.length_s, state)
+            self._crossed.append(crossed(self._machine.members, part.length_s))
+
+    def _catch_up(self) -> None:
+        with self._machine.stopwatch("watch"):
+            for interval in self._crossed:
+                self._coupling.add(interval)
+            self._crossed.clear()
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
         """What is to be done, and why."""
+        self._catch_up()
         self._coupling.look(self._figures, time_s)
         alarms = self._figures.alarms()
         for alarm in alarms:

@@ -19,7 +19,7 @@ from orchestrator.state import put_back, taken
 
 _STATE = ("parts", "last_s", "trusted", "divided", "finest", "_quiet", "_patience", "_eased")
 
-Look = Callable[[Interval, State], None]
+Look = Callable[[Interval], None]
 
 
 class Pace:
@@ -41,12 +41,13 @@ class Pace:
         self, scheme: Scheme, solvers: Solvers, interval: Interval, state: State, look: Look
     ) -> tuple[State, State]:
         """The state after a sync interval to go on from, and the one to be recorded: the same, with
-        the mean loads of the whole interval.  ``look`` is shown each part's end."""
+        the mean loads of the whole interval.  ``look`` is shown each part when it
+        has ended."""
         ends = []
         for part in interval.divided(self.parts):
             state = scheme.advance(solvers, part, self._handed_on(scheme, state, part))
             self.last_s = part.length_s
-            look(part, state)
+            look(part)
             ends.append(state)
         self.divided += self.parts > 1
         self.finest = max(self.finest, self.parts)
@@ -62,11 +63,11 @@ class Pace:
         self.parts *= 2
         return True
 
-    def ease(self) -> bool:
-        """An interval without trouble; True where that makes parts longer."""
+    def ease(self, intervals: int = 1) -> bool:
+        """So many without trouble; True where that makes parts longer."""
         if self.trusted:
             return False
-        self._quiet += 1
+        self._quiet += intervals
         if self._quiet < self._patience:
             return False
         self._quiet = 0

@@ -69,12 +69,12 @@ def guarded(
     each: Callable[[State], object] = lambda state: None,
 ) -> Guard:
     """Runs so many intervals under the watch; ``each`` is shown what is recorded of them."""
-    free = [f"coupling.sync_interval_s={interval_s}", "particles.solver=none", *sets]
+    free = [f"coupling.sync_interval_s={interval_s}", f"particles.step_s={interval_s / 64}", *sets]
     state = initial(machine.solvers)
     guard = Guard(loaded(folder, free).case, machine, state, None, Console(quiet=True))
     for index in range(intervals):
         interval = Interval(index, interval_s)
         state, seen = guard.advance(interval, state)
         each(seen)
-        guard.act(interval.end_s, state)
+        guard.act(interval, state)
     return guard

@@ -11,10 +11,13 @@ import pytest
 from orchestrator.clock import Interval
 from orchestrator.coupling import initial
 from orchestrator.watching.created_energy import Balance, ClampWork, ContactWork
+from orchestrator.watching.crossed import crossed
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.watching.machines import on_a_line
+
+ALL = slice(None)
 
 
 def energy_J(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> float:
@@ -46,10 +49,10 @@ def test_an_elastic_impact_has_as_much_more_energy_as_was_created(
     frame = FreeFrame(1.0)
     machine = on_a_line(sphere, plate, frame, scheme)
     state = initial(machine.solvers)
-    work, before_J = ContactWork(state), energy_J(sphere, plate, frame)
+    work, before_J = ContactWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(3 * per_contact):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
-        work.add(machine.members, length_s)
+        work.add(crossed(machine.members, length_s))
     gained_J = energy_J(sphere, plate, frame) - before_J
     assert gained_J > 1e-4
     assert work.balance.created_J == pytest.approx(gained_J, rel=within)
@@ -63,10 +66,10 @@ def test_a_frame_on_a_panel_too(scheme: str) -> None:
     plate.x = 0.1
     machine = on_a_line(sphere, plate, frame, scheme)
     state = initial(machine.solvers)
-    work, before_J = ClampWork(state), energy_J(sphere, plate, frame)
+    work, before_J = ClampWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(400):
         state = machine.scheme.advance(machine.solvers, Interval(index, 0.1), state)
-        work.add(machine.members, 0.1)
+        work.add(crossed(machine.members, 0.1))
     gained_J = energy_J(sphere, plate, frame) - before_J
     assert abs(gained_J) > 1e-6
     assert work.balance.created_J == pytest.approx(gained_J, rel=0.1, abs=2e-6)
@@ -80,11 +83,12 @@ def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
     """A bed on two panels between frames; the ledger asks the solvers."""
     sets: Sequence[str] = [*CHEAP, "particles.solver=spheres", f"coupling.scheme={scheme}"]
     with opened(written(tmp_path, CASE, sets)) as run:
-        contacts, clamps = ContactWork(run.state), ClampWork(run.state)
+        contacts, clamps = ContactWork(run.state, ALL), ClampWork(run.state, ALL)
         for _ in range(200):
             run.advance(1)
-            contacts.add(run.machine.members, run.interval_s)
-            clamps.add(run.machine.members, run.interval_s)
+            interval = crossed(run.machine.members, run.interval_s)
+            contacts.add(interval)
+            clamps.add(interval)
         said = run.energy_J("created")
     # off by 1.2e-4 and 1.1e-4 of what went through contacts, and by 5e-7 and 3e-8 at the clamps
     for work, interface, off in (

@@ -56,7 +56,7 @@ def run(name: str, length_s: float, parts: list[int]) -> tuple[State, list[State
     state, chosen = initial(solvers), scheme(name)
     for index, pace.parts in enumerate(parts):
         state, seen = pace.advance(
-            chosen, solvers, Interval(index, length_s), state, lambda part, state: None
+            chosen, solvers, Interval(index, length_s), state, lambda part: None
         )
         recorded.append(seen)
     return state, recorded, pace
@@ -80,9 +80,7 @@ def test_no_momentum_is_lost_when_the_length_changes(name: str) -> None:
     solvers, pace = members(sphere, plate, frame), Pace(0.2, 64, 1)
     state, chosen = initial(solvers), scheme(name)
     for index, pace.parts in enumerate([1, 2, 4, 4, 2, 1, 1]):
-        state, _ = pace.advance(
-            chosen, solvers, Interval(index, 0.2), state, lambda part, state: None
-        )
+        state, _ = pace.advance(chosen, solvers, Interval(index, 0.2), state, lambda part: None)
     pending = chosen.pending(state, Interval(0, pace.last_s))
     momentum = sphere.v * 1.0 + plate.v * 2.0 + frame.v * 5.0
     held = pending.load_N_s[0] + pending.reaction_N_s[0]
