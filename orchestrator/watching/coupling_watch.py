@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from orchestrator.casefile.case import Case
 from orchestrator.coupling import State
-from orchestrator.machine import PanelPoints
+from orchestrator.machine import Machine
 from orchestrator.ports import Saved
 from orchestrator.watching.alternation import Alternation
 from orchestrator.watching.created_energy import ClampWork, ContactWork
@@ -20,12 +18,12 @@ class CouplingWatch:
     """Of the panels, which come before all else of the surface.  Interfaces whose hand-over is
     turned off are not looked at: their energy does not close."""
 
-    def __init__(self, case: Case, start: State, panels: Sequence[PanelPoints]) -> None:
-        self._surface = slice(0, max((one.surface.stop for one in panels), default=None))
-        clamps = slice(0, max((one.clamps.stop for one in panels), default=None))
+    def __init__(self, case: Case, machine: Machine, start: State) -> None:
+        self._surface = slice(0, max((one.surface.stop for one in machine.panels), default=None))
+        clamps = slice(0, max((one.clamps.stop for one in machine.panels), default=None))
         handed = case.hand_over
         self._works: dict[str, ContactWork | ClampWork] = {}
-        if case.particles.solver != "none" and handed.panel_motion and handed.particle_load:
+        if machine.members.particles is not None and handed.panel_motion and handed.particle_load:
             self._works[PARTICLES] = ContactWork(start, self._surface)
         if handed.frame_motion and handed.panel_reaction:
             self._works[FRAMES] = ClampWork(start, clamps)

@@ -47,9 +47,9 @@ class Guard:
     ) -> None:
         self._machine, self._world, self._console = machine, world, console
         self._interval_s = case.coupling.sync_interval_s
-        self.pace = Pace(self._interval_s, most_parts(case), calm_intervals(case))
+        self.pace = Pace(self._interval_s, most_parts(case, machine), calm_intervals(case))
         self._figures = Figures(case.watch)
-        self._coupling = CouplingWatch(case, start, machine.panels)
+        self._coupling = CouplingWatch(case, machine, start)
         self._output = OutputWatch(machine.panels, particle_step_s(case))
         self._crossed: list[Crossed] = []
         self._unjudged = 0
@@ -145,9 +145,9 @@ class Guard:
         self._console.print(f"warning: {what}")
 
 
-def most_parts(case: Case) -> int:
+def most_parts(case: Case, machine: Machine) -> int:
     """Each part has at least a step of the particles."""
-    if case.particles.solver == "none":
+    if machine.members.particles is None:
         return MOST_PARTS
     return min(MOST_PARTS, steps_in(case.coupling.sync_interval_s, particle_step_s(case)))
 
