@@ -47,7 +47,7 @@ class Guard:
     ) -> None:
         self._machine, self._world, self._console = machine, world, console
         self._interval_s = case.coupling.sync_interval_s
-        self.pace = Pace(self._interval_s, most_parts(case, machine), calm_intervals(case))
+        self.pace = Pace(self._interval_s, MOST_PARTS, calm_intervals(case))
         self._figures = Figures(case.watch)
         self._coupling = CouplingWatch(case, machine, start)
         self._output = OutputWatch(machine.panels, particle_step_s(case))
@@ -143,13 +143,6 @@ class Guard:
     def _say(self, what: str) -> None:
         LOG.warning(what)
         self._console.print(f"warning: {what}")
-
-
-def most_parts(case: Case, machine: Machine) -> int:
-    """Each part has at least a step of the particles."""
-    if machine.members.particles is None:
-        return MOST_PARTS
-    return min(MOST_PARTS, steps_in(case.coupling.sync_interval_s, particle_step_s(case)))
 
 
 def calm_intervals(case: Case) -> int:

@@ -1,8 +1,8 @@
 """How finely a sync interval is run: whole, or in equal parts.
 
-Parts are halves of halves, so that their lengths are again exact decimal numbers and every solver
-takes whole steps in each.  Nobody else knows of parts: records, saves and counts go by whole sync
-intervals.
+Parts are halves of halves, so that their lengths are again exact decimal numbers.  Every solver
+takes whole steps in each, as long as its own or, where a part is shorter than that, as the part.
+Nobody else knows of parts: records, saves and counts go by whole sync intervals.
 """
 
 from __future__ import annotations

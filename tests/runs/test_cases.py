@@ -78,6 +78,14 @@ def test_momentum_balances_to_rounding(case: Done) -> None:
     assert residual > 0.0 or name in WITHOUT_PANELS
 
 
+def test_the_watch_finds_nothing(case: Done) -> None:
+    """No false alarm; most figures are far from their limits."""
+    _, folder, _ = case
+    watch = summary(folder)["watch"]
+    assert watch["shortened_intervals"] == 0
+    assert {name: one for name, one in watch["figures"].items() if one["times"]} == {}
+
+
 def test_time_series_have_units_and_no_gap(case: Done) -> None:
     _, folder, _ = case
     said = summary(folder)

@@ -94,3 +94,17 @@ def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path
     assert said["watch"]["shortest_interval_s"] < 5e-3 / 4
     assert abs(share_created(said["energy_ledger_J"])) < 0.01
     assert "WARNING: the watch ran " in (folder / "run.log").read_text()
+
+
+def test_two_ranks_shorten_together(tmp_path: Path) -> None:
+    """The first one decides for both: the same intervals, in the same parts."""
+    alone, both = tmp_path / "alone", tmp_path / "both"
+    for folder, ranks in ((alone, 1), (both, 2)):
+        done = flipflow(*run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNEASY]), ranks=ranks)
+        assert done.returncode == 0, done.stderr
+    one, two = (summary(folder)["watch"] for folder in (alone, both))
+    assert one["shortened_intervals"] == two["shortened_intervals"] > 0
+    with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
+        for name in ("position_m", "velocity_m_s"):
+            ours, theirs = (file[f"probes/middle-1/{name}"][:] for file in (first, second))
+            assert abs(ours - theirs).max() < 1e-10

@@ -69,7 +69,7 @@ def guarded(
     each: Callable[[State], object] = lambda state: None,
 ) -> Guard:
     """Runs so many intervals under the watch; ``each`` is shown what is recorded of them."""
-    free = [f"coupling.sync_interval_s={interval_s}", f"particles.step_s={interval_s / 64}", *sets]
+    free = [f"coupling.sync_interval_s={interval_s}", *sets]
     state = initial(machine.solvers)
     guard = Guard(loaded(folder, free).case, machine, state, None, Console(quiet=True))
     for index in range(intervals):
