@@ -166,11 +166,11 @@ class Run:
             recorder.sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:
-                    bed = recorder.output(time_s, state)
+                    terms_J, bed = recorder.output(time_s, state)
                 finally:  # also when it is the material that stops the run
                     figures["material"] = recorder.material()
                 figures["particles"] = len(bed[0].id) if bed is not None else 0
-                guard.output(time_s, state, bed)
+                guard.output(time_s, state, terms_J, bed)
         self._progress.sync_point(done, time_s, steps)
 
     def _interval(self, index: int) -> Interval:

@@ -91,13 +91,14 @@ class Recorder:
             values = vars(surface.part(panel.shape))
             self._history.add(f"shapes/{panel.name}", time_s, values)
 
-    def output(self, time_s: float, state: State) -> Bed | None:
-        """Every output time: shapes, books, and files for ParaView.  Returns the particles."""
+    def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
+        """Every output time: shapes, books, and files for ParaView.  Returns the ledger's terms,
+        and the particles."""
         terms = self._ledger.energy_J()
         bed = self._material(time_s)
         worn_m3 = None if self._machine.wearing is None else self._machine.wearing.worn_m3()
         if not self._writes:
-            return bed
+            return terms, bed
         self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
         surface = state.panel.surface
         for panel in self._machine.panels:
@@ -117,7 +118,7 @@ class Recorder:
                     self._history.add(group, time_s, values)
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
-        return bed
+        return terms, bed
 
     def material(self) -> dict[str, Any] | None:
         """The material's balance at the last output time, on rank 0."""

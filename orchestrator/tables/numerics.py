@@ -122,9 +122,9 @@ class Watch(Table):
     largest_created_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.05
     """Of the energy that went through the interface in them."""
     created_in_total: Literal["warn", "stop"] = "warn"
-    """The same since t = 0."""
+    """The same since t = 0, by the ledger; looked at at output times."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
-    """Of the energy that went through since then."""
+    """Of all that was supplied and lost since then."""
     growing_modes: Then = "shorten"
     """Points of the surface that alternate from interval to interval, more and more."""
     largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1

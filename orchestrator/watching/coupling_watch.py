@@ -41,11 +41,6 @@ class CouplingWatch:
             figures.look("created_energy", work.balance.recently(), time_s, where)
         figures.look("growing_modes", self._modes.share(), time_s)
 
-    def look_at_all(self, figures: Figures, time_s: float) -> None:
-        """At what counts since t = 0."""
-        for where, work in self._works.items():
-            figures.look("created_in_total", work.balance.in_total(), time_s, where)
-
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
         for work in self._works.values():

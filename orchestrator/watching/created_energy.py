@@ -55,11 +55,10 @@ class Balance:
     def recently(self) -> float:
         """Share created of what went through in the last twenty intervals or so.  What went through
         in the newest does not count as created: it may come back in the next."""
-        return self._share(self._recent_created_J, self._recent_through_J)
-
-    def in_total(self) -> float:
-        """The same since t = 0."""
-        return self._share(self.created_J, self.through_J)
+        beyond_J = abs(self._recent_created_J) - self._newest_J
+        if beyond_J <= 0 or self._recent_through_J <= 0:
+            return 0.0
+        return beyond_J / self._recent_through_J
 
     def begin_anew(self, in_transit_J: float = 0.0) -> None:
         """Forgets what is recent but what the next interval takes back."""
@@ -71,10 +70,6 @@ class Balance:
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_SUMS)
-
-    def _share(self, created_J: float, through_J: float) -> float:
-        beyond_J = abs(created_J) - self._newest_J
-        return beyond_J / through_J if beyond_J > 0 and through_J > 0 else 0.0
 
 
 _OF_CONTACTS = ("_surface_m", "_missed_m", "_load_N", "_at_end_J", "_before_J")

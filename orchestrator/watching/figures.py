@@ -18,8 +18,8 @@ WATCHED = {
     ),
     "created_in_total": (
         "largest_created_in_total",
-        "the coupling has created or destroyed energy between {where}: {value:.2g} of all that "
-        "went through since t = 0",
+        "the coupling has created or destroyed energy: {value:.2g} of all that was supplied and "
+        "lost",
     ),
     "growing_modes": (
         "largest_growing_share",

@@ -16,7 +16,7 @@ from orchestrator.particle_records import Bed
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Saved
 from orchestrator.ranks import first_rank_does, is_first
-from orchestrator.records.summary import cycle_s
+from orchestrator.records.summary import cycle_s, share_created
 from orchestrator.state import put_back, taken
 from orchestrator.tables.numerics import Then
 from orchestrator.watching.coupling_watch import CouplingWatch
@@ -51,8 +51,9 @@ class Guard:
         self._figures = Figures(case.watch)
         self._coupling = CouplingWatch(case, machine, start)
         self._output = OutputWatch(machine.panels, particle_step_s(case))
+        self._closes = all(vars(case.hand_over).values())
         self._crossed: list[Crossed] = []
-        self._unjudged = 0
+        self._judged, self._at_once = 0, False
         self._said_shortest = False
 
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
@@ -60,20 +61,25 @@ class Guard:
         machine = self._machine
         return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
 
-    def output(self, time_s: float, state: State, bed: Bed | None) -> None:
-        """At output times; those figures are judged together with the next ones of the coupling."""
+    def output(
+        self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None
+    ) -> None:
+        """At output times, after which everything is judged; ``terms_J`` of the ledger."""
+        self._at_once = True
         if is_first(self._world):
             with self._machine.stopwatch("watch"):
-                self._coupling.look_at_all(self._figures, time_s)
+                if self._closes:
+                    share = abs(share_created(terms_J))
+                    self._figures.look("created_in_total", share, time_s)
                 self._output.look(self._figures, time_s, state, bed)
 
     def act(self, interval: Interval, state: State) -> None:
         """After a sync interval: warns or shortens the next ones, as the case wants.  Raises
         Stopped."""
-        self._unjudged += 1
-        if self.pace.trusted and (interval.index + 1) % TOGETHER:
+        done = interval.index + 1
+        if self.pace.trusted and not self._at_once and done - self._judged < TOGETHER:
             return
-        unjudged, self._unjudged = self._unjudged, 0
+        since, self._judged, self._at_once = done - self._judged, done, False
         time_s = interval.end_s
         then, what = first_rank_does(self._world, lambda: self._verdict(time_s))
         if then == "stop":
@@ -81,7 +87,7 @@ class Guard:
             raise Stopped(what, state)
         if then == "shorten":
             self._shorten(time_s, what)
-        elif self.pace.ease(unjudged):
+        elif self.pace.ease(since):
             self._changed(f"t = {time_s:.6g} s: nothing was amiss for a while")
 
     def figures(self, intervals: int) -> dict[str, Any]:
@@ -96,13 +102,13 @@ class Guard:
     def save(self) -> Saved:
         self._catch_up()
         saved = {"pace": self.pace.save(), "figures": self._figures.save()}
-        return saved | {"coupling": self._coupling.save()} | taken(self, "_unjudged")
+        return saved | {"coupling": self._coupling.save()} | taken(self, "_judged", "_at_once")
 
     def restore(self, saved: Saved) -> None:
         self.pace.restore(saved["pace"])
         self._figures.restore(saved["figures"])
         self._coupling.restore(saved["coupling"])
-        put_back(self, saved, "_unjudged")
+        put_back(self, saved, "_judged", "_at_once")
 
     def _look(self, part: Interval) -> None:
         if is_first(self._world):

@@ -189,8 +189,8 @@ def test_light_corners_are_unstable(tmp_path: Path, overrides: list[str], stable
 @pytest.mark.solver
 @pytest.mark.slow
 def test_the_watch_shortens_what_the_card_warns_of(tmp_path: Path) -> None:
-    """The same light corners, the watch as it is by default: 0.5 % measured, the impact in intervals
-    of 5 us; where it only warns, 30 %."""
+    """The same light corners, the watch as it is by default: 0.5 % measured, the impact in
+    intervals of 5 us; where it only warns, 30 %."""
     short = ["duration_s=0.15", "output.pictures=false", "output.interval_s=0.05"]
     sets = [*COARSE_AND_LIGHT, *short]
     assert run(CASES / "ball-on-panel", "default", tmp_path / "run", sets) == 0
