@@ -18,6 +18,7 @@ OF_THE_CLOCK = (
     "wall_by_part_s",
     "particle_steps_per_s",
     "processor_s",
+    "processor_before_s",
     "peak_memory_MiB",
 )
 OF_THE_CLOCK += ("status", "reason")
