@@ -18,11 +18,11 @@ from orchestrator.bed.material_book import CountedFeed
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.metered import MeteredParticles
-from orchestrator.plans import ParticlesPlan
+from orchestrator.plans import Exit, ParticlesPlan
 from orchestrator.ports import Motion
 from orchestrator.state import as_arrays
 from orchestrator.stopwatch import Stopwatch
-from tests.particles.liggghts_bed import bed_plan, wave
+from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.sizes import Sizes
 from tests.saved_states import differences
@@ -46,6 +46,9 @@ def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> l
     return found
 
 
+OPEN_END = Exit(
+    "end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1])
+)
 INLET = Inlet(
     sizes=(Sizes(5e-3, 6e-3, 1.0),),
     rate_kg_s=0.15,
@@ -97,6 +100,8 @@ def main() -> None:
     world: Any = MPI.COMM_WORLD
     found = resumed("liggghts", bed_plan(communicator=world), 60, 120)
     found += hesitating("liggghts", bed_plan(communicator=world), 120)
+    sticky = bed_plan(communicator=world, exits=(OPEN_END,), **PERIODIC, **WET)
+    found += hesitating("liggghts", sticky, 60)
     everywhere = world.gather(found)
     if world.rank == 0:
         print(json.dumps(everywhere))

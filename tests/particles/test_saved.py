@@ -14,16 +14,12 @@ import pytest
 
 from adapters.particles import spheres
 from orchestrator.clock import Interval
-from orchestrator.plans import Exit
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
-from tests.particles.restored_bed import astray, fed, hesitating, resumed
+from tests.particles.restored_bed import OPEN_END, astray, fed, hesitating, resumed
 
 SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
 WEARING = {"wear_m3_N_m": np.ones((2, 2))}
-OPEN_END = Exit(
-    "end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1])
-)
 CHANGES: dict[str, dict[str, Any]] = {
     "dry": {},
     "periodic": PERIODIC,
