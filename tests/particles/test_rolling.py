@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan, TriangleSurface
+from orchestrator.geometry import TriangleSurface
+from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 from tests.particles.test_adhesion import module
