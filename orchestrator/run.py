@@ -20,6 +20,7 @@ from orchestrator.ending import Ending
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
 from orchestrator.naming import named
+from orchestrator.plans import SolverFailed
 from orchestrator.progress import Progress
 from orchestrator.ranks import is_first
 from orchestrator.records.recorder import Recorder
@@ -107,7 +108,14 @@ class Run:
         if self.resumes is None:
             self._record(recorder, guard, state, 0, 0)
             return state
-        return keeper.restore(self.resumes, state)
+        try:
+            return keeper.restore(self.resumes, state)
+        except (KeyError, ValueError, RuntimeError) as error:
+            then = self.resumes.about["provenance"]["commit"]
+            raise SolverFailed(
+                f"{self.resumes.folder} cannot be put back ({type(error).__name__}: {error}): it "
+                f"was saved by another flipflow, of commit {then}; that one can go on with it"
+            ) from error
 
     def _loop(
         self,

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.runs.outside import QUICK, flipflow
+from tests.runs.outside import QUICK, flipflow, summary
 
 # what the process holds, at two sync points
 COUNTED = """
@@ -38,6 +38,7 @@ def test_fifty_cycles_hold_no_more_than_before(tmp_path: Path) -> None:
     before = COUNTED.format(file=str(file))
     done = flipflow(*words, *(word for key in sets for word in ("--set", key)), before=before)
     assert done.returncode == 0, done.stderr
+    assert summary(tmp_path / "run")["results"]
     (early, files, objects), (late, files_late, objects_late) = np.loadtxt(file)
     assert late - early < 2**20
     assert files_late == files

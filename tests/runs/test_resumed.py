@@ -123,6 +123,18 @@ def test_a_torn_save_is_left_for_the_one_before(
     assert run_differences(whole, folder) == []
 
 
+def test_a_save_of_another_flipflow_is_said_to_be_one(
+    stopped: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that knew nothing of what the spheres need today; nothing of the save is lost."""
+    monkeypatch.setattr("adapters.particles.spheres._STATE", ("_spheres", "_plan"))
+    assert resume(stopped, []) == launch.FAILED
+    said = capsys.readouterr().err
+    assert "cannot be put back (KeyError: 'plan'): it was saved by another flipflow" in said
+    monkeypatch.undo()
+    assert resume(stopped, []) == launch.DONE
+
+
 def test_a_save_that_names_a_file_elsewhere_is_torn(
     saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
