@@ -3,13 +3,12 @@
 Between two sync points each side of an interface moves from a known place to a known place under a
 known mean load, so that no solver needs to be asked, and no rank to wait.
 
-Particles and panels: the panels move from x to y under the load P, the particles on a path from x
-to y - d under their mean load F, so that d is what the path missed, and jump by d at the next sync
-point.  The particles receive -F.(y - d - x) and -J.d, J their load at the jump; the panels receive
-P.(y - x).  Created are  (P - F).(y - x) + F.d - J.d.  J is (5 F + 2 F_next - F_before)/6, exact for
-loads that go with the square of time.  Left out: what J is off, and on a curved path the load's
-deviation from its mean times the velocity's; both are of second order in what changes within an
-interval.
+Particles and panels: the panels move from x to y under the load P, the particles on a path from p
+to q under their mean load F, after a jump to p from where their last path ended, under J.  They
+receive -F.(q - p) and -J.jump, the panels P.(y - x); the sum is what was created.  J is
+(2 F + 5 F_before - F_twice_before)/6, exact for loads that go with the square of time.  Left out:
+what J is off, and on a curved path the load's deviation from its mean times the velocity's; both
+are of second order in what changes within an interval.
 
 Panels and frames: the clamps are told to go to y - e, with R as the panels' mean reaction, and the
 frames go to y under Q.  Created are  (Q - R).(y - x) + R.(e - e_before).  Left out: likewise.
@@ -72,39 +71,36 @@ class Balance:
         put_back(self, saved, *_SUMS)
 
 
-_OF_CONTACTS = ("_surface_m", "_missed_m", "_load_N", "_at_end_J", "_before_J")
+_OF_CONTACTS = ("_surface_m", "_path_end_m", "_load_N", "_load_before_N")
 
 
 class ContactWork:
-    """Between particles and panels; every scheme begins the path where the surface is."""
+    """Between particles and panels."""
 
     def __init__(self, start: State, points: slice) -> None:
         """``points``: those of the surface that count."""
         self.balance, self._points = Balance(), points
-        self._surface_m = start.panel.surface.position_m[points]
-        self._load_N = start.load.force_N[points]
-        self._missed_m = np.zeros_like(self._surface_m)
-        self._at_end_J = self._before_J = 0.0  # F.d and F_before.d of the last interval
+        self._surface_m = self._path_end_m = start.panel.surface.position_m[points]
+        self._load_N = self._load_before_N = start.load.force_N[points]
 
     def add(self, crossed: Crossed) -> None:
         assert crossed.particles is not None
         path, load = crossed.particles
         _, given, state = crossed.panel
         surface_m, force_N = state.surface.position_m[self._points], load.force_N[self._points]
-        moved_m = surface_m - self._surface_m
-        jump_J = (5 * self._at_end_J + 2 * dot(force_N, self._missed_m) - self._before_J) / 6
-        missed_m = surface_m - path.end.position_m[self._points]
-        at_end_J = dot(force_N, missed_m)
-        created_J = at_end_J - jump_J
-        if given is not load:
-            created_J += dot(given.force_N[self._points] - force_N, moved_m)
+        start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
+        moved_m, jump_m = surface_m - self._surface_m, start_m - self._path_end_m
+        before_J, twice_before_J = dot(self._load_N, jump_m), dot(self._load_before_N, jump_m)
+        jump_J = (2 * dot(force_N, jump_m) + 5 * before_J - twice_before_J) / 6
+        particles_J = dot(force_N, end_m - start_m) + jump_J
+        created_J = dot(given.force_N[self._points], moved_m) - particles_J
         self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
-        self._before_J, self._at_end_J = dot(self._load_N, missed_m), at_end_J
-        self._surface_m, self._missed_m, self._load_N = surface_m, missed_m, force_N
+        self._surface_m, self._path_end_m = surface_m, end_m
+        self._load_before_N, self._load_N = self._load_N, force_N
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
-        self.balance.begin_anew(self._at_end_J)
+        self.balance.begin_anew(dot(self._load_N, self._surface_m - self._path_end_m))
 
     def save(self) -> Saved:
         return taken(self, *_OF_CONTACTS) | {"balance": self.balance.save()}

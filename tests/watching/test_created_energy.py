@@ -78,7 +78,7 @@ def test_a_frame_on_a_panel_too(scheme: str) -> None:
 CHEAP = ["panel.solver=strip", "panel.cells=[8,1]", "frames.solver=two-mass"]
 
 
-@pytest.mark.parametrize("scheme", ["particles-first", "serial-staggered"])
+@pytest.mark.parametrize("scheme", ["particles-first", "serial-staggered", "robin", "aitken"])
 def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
     """A bed on two panels between frames; the ledger asks the solvers."""
     sets: Sequence[str] = [*CHEAP, "particles.solver=spheres", f"coupling.scheme={scheme}"]
