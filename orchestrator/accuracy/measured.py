@@ -93,8 +93,8 @@ class Error:
 
 @dataclass(frozen=True)
 class Scatter:
-    """Relative standard deviation from seed to seed, pooled over all points, and its degrees of
-    freedom; none where nothing is random."""
+    """Relative standard deviation from seed to seed, apart from what a seed does to all points, and
+    its degrees of freedom; none where nothing is random."""
 
     random: bool
     deviation: Mapping[str, float]
@@ -124,17 +124,19 @@ def read(points: Sequence[Point]) -> dict[str, Measured]:
 
 
 def scatter(every: Sequence[Measured], random: bool) -> Scatter:
-    """Points are taken to scatter alike, so that two or three seeds each are enough."""
-    freedom = sum(len(one.figures) - 1 for one in every)
-    found = {}
+    """Every point has the same random numbers, so that what a seed does to all of them alike is no
+    scatter between them: the residual of points and seeds (randomised blocks).  Points are taken to
+    scatter alike, so that two or three seeds each are enough."""
+    seeds = max((len(one.figures) for one in every), default=0)
+    freedom, found = 0, {}
     for name in QUANTITIES:
-        squares = 0.0
-        for one in every:
-            values = np.array(one.values(name))
-            if len(values) > 1 and values.mean():
-                squares += float(((values / values.mean() - 1) ** 2).sum())
-        if freedom and squares:
-            found[name] = math.sqrt(squares / freedom)
+        values = np.array([v for one in every if len(v := one.values(name)) == seeds])
+        if seeds < 2 or len(values) < 2 or not values.mean(axis=1).all():
+            continue
+        relative_to_mean = values / values.mean(axis=1, keepdims=True)
+        left = relative_to_mean - relative_to_mean.mean(axis=0)
+        freedom = (len(values) - 1) * (seeds - 1)
+        found[name] = math.sqrt(float((left**2).sum()) / freedom)
     return Scatter(random, found, freedom)
 
 

@@ -32,6 +32,9 @@ def work_precision(study: Study, table: Sequence[Row], path: Path) -> Path:
     for number, row in enumerate(front, 1):
         near = {"textcoords": "offset points", "fontsize": 9, "weight": "bold"}
         axis.annotate(str(number), _place(row), (6, 5), **near)
+    chance = max((_width(row.error) for row in front), default=0.0)
+    if chance:
+        axis.axhspan(LEAST / 10, chance, color=GREY, alpha=0.12, lw=0, label="chance alone (95 %)")
     _guides(axis, study.measured[study.reference].processor_s)
     axis.set_title(f"What accuracy costs: {study.listed.loaded.name}, down and left is better")
     axis.legend(**BESIDE)
@@ -58,15 +61,11 @@ def _groups(study: Study, table: Sequence[Row]) -> list[tuple[list[Row], str, st
 
 
 def _scatter(axis: Any, rows: Sequence[Row], mark: str, colour: str, label: str) -> None:
-    """With confidence intervals, where there are any."""
     if not rows:
         return
     x, y = _line(rows)
     size = 90 if mark == "*" else 34
     axis.scatter(x, y, marker=mark, s=size, color=colour, label=label, zorder=3)
-    wide = [_width(row.error) for row in rows]
-    below = [min(w, height - LEAST / 2) for w, height in zip(wide, y, strict=True)]
-    axis.errorbar(x, y, yerr=[below, wide], fmt="none", ecolor=colour, alpha=0.35, lw=1, zorder=2)
 
 
 def _guides(axis: Any, reference_s: float) -> None:

@@ -83,13 +83,18 @@ def pareto(table: Sequence[Row]) -> list[Row]:
 
 
 def recommended(table: Sequence[Row], tolerance: float) -> Recommendation:
-    """Of all points that were measured; the reference is no candidate: nobody knows its error."""
+    """Of all points that were measured; where chance leaves none proven, the one of which most is
+    sure.  The reference is no candidate: nobody knows its error."""
     within = [r for r in table if r.error and r.error.value <= tolerance]
     sure = [r for r in within if r.error and r.error.known and r.error.at_most <= tolerance]
-    best = min(sure or within, key=_cost_s, default=None)
+    best = min(sure, key=_cost_s) if sure else min(within, key=_at_most, default=None)
     return Recommendation(tolerance, best, bool(sure))
 
 
 def _cost_s(row: Row) -> float:
     assert row.measured is not None
     return row.measured.processor_s
+
+
+def _at_most(row: Row) -> float:
+    return row.error.at_most if row.error else inf

@@ -60,3 +60,10 @@ def test_processor_time_is_divided_as_wall_time_was() -> None:
     assert found == {"start": 0.0, "particles": 4.0, "rest": 4.0}
     run = {"processor_before_s": 2.0, "processor_s": 8.0, "wall_s": 12.0}
     assert parts_s(run | {"wall_by_part_s": {"panel": 12.0}}) == {"start": 2.0, "panel": 6.0}
+
+
+def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:
+    seeds = np.array([0.8, 1.0, 1.2])
+    spread = scatter([point(*(height * seeds)) for height in (1.0, 1.1, 3.0)], True)
+    assert spread.freedom == 4
+    assert spread.deviation["deflection_m"] == pytest.approx(0.0, abs=1e-12)
