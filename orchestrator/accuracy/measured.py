@@ -130,13 +130,15 @@ def scatter(every: Sequence[Measured], random: bool) -> Scatter:
     seeds = max((len(one.figures) for one in every), default=0)
     freedom, found = 0, {}
     for name in QUANTITIES:
-        values = np.array([v for one in every if len(v := one.values(name)) == seeds])
-        if seeds < 2 or len(values) < 2 or not values.mean(axis=1).all():
+        rows = [v for one in every if len(v := one.values(name)) == seeds and np.mean(v)]
+        if seeds < 2 or len(rows) < 2:
             continue
+        values = np.array(rows)
         relative_to_mean = values / values.mean(axis=1, keepdims=True)
         left = relative_to_mean - relative_to_mean.mean(axis=0)
-        freedom = (len(values) - 1) * (seeds - 1)
-        found[name] = math.sqrt(float((left**2).sum()) / freedom)
+        own = (len(values) - 1) * (seeds - 1)
+        freedom = max(freedom, own)
+        found[name] = math.sqrt(float((left**2).sum()) / own)
     return Scatter(random, found, freedom)
 
 

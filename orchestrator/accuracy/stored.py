@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orchestrator.accuracy.model import Model, Option
+from orchestrator.accuracy.model import Model, Option, Proposal
 from orchestrator.accuracy.setting import Setting
 from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.casefile.levels import LoadedCase
@@ -45,6 +45,11 @@ class Stored:
         parts_s = self.found["base"]["processor_by_part_s"]
         return Model(axes, parts_s, self.found["remaining"], self.found["judged_by"])
 
+    @property
+    def chance(self) -> float:
+        """By which a prediction may be off although all adds up."""
+        return float(self.found["chance"] or 0.0)
+
     def measured(self) -> list[Candidate]:
         """Points with their errors at the upper end of their confidence intervals."""
         return [
@@ -62,9 +67,9 @@ class Stored:
     def cheapest(self, tolerance: float) -> Candidate | None:
         """Measured, or predicted where nothing measured is so cheap."""
         within = [one for one in self.measured() if one.error <= tolerance]
-        proposal = self.model().cheapest(tolerance)
+        proposal = self.model().cheapest(tolerance - self.chance)
         if proposal is not None:
-            within.append(_candidate(proposal))
+            within.append(_candidate(proposal, self.chance))
         return min(within, key=lambda one: one.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
@@ -72,16 +77,16 @@ class Stored:
         within = [one for one in self.measured() if one.processor_s <= budget_s]
         proposal = self.model().best(budget_s, "cheapest")
         if proposal is not None:
-            within.append(_candidate(proposal))
+            within.append(_candidate(proposal, self.chance))
         return min(within, key=lambda one: one.error, default=None)
 
 
-def _candidate(proposal: Any) -> Candidate:
+def _candidate(proposal: Proposal, chance: float) -> Candidate:
     settings = proposal.settings
     label = "; ".join(f"{axis}: {one.label}" for axis, one in settings.items())
     sets = tuple(each for one in settings.values() for each in one.sets)
     return Candidate(
-        label or "the case as it is", sets, proposal.error, proposal.processor_s, False
+        label or "the case as it is", sets, proposal.error + chance, proposal.processor_s, False
     )
 
 

@@ -89,6 +89,7 @@ def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
         "judged_by": study.judged_by,
         "reference": study.reference,
         "seeds": len(study.base.figures),
+        "chance": _chance(study),
         "base": _cost(study.base),
         "short": {
             name: _cost(one) | {"sets": list(one.point.sets)}
@@ -110,6 +111,13 @@ def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
         },
         "points": entries(table, study.reference),
     }
+
+
+def _chance(study: Study) -> float | None:
+    """Largest half width of an error that decides; None where a single seed tells nothing."""
+    seeds = len(study.base.figures)
+    found = [study.spread.half_width(name, (seeds, seeds)) for name in study.judged_by]
+    return max((one for one in found if one is not None), default=None)
 
 
 def _cost(one: Measured) -> dict[str, Any]:

@@ -66,4 +66,6 @@ def test_what_a_seed_does_to_all_points_alike_is_no_scatter() -> None:
     seeds = np.array([0.8, 1.0, 1.2])
     spread = scatter([point(*(height * seeds)) for height in (1.0, 1.1, 3.0)], True)
     assert spread.freedom == 4
+    still = scatter([point(0.0, 0.0), point(1.0, 1.1), point(1.0, 1.1)], True)
+    assert "deflection_m" in still.deviation  # whatever stands still does not count
     assert spread.deviation["deflection_m"] == pytest.approx(0.0, abs=1e-12)

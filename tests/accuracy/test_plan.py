@@ -26,12 +26,13 @@ OWN = {"label": "own", "sets": [], "error": {"frame_m": 0.04}, "ratio": {"panel"
 COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_m": 0.2}}
 
 
-def study(case: str = "quickstart", level: str = "draft") -> Stored:
+def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -> Stored:
     axis = [COARSE | {"ratio": {"panel": 0.5}}, OWN, FINE | {"ratio": {"panel": 2.0}}]
     found: dict[str, Any] = {
         "case": case,
         "level": level,
         "sets": [],
+        "chance": chance,
         "judged_by": ["frame_m"],
         "remaining": {"frame_m": 0.01},
         "base": {"processor_by_part_s": {"panel": 10.0, "rest": 2.0}, "simulated_s": 0.5},
@@ -88,6 +89,15 @@ def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
     made = plan(0.005, 1e6)
     assert made.chosen is None
     assert not made.fits
+
+
+def test_chance_is_part_of_what_is_predicted() -> None:
+    """4 and 1 % and a chance of 3 % are 8 %; within 7 % half the interval is wanted."""
+    found = study(chance=0.03)
+    for tolerance, label, error in ((0.09, "the case as it is", 0.08), (0.07, "half", 0.04)):
+        one = found.cheapest(tolerance)
+        assert one is not None
+        assert (label in one.label, one.error) == (True, pytest.approx(error))
 
 
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
