@@ -34,6 +34,7 @@ from orchestrator.ports import (
 )
 from orchestrator.state import put_back, restorable, taken
 from orchestrator.stopwatch import Stopwatch
+from orchestrator.timed_panel import TimedPanel
 
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
@@ -74,37 +75,6 @@ class MeteredFrames:
 
     def close(self) -> None:
         self._frames.close()
-
-
-class TimedPanel:
-    """A panel that says its name when it fails; its time is booked under ``part``."""
-
-    def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
-        self._panel, self._name, self._part, self._stopwatch = panel, name, part, stopwatch
-        self.mount: Mount = panel.mount
-
-    def initial(self) -> PanelState:
-        with named(self._name, None):
-            return self._panel.initial()
-
-    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        with self._stopwatch(self._part), named(self._name, interval):
-            return self._panel.advance(interval, clamps, load)
-
-    def inertia(self) -> Inertia:
-        return inertia_of(self._panel)
-
-    def account(self) -> Account:
-        return self._panel.account()
-
-    def save(self) -> Saved:
-        return restorable(self._panel).save()
-
-    def restore(self, saved: Saved) -> None:
-        restorable(self._panel).restore(saved)
-
-    def close(self) -> None:
-        self._panel.close()
 
 
 class MeteredPanel:

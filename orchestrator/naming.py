@@ -1,4 +1,4 @@
-"""Failures that say which member failed, and when."""
+"""Failures that say which member failed, or what could not be written, and when."""
 
 from __future__ import annotations
 
@@ -42,3 +42,15 @@ def _when(interval: Interval | None) -> str:
         f"between t = {interval.start_s:.6g} s and {interval.end_s:.6g} s "
         f"(sync interval {interval.index // interval.parts})"
     )
+
+
+@contextmanager
+def written(what: str, time_s: float) -> Iterator[None]:
+    """An error of the disk inside, or too little memory, says of what, and when it came."""
+    try:
+        yield
+    except MemoryError as error:
+        error.add_note(f"the {what} at t = {time_s:.6g} s cannot be written")
+        raise
+    except OSError as error:
+        raise OSError(f"the {what} at t = {time_s:.6g} s cannot be written: {error}") from error

@@ -21,7 +21,6 @@ from orchestrator.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.geometry import Edges
 from orchestrator.mapping import Grid, Mapped
-from orchestrator.metered import TimedPanel
 from orchestrator.planning import panel_plans
 from orchestrator.plans import PanelPlan
 from orchestrator.playback import playbacks
@@ -29,6 +28,7 @@ from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ranks import first_rank_does
 from orchestrator.recording import RecordedGrid
 from orchestrator.stopwatch import Stopwatch
+from orchestrator.timed_panel import TimedPanel
 
 
 def _nothing(*shape: int) -> Callable[[], Indices]:

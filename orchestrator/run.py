@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +18,7 @@ from orchestrator.coupling import State, initial
 from orchestrator.ending import Ending
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
-from orchestrator.naming import named
+from orchestrator.naming import named, written
 from orchestrator.plans import SolverFailed
 from orchestrator.progress import Progress
 from orchestrator.ranks import is_first
@@ -191,15 +190,3 @@ class Run:
     def finish(self, status: str, reason: str = "") -> dict[str, Any]:
         """See ``Ending``; to be called on one rank."""
         return self._ending.write(self._progress, status, reason)
-
-
-@contextmanager
-def written(what: str, time_s: float) -> Iterator[None]:
-    """An error of the disk inside, or too little memory, says of what, and when it came."""
-    try:
-        yield
-    except MemoryError as error:
-        error.add_note(f"the {what} at t = {time_s:.6g} s cannot be written")
-        raise
-    except OSError as error:
-        raise OSError(f"the {what} at t = {time_s:.6g} s cannot be written: {error}") from error
