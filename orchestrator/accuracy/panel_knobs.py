@@ -66,7 +66,7 @@ def _meshes(knob: str, case: Case, name: str, cells: tuple[int, int], points: in
 
 def _overlays(name: str, along: int, across: int, case: Case) -> tuple[str, ...]:
     """A mesh, and with another model the solver with its own step."""
-    mesh = f"panel.cells=[{along}, {across}]"
+    mesh = f"panel.cells=[{along},{across}]"
     if name == case.panel.solver:
         return (mesh,)
     integrator = "implicit" if name == "solid" else "explicit"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -55,7 +56,7 @@ class Stored:
         return [
             Candidate(
                 one["settings"],
-                tuple(one["sets"].split()),
+                tuple(shlex.split(one["sets"])),
                 one["error"] + (one["error_half_width"] or 0.0),
                 one["processor_s"],
                 True,

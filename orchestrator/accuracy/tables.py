@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ def entries(table: Sequence[Row], reference: str) -> list[dict[str, Cell]]:
             "point": row.point.name,
             "kind": "reference" if row.point.name == reference else row.point.kind,
             "settings": row.point.label,
-            "sets": " ".join(row.point.sets),
+            "sets": shlex.join(row.point.sets),
             "status": row.why or "done",
             "predicted_processor_s": row.point.predicted_s,
             "predicted_error": row.proposal.error if row.proposal else None,

@@ -91,6 +91,17 @@ def test_nothing_is_within_a_tolerance_below_what_remains() -> None:
     assert not made.fits
 
 
+def test_a_point_that_was_measured_keeps_its_settings() -> None:
+    """Brackets, spaces and all."""
+    found = study()
+    point = {"settings": "mesh", "sets": "'panel.cells=[44, 1]' panel.step_s=0", "error": 0.001}
+    found.found["points"] = [point | {"error_half_width": 0.002, "processor_s": 1.0}]
+    one = found.cheapest(0.05)
+    assert one is not None
+    assert one.sets == ("panel.cells=[44, 1]", "panel.step_s=0")
+    assert (one.error, one.measured) == (pytest.approx(0.003), True)
+
+
 def test_chance_is_part_of_what_is_predicted() -> None:
     """4 and 1 % and a chance of 3 % are 8 %; within 7 % half the interval is wanted."""
     found = study(chance=0.03)
