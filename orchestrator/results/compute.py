@@ -22,6 +22,7 @@ from orchestrator.results.screening_figures import Events, balanced, screening, 
 from orchestrator.results.wear_figures import wear_figures
 
 NO_EXITS = "no exits: undersize and oversize are not told apart"
+FEWEST_ROWS = 4  # in a cycle: an amplitude, a phase and a mean have three unknowns
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
 
 
@@ -44,7 +45,7 @@ def _gathered(data: RunData) -> dict[str, Any]:
     else:
         found["missing"]["screening"] = "the case has no particles"
     _add_machine(data, events, found)
-    if "wear" in data.history:
+    if "wear" in data.history and "motion" in found:
         _add_wear(data, found)
     return found
 
@@ -86,6 +87,13 @@ def _add_bed(data: RunData, events: Events | None, found: dict[str, Any]) -> Non
 
 
 def _add_machine(data: RunData, events: Events | None, found: dict[str, Any]) -> None:
+    rows = machine.rows_in_cycle(data)
+    if rows < FEWEST_ROWS:
+        found["missing"]["motion"] = (
+            f"the series have {rows:.2g} rows in a cycle of {data.cycle_s:.3g} s; "
+            f"{FEWEST_ROWS} are needed (output.series_s)"
+        )
+        return
     start_s, end_s = motion_window(data, events)
     found["motion"] = {
         "start_s": start_s,

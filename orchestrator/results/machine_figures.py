@@ -48,6 +48,12 @@ def relative_motion(data: RunData, start_s: float, end_s: float) -> dict[str, An
     return found
 
 
+def rows_in_cycle(data: RunData) -> float:
+    """How many times of the series there are in a cycle; 0 where there is one time at most."""
+    time = data.read(f"frames/{data.names('frames')[0]}/time_s")
+    return float(data.cycle_s * (len(time) - 1) / np.ptp(time)) if len(time) > 1 else 0.0
+
+
 def panel_points(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
     """Accelerations, in g, of the probes on panels."""
     normals = {panel.name: _normal(panel) for panel in single_panels(data.case)}

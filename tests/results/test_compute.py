@@ -157,6 +157,19 @@ def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
     assert list(found["missing"]) == ["everything"]
 
 
+def test_a_series_too_coarse_for_motion_says_so(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "coarse")
+    with h5py.File(folder / "history.h5", "a") as history:
+        for frame in history["frames"].values():
+            times = frame["time_s"][::30]
+            del frame["time_s"]
+            frame["time_s"] = times
+    found = results(folder)
+    assert "motion" not in found
+    assert "rows in a cycle of" in found["missing"]["motion"]
+    assert "screening" in found
+
+
 def test_wear(found: dict[str, Any]) -> None:
     """Rates by hand; per cycle they are all the same, so that the interval is narrow."""
     wear = found["wear"]
