@@ -16,12 +16,13 @@ from typing import Any
 
 from orchestrator.accuracy.measured import parts_s
 from orchestrator.accuracy.stored import Stored
+from orchestrator.casefile.case import Case
 from orchestrator.plans import SolverFailed
 from orchestrator.studies import sweep
 from orchestrator.studies.workers import Crew
 
 START = ("start", "rest")
-PART = 8  # of a run that has no study: so much shorter it is made
+PART = 8  # of a run that has no study: of so many parts, one is made
 
 
 @dataclass(frozen=True)
@@ -95,11 +96,19 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
     return Timing(_start_s(base["processor_by_part_s"]), base["simulated_s"], wall, processor)
 
 
-def as_it_is_s(case: Path, level: str | None, sets: Sequence[str], duration_s: float) -> float:
+def as_it_is_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
     """Wall time here of a case without a study, from a short run."""
-    short = [*sets, f"duration_s={duration_s / PART!r}", "output.pictures=false"]
-    wall_s = timed(case, level, short)["wall_by_part_s"]
-    return _start_s(wall_s) + PART * _stepping_s(wall_s)
+    duration_s = part_s(case, PART)
+    short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
+    wall_s = timed(path, level, short)["wall_by_part_s"]
+    return _start_s(wall_s) + case.duration_s / duration_s * _stepping_s(wall_s)
+
+
+def part_s(case: Case, parts: int) -> float:
+    """How long a short run lasts: one of ``parts`` of the time in which all feeds run.  A case in
+    which a feed does not begin is refused."""
+    begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
+    return begun_s + (case.duration_s - begun_s) / parts
 
 
 def _start_s(time_s: Mapping[str, float]) -> float:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from math import ceil
 
 from orchestrator.accuracy.answers import Answer, answers
+from orchestrator.accuracy.calibration import part_s
 from orchestrator.accuracy.families import Converged, all_converged, options, remaining
 from orchestrator.accuracy.knobs import Offer, offer
 from orchestrator.accuracy.measured import EXACT, Measured, Scatter, read, scatter
@@ -36,7 +37,7 @@ from orchestrator.clock import exact
 from orchestrator.studies import sweep
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
-SHORT = 5  # the short part is this part of the run
+SHORT = 5  # the short part is one of so many of the run
 
 Say = Callable[[str], None]
 
@@ -110,7 +111,7 @@ def _short(base: Point) -> dict[str, Setting]:
     """A whole number of samples."""
     case = base.runs[0].loaded.case
     sample_s = exact(case.output.series_s)
-    short_s = float(ceil(exact(case.duration_s) / sample_s / SHORT) * sample_s)
+    short_s = float(ceil(exact(part_s(case, SHORT)) / sample_s) * sample_s)
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
 

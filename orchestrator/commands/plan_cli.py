@@ -73,7 +73,7 @@ def _planned(
     with said():
         found = stored(loaded, given)
         if found is None:
-            longest_s = as_it_is_s(case, level, overrides, loaded.case.duration_s)
+            longest_s = as_it_is_s(case, level, overrides, loaded.case)
             refuse(
                 f"no study of {loaded.name}, level {loaded.level or 'none'}: its error is not "
                 f"known; as it is it would take about {_time(longest_s)} here. First: flipflow "

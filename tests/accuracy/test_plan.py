@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from orchestrator.accuracy.answers import Answer, off
-from orchestrator.accuracy.calibration import Clock, Timing
+from orchestrator.accuracy.calibration import Clock, Timing, part_s
 from orchestrator.accuracy.plan import Plan, planned
 from orchestrator.accuracy.stored import Stored, stored
 from orchestrator.casefile.errors import CaseError
@@ -143,3 +143,12 @@ def test_an_answer_is_looked_up_in_the_summary(tmp_path: Path) -> None:
     assert off(answer, tmp_path) == pytest.approx(0.1)
     assert off(Answer(of=("d",), value=1.0, source="known"), tmp_path) is None
     assert off(Answer(of=("a", "x"), value=1.0, source="known"), tmp_path) is None
+
+
+def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
+    """Fed from 0.3 s on, or not at all."""
+    fed = load(ROOT / "cases/ffs0827-slice", "dry", ["duration_s=0.8"]).case
+    assert part_s(fed, 5) == pytest.approx(0.4)
+    load(ROOT / "cases/ffs0827-slice", "dry", [f"duration_s={part_s(fed, 5)!r}"])
+    unfed = load(ROOT / "cases/quickstart", "draft", ["duration_s=0.5"]).case
+    assert part_s(unfed, 5) == pytest.approx(0.1)
