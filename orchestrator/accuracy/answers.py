@@ -1,4 +1,4 @@
-"""``expected.toml`` beside a case: answers that are known from elsewhere."""
+"""``answers.toml`` beside a case: answers that are known from elsewhere."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from orchestrator.casefile.errors import CaseError, from_validation
 from orchestrator.casefile.toml_file import read_toml
 from orchestrator.tables.quantities import Number, OneLine, Table
 
-FILE = "expected.toml"
+FILE = "answers.toml"
 
 
 class Answer(Table):
@@ -28,7 +28,7 @@ class Answer(Table):
 
 
 class Answers(Table):
-    """``expected.toml``."""
+    """``answers.toml``."""
 
     answers: dict[OneLine, Answer]
     """By what they are, in words."""
