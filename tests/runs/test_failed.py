@@ -147,9 +147,11 @@ def test_particles_that_outrun_their_step(tmp_path: Path) -> None:
 def test_a_frame_too_light_for_its_panels(tmp_path: Path) -> None:
     """Panels of 0.3 kg each on a frame of 0.1 kg: no staggered scheme is stable when the load
     comes from more mass than it acts on (Causin, P., Gerbeau, J.-F. and Nobile, F., Computer
-    Methods in Applied Mechanics and Engineering 194, 2005, 4506-4527)."""
+    Methods in Applied Mechanics and Engineering 194, 2005, 4506-4527); where the watch only warns,
+    the net below it holds."""
     folder = tmp_path / "run"
-    sets = [*QUICK, "screen.frames.driven.mass_kg=0.1"]
+    watch = ["watch.created_energy=warn", "watch.growing_modes=warn"]
+    sets = [*QUICK, "screen.frames.driven.mass_kg=0.1", *watch]
     done = flipflow(*run_words("empty-machine", folder, sets))
     failed(folder, done, "became unstable at t = ", "a point moves at ", "(limit 300 m/s)")
 
