@@ -41,7 +41,7 @@ import time
 from adapters.frames import two_mass
 advance = two_mass.TwoMassFrames.advance
 def slowly(self, interval, reaction):
-    time.sleep(0.05)
+    time.sleep(0.2)
     return advance(self, interval, reaction)
 two_mass.TwoMassFrames.advance = slowly
 """
