@@ -45,6 +45,8 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
         loaded = load(path, level, overrides)
         ready(loaded)
         entries = account(loaded.described, loaded.left_out)
+        if world is not None:  # no folder where another rank refuses
+            world.Barrier()
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
     except Exception as error:
         return refused(world, error)
