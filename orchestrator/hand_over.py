@@ -48,6 +48,12 @@ class UnpushedFrames:
     def account(self) -> Account:
         return self._frames.account()
 
+    def save(self) -> Saved:
+        return restorable(self._frames).save()
+
+    def restore(self, saved: Saved) -> None:
+        restorable(self._frames).restore(saved)
+
     def close(self) -> None:
         self._frames.close()
 

@@ -13,7 +13,8 @@ the particles last saw the surface, so that their path has no jumps.  The name i
 condition, which ties force to velocity (for fluids: Badia, S., Nobile, F. and Vergara, C., Journal
 of Computational Physics 227, 2008, 7027-7051, doi 10.1016/j.jcp.2008.04.006).
 
-Where nothing is known of a surface's masses it goes on as with ``particles_first``.
+Where nothing is known of a surface's masses it goes on as with ``particles_first``; where
+nothing is known of any (rigid panels), that is the scheme.
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ class Robin:
         if solvers.particles is None:
             return particles_first(solvers, interval, now)
         yielding = self._yielding = self._yielding or Yielding.of(solvers.panel)
+        if not yielding.known.any():
+            return particles_first(solvers, interval, now)
         response = cast(Responding, solvers.particles).response(interval.length_s)
         trial = tried(solvers, interval, now)
         path = self._foreseen(yielding, response, trial, interval, now)

@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from orchestrator.checks import mistakes
+from orchestrator.state import as_arrays
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, EXCITER, MACHINE
+from tests.saved_states import differences
 
 pytestmark = pytest.mark.solver
 FRAMES = ("prescribed", "two-mass", "planar", "exudyn", "exudyn driven")
@@ -52,3 +54,14 @@ def test_any_combination_runs(tmp_path: Path, frames: str, panel: str, particles
 
 def test_explicit_solid_panels_run(tmp_path: Path) -> None:
     run(tmp_path, "exudyn", "solid", "liggghts", 60)
+
+
+def test_robin_on_rigid_panels_is_particles_first(tmp_path: Path) -> None:
+    """To the last bit: of no mass behind the surface anything is known."""
+    ends = []
+    for scheme in ("robin", "particles-first"):
+        settings = ["panel.solver=rigid", f"coupling.scheme={scheme}"]
+        with opened(written(tmp_path, MACHINE + EXCITER + BED, settings)) as machine:
+            ends.append(as_arrays(machine.advance(60)))
+    assert ends[0]["load"]["force_N"].any()
+    assert differences(*ends) == []

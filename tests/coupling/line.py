@@ -45,6 +45,12 @@ class FreeFrame:
     v: float = 0.0
     damping_N_s_m: float = 0.0
 
+    def save(self) -> Saved:
+        return taken(self, "x", "v")
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "x", "v")
+
     def initial(self) -> Motion:
         return point(self.x, self.v)
 

@@ -1,0 +1,98 @@
+"""Members whose hand-over is turned off are members: of any scheme, and to be taken back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from orchestrator.clock import Interval
+from orchestrator.coupling import Solvers, State, initial
+from orchestrator.hand_over import (
+    ParticlesOnStillSurface,
+    StillClampedPanel,
+    UnloadedPanel,
+    UnpushedFrames,
+)
+from orchestrator.ports import Saved
+from orchestrator.schemes import SCHEMES, scheme
+from orchestrator.state import as_arrays, restorable
+from tests.coupling.line import FreeFrame, HungPlate, Sphere, members, point
+from tests.saved_states import differences
+
+INTERVAL_S = 1e-3
+
+
+def machine() -> Solvers:
+    """The sphere hits the plate at once, the plate pulls the frame, the frame moves."""
+    return members(Sphere(1.0, 1e4, 1e-3, -1.0), HungPlate(1.0, 1e5), FreeFrame(5.0, v=0.5))
+
+
+def unpushed(whole: Solvers) -> Solvers:
+    return Solvers(UnpushedFrames(whole.frames), whole.panel, whole.particles)
+
+
+def still_clamped(whole: Solvers) -> Solvers:
+    return Solvers(whole.frames, StillClampedPanel(whole.panel), whole.particles)
+
+
+def unloaded(whole: Solvers) -> Solvers:
+    return Solvers(whole.frames, UnloadedPanel(whole.panel), whole.particles)
+
+
+def still_surface(whole: Solvers) -> Solvers:
+    assert whole.particles is not None
+    still = ParticlesOnStillSurface(whole.particles, point(0.0, 0.0))
+    return Solvers(whole.frames, whole.panel, still)
+
+
+WITHOUT = [unpushed, still_clamped, unloaded, still_surface]
+
+
+def advanced(solvers: Solvers, name: str, state: State, intervals: range) -> State:
+    chosen = scheme(name)
+    for index in intervals:
+        state = chosen.advance(solvers, Interval(index, INTERVAL_S), state)
+    return state
+
+
+def saved(solvers: Solvers) -> Saved:
+    parts = {"frames": solvers.frames, "panel": solvers.panel, "particles": solvers.particles}
+    return {name: restorable(solver).save() for name, solver in parts.items()}
+
+
+@pytest.mark.parametrize("name", SCHEMES)
+@pytest.mark.parametrize("without", WITHOUT)
+def test_every_scheme_runs_without_it(without: Callable[[Solvers], Solvers], name: str) -> None:
+    """Somewhere else than with it; the sphere has touched the plate."""
+    ends = []
+    for solvers in (machine(), without(machine())):
+        ends.append(advanced(solvers, name, initial(solvers), range(5)))
+        assert ends[-1].load.force_N.any()
+    assert differences(*map(as_arrays, ends)) != []
+
+
+@pytest.mark.parametrize("without", WITHOUT)
+def test_members_step_back_and_others_take_over(without: Callable[[Solvers], Solvers]) -> None:
+    """Bit for bit."""
+    first, second = without(machine()), without(machine())
+    state = advanced(first, "particles-first", initial(first), range(5))
+    before = saved(first)
+    ends = [as_arrays(advanced(first, "particles-first", state, range(5, 10)))]
+    assert differences(before, saved(first)) != []
+    for solvers in (first, second):
+        for name in before:
+            restorable(getattr(solvers, name)).restore(before[name])
+        assert differences(before, saved(solvers)) == []
+        ends.append(as_arrays(advanced(solvers, "particles-first", state, range(5, 10))))
+    assert differences(ends[0], ends[1]) == []
+    assert differences(ends[0], ends[2]) == []
+
+
+def test_robin_without_any_known_mass_is_particles_first() -> None:
+    """Bit for bit; the panel does not yield to what it does not feel."""
+    ends = []
+    for name in ("robin", "particles-first"):
+        solvers = unloaded(machine())
+        ends.append(as_arrays(advanced(solvers, name, initial(solvers), range(10))))
+    assert differences(*ends) == []
