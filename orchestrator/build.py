@@ -21,9 +21,9 @@ from orchestrator.deck.panels import single_panels
 from orchestrator.geometry import TriangleSurface
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
-    StillClampedPanel,
-    UnloadedPanel,
     UnpushedFrames,
+    still_clamped,
+    unloaded,
 )
 from orchestrator.ledger import Members
 from orchestrator.machine import Machine, PanelPoints, Probe
@@ -131,9 +131,9 @@ def _handed_over(case: Case, members: Members) -> Solvers:
     if not wanted.panel_reaction:
         frames = UnpushedFrames(frames)
     if not wanted.frame_motion:
-        panel = StillClampedPanel(panel)
+        panel = still_clamped(panel)
     if not wanted.particle_load:
-        panel = UnloadedPanel(panel)
+        panel = unloaded(panel)
     if particles is not None and not wanted.panel_motion:
         particles = ParticlesOnStillSurface(particles, panel.initial().surface)
     return Solvers(frames, panel, particles)

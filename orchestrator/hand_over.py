@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
+from orchestrator.altered_panel import AlteredPanel
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
-from orchestrator.inertia import inertia_of
 from orchestrator.ports import (
     Account,
     Frames,
     Inertia,
     Load,
     Motion,
-    Mount,
     Overlaps,
     Panel,
     PanelState,
@@ -58,60 +57,26 @@ class UnpushedFrames:
         self._frames.close()
 
 
-class UnloadedPanel:
-    """A panel that does not feel the particles."""
+def unloaded(panel: Panel) -> AlteredPanel:
+    """A panel that does not feel the particles; of its masses they need to know nothing."""
 
-    def __init__(self, panel: Panel) -> None:
-        self._panel = panel
-        self.mount: Mount = panel.mount
+    def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return panel.advance(interval, clamps, Load.zero(len(load)))
 
-    def initial(self) -> PanelState:
-        return self._panel.initial()
+    def inertia() -> Inertia:
+        return Inertia.unknown(len(panel.initial().surface))
 
-    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        return self._panel.advance(interval, clamps, Load.zero(len(load)))
-
-    def account(self) -> Account:
-        return self._panel.account()
-
-    def save(self) -> Saved:
-        return restorable(self._panel).save()
-
-    def restore(self, saved: Saved) -> None:
-        restorable(self._panel).restore(saved)
-
-    def close(self) -> None:
-        self._panel.close()
+    return AlteredPanel(panel, advance, inertia=inertia)
 
 
-class StillClampedPanel:
+def still_clamped(panel: Panel) -> AlteredPanel:
     """A panel whose clamps stay where they were at t = 0."""
+    still = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
 
-    def __init__(self, panel: Panel) -> None:
-        self._panel = panel
-        self.mount: Mount = panel.mount
-        self._still = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
+    def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return panel.advance(interval, still, load)
 
-    def initial(self) -> PanelState:
-        return self._panel.initial()
-
-    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        return self._panel.advance(interval, self._still, load)
-
-    def inertia(self) -> Inertia:
-        return inertia_of(self._panel)
-
-    def account(self) -> Account:
-        return self._panel.account()
-
-    def save(self) -> Saved:
-        return restorable(self._panel).save()
-
-    def restore(self, saved: Saved) -> None:
-        restorable(self._panel).restore(saved)
-
-    def close(self) -> None:
-        self._panel.close()
+    return AlteredPanel(panel, advance)
 
 
 class ParticlesOnStillSurface:

@@ -11,22 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array
 
+from orchestrator.altered_panel import AlteredPanel
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle
 from orchestrator.inertia import inertia_of
-from orchestrator.ports import (
-    Account,
-    Array,
-    Indices,
-    Inertia,
-    Load,
-    Motion,
-    Mount,
-    Panel,
-    PanelState,
-    Saved,
-)
-from orchestrator.state import restorable
+from orchestrator.ports import Array, Indices, Inertia, Load, Motion, Panel, PanelState
 
 
 @dataclass(frozen=True)
@@ -64,39 +53,20 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
     return Grid(coordinates, np.vstack([one, two]).astype(np.int64), number[:, rows // 2])
 
 
-class Mapped:
-    """A panel seen through other points of its surface: again a panel."""
+def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
+    """The panel seen through other points of its surface; ``H`` (new points, panel's surface
+    points), from ``MeshedPanel.interpolation``."""
+    HT = csr_array(H.T)
 
-    def __init__(self, panel: Panel, H: csr_array) -> None:
-        """``H`` (new points, panel's surface points), from ``MeshedPanel.interpolation``."""
-        self._panel = panel
-        self._H = H
-        self._HT = csr_array(H.T)
-        self.mount: Mount = panel.mount
-
-    def inertia(self) -> Inertia:
-        own = inertia_of(self._panel)
-        return replace(own, shapes=csr_array(self._H @ own.shapes))
-
-    def initial(self) -> PanelState:
-        return self._seen(self._panel.initial())
-
-    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        return self._seen(self._panel.advance(interval, clamps, Load(self._HT @ load.force_N)))
-
-    def _seen(self, state: PanelState) -> PanelState:
+    def seen(state: PanelState) -> PanelState:
         surface = state.surface
-        seen = Motion(self._H @ surface.position_m, self._H @ surface.velocity_m_s)
-        return PanelState(seen, state.reaction)
+        return PanelState(Motion(H @ surface.position_m, H @ surface.velocity_m_s), state.reaction)
 
-    def save(self) -> Saved:
-        return {"panel": restorable(self._panel).save()}
+    def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return seen(panel.advance(interval, clamps, Load(HT @ load.force_N)))
 
-    def restore(self, saved: Saved) -> None:
-        restorable(self._panel).restore(saved["panel"])
+    def inertia() -> Inertia:
+        own = inertia_of(panel)
+        return replace(own, shapes=csr_array(H @ own.shapes))
 
-    def account(self) -> Account:
-        return self._panel.account()
-
-    def close(self) -> None:
-        self._panel.close()
+    return AlteredPanel(panel, advance, lambda: seen(panel.initial()), inertia)

@@ -34,7 +34,7 @@ from orchestrator.ports import (
 )
 from orchestrator.state import put_back, restorable, taken
 from orchestrator.stopwatch import Stopwatch
-from orchestrator.timed_panel import TimedPanel
+from orchestrator.timed_panel import timed
 
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
@@ -84,7 +84,7 @@ class MeteredPanel:
     last: tuple[Motion, Load, PanelState]
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
-        self._panel = TimedPanel(panel, name, part, stopwatch)
+        self._panel = timed(panel, name, part, stopwatch)
         self.mount: Mount = panel.mount
         self.received_N_s: Array = np.zeros(3)
         self.given_N_s: Array = np.zeros(3)

@@ -20,7 +20,7 @@ from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.geometry import Edges
-from orchestrator.mapping import Grid, Mapped
+from orchestrator.mapping import Grid, mapped
 from orchestrator.planning import panel_plans
 from orchestrator.plans import PanelPlan
 from orchestrator.playback import playbacks
@@ -28,7 +28,7 @@ from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ranks import first_rank_does
 from orchestrator.recording import RecordedGrid
 from orchestrator.stopwatch import Stopwatch
-from orchestrator.timed_panel import TimedPanel
+from orchestrator.timed_panel import timed
 
 
 def _nothing(*shape: int) -> Callable[[], Indices]:
@@ -87,8 +87,8 @@ def _panel(
         own = cast(MeshedPanel, adapter.opened("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
-        timed = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
-        return Mapped(timed, own.interpolation(coordinates))
+        panel = timed(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
+        return mapped(panel, own.interpolation(coordinates))
 
     first = len(touched.coordinates_m)
     return Piece(

@@ -10,9 +10,9 @@ from orchestrator.clock import Interval
 from orchestrator.coupling import Solvers, State, initial
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
-    StillClampedPanel,
-    UnloadedPanel,
     UnpushedFrames,
+    still_clamped,
+    unloaded,
 )
 from orchestrator.ports import Saved
 from orchestrator.schemes import SCHEMES, scheme
@@ -28,25 +28,25 @@ def machine() -> Solvers:
     return members(Sphere(1.0, 1e4, 1e-3, -1.0), HungPlate(1.0, 1e5), FreeFrame(5.0, v=0.5))
 
 
-def unpushed(whole: Solvers) -> Solvers:
+def without_reaction(whole: Solvers) -> Solvers:
     return Solvers(UnpushedFrames(whole.frames), whole.panel, whole.particles)
 
 
-def still_clamped(whole: Solvers) -> Solvers:
-    return Solvers(whole.frames, StillClampedPanel(whole.panel), whole.particles)
+def without_frame_motion(whole: Solvers) -> Solvers:
+    return Solvers(whole.frames, still_clamped(whole.panel), whole.particles)
 
 
-def unloaded(whole: Solvers) -> Solvers:
-    return Solvers(whole.frames, UnloadedPanel(whole.panel), whole.particles)
+def without_load(whole: Solvers) -> Solvers:
+    return Solvers(whole.frames, unloaded(whole.panel), whole.particles)
 
 
-def still_surface(whole: Solvers) -> Solvers:
+def without_panel_motion(whole: Solvers) -> Solvers:
     assert whole.particles is not None
     still = ParticlesOnStillSurface(whole.particles, point(0.0, 0.0))
     return Solvers(whole.frames, whole.panel, still)
 
 
-WITHOUT = [unpushed, still_clamped, unloaded, still_surface]
+WITHOUT = [without_reaction, without_frame_motion, without_load, without_panel_motion]
 
 
 def advanced(solvers: Solvers, name: str, state: State, intervals: range) -> State:
@@ -93,6 +93,6 @@ def test_robin_without_any_known_mass_is_particles_first() -> None:
     """Bit for bit; the panel does not yield to what it does not feel."""
     ends = []
     for name in ("robin", "particles-first"):
-        solvers = unloaded(machine())
+        solvers = without_load(machine())
         ends.append(as_arrays(advanced(solvers, name, initial(solvers), range(10))))
     assert differences(*ends) == []

@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.clock import Interval
 from orchestrator.inertia import inertia_of
-from orchestrator.mapping import Mapped
+from orchestrator.mapping import mapped
 from orchestrator.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel
 from tests.panel.contract import CASES, Case
@@ -19,10 +19,10 @@ COARSE = np.array([[0.02, 0.01], [0.031, 0.02], [0.06, 0.013], [0.09, 0.03]])
 ELASTIC = ["strip", "sheet-explicit", "sheet-implicit", "solid"]
 
 
-def velocity_m_s(case: Case, mapped: bool, load_N: Array | None) -> tuple[Array, Panel]:
+def velocity_m_s(case: Case, through: bool, load_N: Array | None) -> tuple[Array, Panel]:
     """(points, 3) after an impulse of ``load_N`` over ``SHORT_S``, and the panel."""
     own = case.open(SHORT_S)
-    panel: Panel = Mapped(own, own.interpolation(COARSE)) if mapped else own
+    panel: Panel = mapped(own, own.interpolation(COARSE)) if through else own
     with closing(panel):
         points = len(panel.initial().surface)
         clamps = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
@@ -31,15 +31,15 @@ def velocity_m_s(case: Case, mapped: bool, load_N: Array | None) -> tuple[Array,
 
 
 @pytest.mark.solver
-@pytest.mark.parametrize("mapped", [False, True])
+@pytest.mark.parametrize("through", [False, True])
 @pytest.mark.parametrize("name", ELASTIC)
-def test_an_impulse_gives_the_velocity_of_the_masses(name: str, mapped: bool) -> None:
+def test_an_impulse_gives_the_velocity_of_the_masses(name: str, through: bool) -> None:
     """v = shapes (shapes' impulse / mass); within 1e-3: the solid's mass is not lumped as its
     stiffness is."""
     case = CASES[name]
-    idle_m_s, panel = velocity_m_s(case, mapped, None)
+    idle_m_s, panel = velocity_m_s(case, through, None)
     load_N = np.random.default_rng(5).normal(0.0, 1.0, idle_m_s.shape)
-    pushed_m_s, _ = velocity_m_s(case, mapped, load_N)
+    pushed_m_s, _ = velocity_m_s(case, through, load_N)
     inertia = inertia_of(panel)
     masses_N = inertia.yielding(inertia.shapes.T @ load_N)
     expected = inertia.shapes @ (masses_N / inertia.mass_kg[:, None])
