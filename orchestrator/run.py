@@ -16,6 +16,7 @@ from orchestrator.casefile.levels import LoadedCase
 from orchestrator.clock import Interval, exact, intervals, steps_in
 from orchestrator.coupling import State, initial
 from orchestrator.ending import Ending
+from orchestrator.interruption import Interrupted, Stop
 from orchestrator.ledger import Ledger
 from orchestrator.machine import Machine
 from orchestrator.naming import named, written
@@ -30,8 +31,9 @@ from orchestrator.saves.origin import origin
 from orchestrator.scene.account import Entry
 from orchestrator.stability.bound import Card
 from orchestrator.stability.choice import with_scheme
-from orchestrator.watch import Interrupted, Say, Stop, check_stable
+from orchestrator.time_left import Say
 from orchestrator.watching.guard import Guard, Stopped
+from orchestrator.watching.speed import check_stable
 
 
 class Run:

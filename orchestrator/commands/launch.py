@@ -21,6 +21,7 @@ from orchestrator import adapter, ranks
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
+from orchestrator.interruption import Interrupted
 from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import run_folder, summary
 from orchestrator.records.folder_lock import OF_A_RUN, held
@@ -31,7 +32,6 @@ from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
 from orchestrator.stability import words
 from orchestrator.stability.choice import settled_card
-from orchestrator.watch import Interrupted
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
 OUT = "out of memory"
