@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.ports import Saved
-from orchestrator.ranks import is_first
+from orchestrator.ranks import first_rank_does
 from orchestrator.saves.names import flat, nested
 
 KEPT = 2
@@ -68,38 +68,49 @@ def write(
     run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
 ) -> None:
     """A new save in the folder of a run, of every rank of ``world``; ``about`` needs
-    ``sync_points``, and those of the last ``good`` one.  Raises OSError on the rank that cannot
-    write; the saves before stay."""
+    ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one
+    cannot write; the saves before stay."""
     name = _name(about["sync_points"])
     aside = run / FOLDER / f".{name}"
     try:
-        _write(aside, name, state, copies, about, world)
+        first_rank_does(world, lambda: _open(aside))
+        sums = _parts(aside / _of_rank(world), state, world)
+        first_rank_does(world, lambda: _complete(aside, name, copies, about, sums))
     except OSError:  # what is half written takes the room that the run's last words need
-        shutil.rmtree(aside, ignore_errors=True)
+        first_rank_does(world, lambda: shutil.rmtree(aside, ignore_errors=True))
         raise
 
 
-def _write(
-    aside: Path, name: str, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
+def _open(aside: Path) -> None:
+    shutil.rmtree(aside, ignore_errors=True)
+    aside.parent.mkdir(exist_ok=True)  # but not the run's own folder, should that have gone
+    aside.mkdir()
+
+
+def _parts(mine: Path, state: Saved, world: Any) -> dict[str, str]:
+    """Writes the part of every rank; their checksums.  What one of them cannot write, all raise,
+    when none is at work on its own any more."""
+    try:
+        np.savez(mine, **flat(state))
+        written: dict[str, str] | OSError = {mine.name: _on_disk(mine)}
+    except OSError as error:
+        written = error
+    sums: dict[str, str] = {}
+    for part in [written] if world is None else world.allgather(written):
+        if isinstance(part, OSError):
+            raise part
+        sums |= part
+    return sums
+
+
+def _complete(
+    aside: Path, name: str, copies: Sequence[Path], about: dict[str, Any], sums: dict[str, str]
 ) -> None:
-    """Into the folder ``aside``, which gets its ``name`` when it is whole."""
+    """The rest of the save, its ``name``, and one of the saves before less."""
     parent = aside.parent
-    if is_first(world):
-        shutil.rmtree(aside, ignore_errors=True)
-        parent.mkdir(exist_ok=True)  # but not the run's own folder, should that have gone
-        aside.mkdir()
-    if world is not None:
-        world.barrier()
-    mine = aside / _of_rank(world)
-    np.savez(mine, **flat(state))
-    checked = {mine.name: _on_disk(mine)}
-    ranks = [checked] if world is None else world.gather(checked)
-    if not is_first(world):
-        return
     for copy in copies:
         shutil.copyfile(copy, aside / copy.name)
-        ranks.append({copy.name: _on_disk(aside / copy.name)})
-    sums = {name: digest for rank in ranks for name, digest in rank.items()}
+        sums = sums | {copy.name: _on_disk(aside / copy.name)}
     about = about | {"copies": [copy.name for copy in copies], "sha256": sums}
     (aside / ABOUT).write_text(json.dumps(about, indent=2, default=float), encoding="utf-8")
     _on_disk(aside / ABOUT)
