@@ -3,6 +3,13 @@
 PyVista brings its own VTK, and Debian's DOLFINx loads another one.  The process dies where PyVista
 is the second of them.  A run has it first, since its case is checked before solvers are opened;
 tests come in any order.
+
+Examples that are drawn are the same ones every time, so that a change is judged by what it
+changes; new ones are looked for by ``pytest tests/case --hypothesis-profile=long``.
 """
 
 import pyvista  # noqa: F401
+from hypothesis import settings
+
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
