@@ -15,6 +15,7 @@ import numpy as np
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.errors import CaseError, Key, Mistake
+from orchestrator.casefile.plausible import wrong_sizes
 from orchestrator.ports import Array
 from orchestrator.tables.deck import Deck
 from orchestrator.tables.quantities import Vector
@@ -27,12 +28,15 @@ ACROSS, UP = np.eye(3)[1:]
 def laid_out(case: Case) -> Case:
     """The case with its decks' panels and surfaces in the place of the decks.
 
-    Raises CaseError with every mistake in the decks.
+    Raises CaseError with every mistake in the decks, and with every size out of all proportion in
+    the case: those would overflow here.
     """
     screen = case.screen
     if not screen.decks:
         return case
-    found = [mistake for name, deck in screen.decks.items() for mistake in mistakes(name, deck)]
+    found = [*wrong_sizes(case)]
+    if not found:
+        found = [mistake for name, deck in screen.decks.items() for mistake in mistakes(name, deck)]
     panels, surfaces = dict(screen.panels), dict(screen.surfaces)
     if not found:
         for name, deck in screen.decks.items():

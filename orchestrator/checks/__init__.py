@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from orchestrator.casefile.deck_layout import as_given
 from orchestrator.casefile.errors import Mistake
+from orchestrator.casefile.plausible import wrong_sizes
 from orchestrator.checks import (
     adhesion,
     apertures,
@@ -20,7 +21,6 @@ from orchestrator.checks import (
     materials,
     names,
     panel_meshes,
-    plausible,
     recordings,
     slices,
     start,
@@ -51,7 +51,7 @@ OF_TABLES = (
     machine.probes,
     surfaces.plates,
     adhesion.works_of_adhesion,
-    plausible.wrong_sizes,
+    wrong_sizes,
     steps.whole_times,
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -45,9 +46,9 @@ def plates(case: Case) -> Iterator[Mistake]:
         elif surface.stl is None and not all(given):
             yield Mistake(key, "is no surface", "give stl, or corner_m and edges_m")
         elif surface.edges_m is not None:
-            one, two = np.array(surface.edges_m)
-            area_m2, size_m2 = np.linalg.norm(np.cross(one, two)), max(one @ one, two @ two)
-            if not area_m2 > 1e-9 * size_m2:
+            longest_m = max(math.hypot(*edge) for edge in surface.edges_m)
+            one, two = np.array(surface.edges_m) / (longest_m or 1.0)
+            if not np.linalg.norm(np.cross(one, two)) > 1e-9:
                 yield Mistake((*key, "edges_m"), "span no area", "give two edges at an angle")
 
 

@@ -18,6 +18,7 @@ from orchestrator.casefile.overlays import Layers
 from orchestrator.checks import mistakes, warnings
 from orchestrator.scene.catalogue import judged
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
+from tests.case.mutations import ROOT
 
 GIVEN = tomllib.loads(CASE)
 SCALARS = st.one_of(
@@ -89,6 +90,17 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(
             if not mistakes(spoilt):
                 warnings(spoilt)
                 judged(spoilt.case)
+
+
+@pytest.mark.parametrize("value", [1e300, -1e300, 5e-324])
+def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
+    folder = ROOT / "cases" / "ffs0827-effects"
+    deck = load(folder, "draft").layers.merged["screen"]["decks"]["deck"]
+    for key in keys(deck, ("screen", "decks", "deck"))[1:]:
+        found = load(folder, "draft")
+        with suppress(CaseError):
+            found.layers.lay(nested(key, value), "--set")
+            mistakes(replace(found, case=validated(found.layers)))
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -11,7 +11,7 @@ from annotated_types import Le, Lt
 from pydantic import BaseModel, ValidationError
 
 from orchestrator.casefile.case import Case
-from orchestrator.checks.plausible import RANGES
+from orchestrator.casefile.plausible import RANGES
 from orchestrator.commands import case_reference
 
 
