@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.plausible import RANGES
 from orchestrator.commands import case_reference
+from orchestrator.tables.units import DIMENSIONLESS, unit
 
 
 def tables(table: type[BaseModel] = Case) -> Iterator[type[BaseModel]]:
@@ -37,11 +38,11 @@ FLOATS = {
 
 @pytest.mark.parametrize("key", sorted(FLOATS))
 def test_every_float_has_a_unit_or_is_listed_as_having_none(key: str) -> None:
-    assert bool(case_reference.unit(key)) != (key in case_reference.DIMENSIONLESS)
+    assert bool(unit(key)) != (key in DIMENSIONLESS)
 
 
 def test_the_list_of_keys_without_unit_has_no_leftovers() -> None:
-    assert case_reference.DIMENSIONLESS <= FLOATS
+    assert DIMENSIONLESS <= FLOATS
 
 
 def marks(kind: Any) -> Iterator[Any]:
