@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from adapters.particles.liggghts_input import FIRST_EVALUATION
 from adapters.particles.liggghts_ledger import Ledger
+from adapters.particles.liggghts_records import removed, snapshot
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
@@ -119,22 +120,7 @@ class Liggghts:
         return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
-        mine = self._engine.particles()
-        names = ("tag", "x", "v", "omega", "radius", "density", "type")
-        ranks = self._comm.gather([np.array(mine[name]) for name in names])
-        if self._comm.rank != 0:
-            ranks = [[np.array(mine[name][:0]) for name in names]]
-        tag, x, v, omega, radius, density, kind = map(np.concatenate, zip(*ranks, strict=True))
-        order = np.argsort(tag)
-        return ParticleSnapshot(
-            id=tag[order].astype(np.int64),
-            position_m=x[order],
-            velocity_m_s=v[order],
-            spin_rad_s=omega[order],
-            diameter_m=2.0 * radius[order],
-            density_kg_m3=density[order],
-            material=kind[order].astype(np.int64) - 1,
-        )
+        return snapshot(self._engine.particles(), self._comm)
 
     def removed(self) -> Removed:
         mine, self._removed = self._removed, []
@@ -199,7 +185,7 @@ class Liggghts:
         self._comm.Allreduce(MPI.IN_PLACE, blocked, MPI.LOR)
         accepted = ~blocked
         if accepted.any():
-            new = _some(offer, accepted)
+            new = offer.part(accepted)
             self._engine.store_history()
             self._create(new)
             self._ledger.fed(new)
@@ -212,7 +198,7 @@ class Liggghts:
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_s2
         self._ledger.removed(mine, interval.length_s - step_s * mine["step"])
         if len(mine["tag"]):
-            self._removed.append(_removed(mine, interval.start_s + step_s * mine["step"]))
+            self._removed.append(removed(mine, interval.start_s + step_s * mine["step"]))
 
     def _prepare(self) -> None:
         """After particles came: sort them and evaluate their forces."""
@@ -231,27 +217,3 @@ class Liggghts:
             raise SolverFailed(
                 f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
             )
-
-
-def _removed(mine: dict[str, npt.NDArray[Any]], time_s: Array) -> Removed:
-    return Removed(
-        id=mine["tag"].astype(np.int64),
-        time_s=time_s,
-        position_m=mine["x"],
-        velocity_m_s=mine["v"],
-        diameter_m=2.0 * mine["radius"],
-        density_kg_m3=mine["density"],
-        material=mine["type"].astype(np.int64) - 1,
-        exit=mine["exit"].astype(np.int64),
-    )
-
-
-def _some(offer: ParticleList, accepted: npt.NDArray[np.bool_]) -> ParticleList:
-    return ParticleList(
-        offer.position_m[accepted],
-        offer.velocity_m_s[accepted],
-        offer.spin_rad_s[accepted],
-        offer.diameter_m[accepted],
-        offer.density_kg_m3[accepted],
-        offer.material[accepted],
-    )

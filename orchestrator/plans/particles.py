@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -35,6 +35,9 @@ class ParticleList:
 
     def __len__(self) -> int:
         return len(self.diameter_m)
+
+    def part(self, rows: npt.NDArray[np.bool_]) -> ParticleList:
+        return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 class Feed(Protocol):
