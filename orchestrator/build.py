@@ -17,7 +17,6 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.coupling import Solvers
 from orchestrator.deck.opening_places import smaller_sides_m
-from orchestrator.deck.panels import single_panels
 from orchestrator.geometry import TriangleSurface
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
@@ -26,21 +25,20 @@ from orchestrator.hand_over import (
     unloaded,
 )
 from orchestrator.ledger import Members
-from orchestrator.machine import Machine, PanelPoints, Probe
+from orchestrator.machine import Machine
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.numbering import panel_of_triangle, panel_points, probes, touched_surface
 from orchestrator.panel_set import PanelSet
-from orchestrator.pieces import Piece, frame_pieces, panel_pieces, wall_pieces
-from orchestrator.planning import bushings, frames_plan, material_numbers, particles_plan
+from orchestrator.pieces import frame_pieces, panel_pieces, wall_pieces
+from orchestrator.planning import bushings, frames_plan, particles_plan
 from orchestrator.plans import FramesPlan
-from orchestrator.ports import Array, Frames, Panel, Particles, Wearing
+from orchestrator.ports import Frames, Panel, Particles, Wearing
 from orchestrator.ranks import FramesOnFirstRank
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.schemes import scheme
 from orchestrator.schemes.effort import effort
 from orchestrator.stability.choice import settled
 from orchestrator.stopwatch import Stopwatch
-
-NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
 
 
 def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
@@ -65,7 +63,7 @@ def _built(
     together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
     opened.callback(together.close)
     start = together.initial()
-    surface = _surface(case, [*panels, *walls], together, start.surface.position_m)
+    surface = touched_surface(case, [*panels, *walls], together, start.surface.position_m)
     held_N = start.reaction.force_N
     if not case.hand_over.panel_reaction:  # frames at rest do not hold what they do not feel
         held_N = np.zeros_like(held_N)
@@ -88,10 +86,10 @@ def _built(
         scheme=scheme(case.coupling.scheme, effort(case)),
         stopwatch=stopwatch,
         surface=surface,
-        panel_of_triangle=_panel_of_triangle([*panels, *walls], len(panels)),
-        panels=_panels(case, panels, together),
+        panel_of_triangle=panel_of_triangle([*panels, *walls], len(panels)),
+        panels=panel_points(case, panels, together),
         centres=centres,
-        probes=_probes(case, pieces, together),
+        probes=probes(case, pieces, together),
         bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
         material=material,
         wearing=wearing,
@@ -137,83 +135,3 @@ def _handed_over(case: Case, members: Members) -> Solvers:
     if particles is not None and not wanted.panel_motion:
         particles = ParticlesOnStillSurface(particles, panel.initial().surface)
     return Solvers(frames, panel, particles)
-
-
-def _surface(
-    case: Case, touched: list[Piece], together: PanelSet, position_m: Array
-) -> TriangleSurface:
-    """All that particles touch; points on frames belong to it, but to no triangle."""
-    number = material_numbers(case)
-    return TriangleSurface(
-        position_m,
-        np.concatenate(
-            [
-                NONE.reshape(0, 3),
-                *(
-                    piece.triangles + points.start
-                    for piece, points in zip(touched, together.surface, strict=False)
-                ),
-            ]
-        ),
-        np.concatenate(
-            [NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]
-        ),
-    )
-
-
-def _panels(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelPoints, ...]:
-    """Where the panels' points lie; a clamp is the first up to the middle of the span."""
-    found = []
-    for number, (piece, single) in enumerate(zip(panels, single_panels(case), strict=True)):
-        surface, clamps, at = together.surface[number], together.clamps[number], single.rectangle
-        end_of_held = clamps.stop - 3 * piece.stops
-        held, stops = np.arange(clamps.start, end_of_held), np.arange(end_of_held, clamps.stop)
-        along_m = (together.mount.position_m[held] - at.corner_m) @ at.along
-        first = along_m < at.span_m / 2
-        line = surface.start + piece.centre_line
-        shape = surface.start + piece.shape
-        found.append(
-            PanelPoints(
-                piece.name,
-                surface,
-                clamps,
-                line,
-                shape,
-                held[first],
-                held[~first],
-                stops,
-                surface.start + piece.edges.points,
-                piece.edges.length_m,
-            )
-        )
-    return tuple(found)
-
-
-def _panel_of_triangle(touched: list[Piece], panels: int) -> Any:
-    return np.concatenate(
-        [
-            NONE,
-            *(
-                np.full(len(piece.triangles), number if number < panels else -1)
-                for number, piece in enumerate(touched)
-            ),
-        ]
-    )
-
-
-def _probes(case: Case, pieces: list[Piece], together: PanelSet) -> tuple[Probe, ...]:
-    """The case's probes; points of frames are read from the clamps, which are exact."""
-    found = []
-    for number, piece in enumerate(pieces):
-        on_frame = piece.name in case.screen.frames
-        points = together.clamps[number] if on_frame else together.surface[number]
-        for name, point in piece.points.items():
-            if name in case.probes:
-                on = "clamps" if on_frame else "surface"
-                found.append(Probe(name, on, points.start + point))
-    found += [
-        Probe(name, "particle", probe.particle)
-        for name, probe in case.probes.items()
-        if probe.particle is not None
-    ]
-    return tuple(found)

@@ -1,0 +1,97 @@
+"""Which points and triangles of the whole surface are whose, once the pieces are one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from orchestrator.casefile.case import Case
+from orchestrator.deck.panels import single_panels
+from orchestrator.geometry import TriangleSurface
+from orchestrator.machine import PanelPoints, Probe
+from orchestrator.panel_set import PanelSet
+from orchestrator.pieces import Piece
+from orchestrator.planning import material_numbers
+from orchestrator.ports import Array, Indices
+
+NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
+
+
+def touched_surface(
+    case: Case, touched: list[Piece], together: PanelSet, position_m: Array
+) -> TriangleSurface:
+    """All that particles touch; points on frames belong to it, but to no triangle."""
+    number = material_numbers(case)
+    return TriangleSurface(
+        position_m,
+        np.concatenate(
+            [
+                NONE.reshape(0, 3),
+                *(
+                    piece.triangles + points.start
+                    for piece, points in zip(touched, together.surface, strict=False)
+                ),
+            ]
+        ),
+        np.concatenate(
+            [NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]
+        ),
+    )
+
+
+def panel_points(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelPoints, ...]:
+    """Where the panels' points lie; a clamp is the first up to the middle of the span."""
+    found = []
+    for number, (piece, single) in enumerate(zip(panels, single_panels(case), strict=True)):
+        surface, clamps, at = together.surface[number], together.clamps[number], single.rectangle
+        end_of_held = clamps.stop - 3 * piece.stops
+        held, stops = np.arange(clamps.start, end_of_held), np.arange(end_of_held, clamps.stop)
+        along_m = (together.mount.position_m[held] - at.corner_m) @ at.along
+        first = along_m < at.span_m / 2
+        line = surface.start + piece.centre_line
+        shape = surface.start + piece.shape
+        found.append(
+            PanelPoints(
+                piece.name,
+                surface,
+                clamps,
+                line,
+                shape,
+                held[first],
+                held[~first],
+                stops,
+                surface.start + piece.edges.points,
+                piece.edges.length_m,
+            )
+        )
+    return tuple(found)
+
+
+def panel_of_triangle(touched: list[Piece], panels: int) -> Indices:
+    """The number of each triangle's panel, of which there are ``panels``; -1 for walls."""
+    return np.concatenate(
+        [
+            NONE,
+            *(
+                np.full(len(piece.triangles), number if number < panels else -1)
+                for number, piece in enumerate(touched)
+            ),
+        ]
+    )
+
+
+def probes(case: Case, pieces: list[Piece], together: PanelSet) -> tuple[Probe, ...]:
+    """The case's probes; points of frames are read from the clamps, which are exact."""
+    found = []
+    for number, piece in enumerate(pieces):
+        on_frame = piece.name in case.screen.frames
+        points = together.clamps[number] if on_frame else together.surface[number]
+        for name, point in piece.points.items():
+            if name in case.probes:
+                on = "clamps" if on_frame else "surface"
+                found.append(Probe(name, on, points.start + point))
+    found += [
+        Probe(name, "particle", probe.particle)
+        for name, probe in case.probes.items()
+        if probe.particle is not None
+    ]
+    return tuple(found)
