@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-
 from orchestrator.accuracy.convergence import convergence
 from orchestrator.accuracy.knobs import KNOBS
 from orchestrator.accuracy.measured import Error
@@ -17,6 +15,7 @@ from orchestrator.accuracy.study import Study
 from orchestrator.ladder.tables import SHORT, percent
 from orchestrator.records.run_folder import write_text
 from orchestrator.report.drawing import data_uri
+from orchestrator.report.filled import filled
 from orchestrator.studies.figures import DEFECTS, QUANTITIES
 
 
@@ -24,14 +23,8 @@ def write(study: Study, table: Sequence[Row], folder: Path) -> list[Path]:
     """The pictures and the page."""
     plot = work_precision(study, table, folder / "work-precision.png")
     knobs = _knobs(study, folder)
-    environment = Environment(
-        loader=PackageLoader("orchestrator.accuracy", "."),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    text = environment.get_template("page.html").render(
+    text = filled(
+        "accuracy/page.html",
         title=study.listed.loaded.name,
         level=study.listed.loaded.level,
         study=study,

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from matplotlib.lines import Line2D
 
 from orchestrator.hard.stability_map import HEAD as MAP_HEAD
@@ -15,6 +14,7 @@ from orchestrator.hard.stability_map import Spot
 from orchestrator.hard.verdicts import HEAD, Line
 from orchestrator.records.run_folder import write_text
 from orchestrator.report.drawing import data_uri, figure
+from orchestrator.report.filled import filled
 
 # outcome: colour, mark, what it says; told apart by shape, too
 SHOWN = {
@@ -67,15 +67,9 @@ def _one(axis: Any, scheme: str, spots: Sequence[Spot]) -> None:
 
 def page(lines: Sequence[Line], spots: Sequence[Spot], picture: Path | None, folder: Path) -> Path:
     """``stability.html``: everything in itself."""
-    environment = Environment(
-        loader=PackageLoader("orchestrator.hard", "."),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     cases = {line.case.name: line.case for line in lines}
-    text = environment.get_template("page.html").render(
+    text = filled(
+        "hard/page.html",
         head=HEAD[1:],
         map_head=MAP_HEAD,
         cases=[(case, [one for one in lines if one.case is case]) for case in cases.values()],

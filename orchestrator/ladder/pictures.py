@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from orchestrator.ladder.rungs import LADDERS
 from orchestrator.ladder.tables import SHORT, Row, percent
 from orchestrator.records.run_folder import write_text
 from orchestrator.report.drawing import LINES, data_uri, figure
+from orchestrator.report.filled import filled
 from orchestrator.studies.figures import QUANTITIES
 
 LEAST = 1e-4  # errors below are drawn here
@@ -80,15 +80,9 @@ def _points(name: str, rows: Sequence[Row]) -> Iterator[tuple[float, float]]:
 
 def page(title: str, table: Sequence[Row], pictures: dict[str, Path], folder: Path) -> Path:
     """``ladder.html``: everything in itself."""
-    environment = Environment(
-        loader=PackageLoader("orchestrator.ladder", "."),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     ladders = {name: [row for row in table if row.step.rung.ladder == name] for name in LADDERS}
-    text = environment.get_template("page.html").render(
+    text = filled(
+        "ladder/page.html",
         title=title,
         ladders={name: rows for name, rows in ladders.items() if rows},
         quantities={name: text for name, text in QUANTITIES.items() if _known(name, table)},

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from orchestrator.report import bed_pictures, facts, machine_pictures, tables
 from orchestrator.report.drawing import data_uri
 from orchestrator.report.effects import left_out_rows
+from orchestrator.report.filled import filled
 from orchestrator.report.film import Film
 from orchestrator.report.headline import headline
 from orchestrator.report.quality import quality, warnings
@@ -28,17 +28,11 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
     """The HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
     summary = json.loads((folder / "summary.json").read_text())
     provenance = json.loads((folder / "provenance.json").read_text())
-    environment = Environment(
-        loader=PackageLoader("orchestrator.report", "."),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     with h5py.File(folder / "history.h5") as history:
         data = run_data(folder, history)
         shown = film(folder, FILM_CYCLES * data.cycle_s)
-        return environment.get_template("template.html").render(
+        return filled(
+            "report/template.html",
             case=data.case,
             summary=summary,
             provenance=provenance,
