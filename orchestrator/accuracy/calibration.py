@@ -1,22 +1,27 @@
 """A short run on this machine, and what a long one takes by it.
 
 A run takes its start (importing, and part "rest" of its time: opening the solvers), and then the
-same for each simulated second.  The study's short run, made again here, tells the start
-here, and how much faster or slower this machine steps, with whatever else it is busy with.
+same for each simulated second, but for what feeds add to the particles' share.  The study's short
+run, made again here, tells the start here, and how much faster or slower this machine steps, with
+whatever else it is busy with.
 """
 
 from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from scipy.optimize import brentq
+
+from orchestrator.accuracy.filling import filling
 from orchestrator.accuracy.measured import parts_s
 from orchestrator.accuracy.stored import Stored
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.levels import load
 from orchestrator.plans import SolverFailed
 from orchestrator.studies import sweep
 from orchestrator.studies.workers import Crew
@@ -36,12 +41,16 @@ class Clock:
 
 @dataclass(frozen=True)
 class Timing:
-    """The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``."""
+    """The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``;
+    ``particles`` is their share of its stepping, ``filling`` how many there are in runs of other
+    lengths (filling.py)."""
 
     study_start_s: float
     simulated_s: float
     wall: Clock
     processor: Clock
+    particles: float = 0.0
+    filling: Callable[[float], float] = lambda duration_s: 1.0
 
     def wall_s(self, processor_s: float, duration_s: float) -> float:
         """Wall time here of a run of ``duration_s`` with settings that took ``processor_s`` in the
@@ -53,21 +62,27 @@ class Timing:
         return self._on(self.processor, processor_s, duration_s)
 
     def _on(self, clock: Clock, processor_s: float, duration_s: float) -> float:
-        return clock.start_s + clock.factor * self._rate(processor_s) * duration_s
+        study_s = max(processor_s - self.study_start_s, 0.0)
+        return clock.start_s + clock.factor * study_s * self._lasts(duration_s)
 
-    def duration_s(self, processor_s: float, wall_s: float) -> float:
-        """How long a run may last to take so much wall time; 0 if not even its start fits."""
-        rate = self.wall.factor * self._rate(processor_s)
-        return max(wall_s - self.wall.start_s, 0.0) / rate if rate else 0.0
+    def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
+        """How long a run may last, at most ``longest_s``, to take so much wall time; 0 if not even
+        its start fits."""
+        if self.wall_s(processor_s, longest_s) <= wall_s:
+            return longest_s
+        if wall_s <= self.wall.start_s:
+            return 0.0
+        return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
 
     def affordable_s(self, wall_s: float, duration_s: float) -> float:
         """The study's processor time of settings that take so much wall time here."""
         stepping_s = max(wall_s - self.wall.start_s, 0.0) / self.wall.factor
-        return self.study_start_s + stepping_s * self.simulated_s / duration_s
+        return self.study_start_s + stepping_s / self._lasts(duration_s)
 
-    def _rate(self, processor_s: float) -> float:
-        """The study's processor time for a simulated second."""
-        return max(processor_s - self.study_start_s, 0.0) / self.simulated_s
+    def _lasts(self, duration_s: float) -> float:
+        """The stepping of a run of ``duration_s``, relative to the study's."""
+        more = 1.0 + self.particles * (self.filling(duration_s) - 1.0)
+        return more * duration_s / self.simulated_s
 
 
 def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
@@ -93,7 +108,15 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
         Clock(_start_s(each), _stepping_s(each) / study_s)
         for each in (here["wall_by_part_s"], parts_s(here))
     )
-    return Timing(_start_s(base["processor_by_part_s"]), base["simulated_s"], wall, processor)
+    simulated_s, in_parts_s = base["simulated_s"], base["processor_by_part_s"]
+    return Timing(
+        _start_s(in_parts_s),
+        simulated_s,
+        wall,
+        processor,
+        in_parts_s.get("particles", 0.0) / _stepping_s(in_parts_s),
+        filling(load(case, level, study.found["sets"]).case, simulated_s),
+    )
 
 
 def as_it_is_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:

@@ -60,7 +60,8 @@ class Plan:
             yield from self._narrower()
 
     def _shorter(self, one: Candidate) -> Iterator[str]:
-        duration_s = self.timing.duration_s(one.processor_s, self.budget_s)
+        longest_s = self.case.duration_s
+        duration_s = self.timing.duration_s(one.processor_s, self.budget_s, longest_s)
         cycle = cycle_s(self.case)
         if cycle < self.case.duration_s:
             cycles, every = math.floor(duration_s / cycle), round(self.case.duration_s / cycle)

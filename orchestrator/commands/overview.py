@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestrator.bed.contact_times import shortest_rayleigh_s
+from orchestrator.bed.cost import THICK, THIN, cost
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
@@ -19,7 +20,6 @@ from orchestrator.casefile.toml_file import read_toml
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
-from orchestrator.commands.cost import THICK, THIN, cost
 from orchestrator.deck.openings import openings
 from orchestrator.deck.panel_meshes import meshes
 from orchestrator.deck.panels import single_panels, walls

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 
+from orchestrator.bed.cost import THICK, cost
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
-from orchestrator.commands.cost import THICK, cost
 from orchestrator.deck.panel_meshes import mesh_sizes
 from orchestrator.deck.panels import single_panels
 from orchestrator.planning import material_numbers

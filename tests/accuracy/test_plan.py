@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 
 from orchestrator.accuracy.answers import Answer, off
 from orchestrator.accuracy.calibration import Clock, Timing, part_s
+from orchestrator.accuracy.filling import filling
 from orchestrator.accuracy.plan import Plan, planned
 from orchestrator.accuracy.stored import Stored, stored
 from orchestrator.casefile.errors import CaseError
@@ -70,6 +72,28 @@ def test_the_cheapest_within_the_tolerance(
 def test_a_longer_run_takes_its_start_once() -> None:
     assert plan(0.06, 1e3, duration_s=5.0).wall_s == pytest.approx(2 * (2 + 20 * 5))
     assert TIMING.processor_s(12.0, 5.0) == pytest.approx(1.8 * (2 + 20 * 5))
+
+
+def test_what_feeds_add_takes_time() -> None:
+    """A quarter of the stepping is the particles', and twice as many there are; four times as long
+    is 5 times the stepping.  Fitted back into that time, it lasts as long."""
+    fed = replace(TIMING, particles=0.25, filling=lambda duration_s: duration_s)
+    assert fed.wall_s(12.0, 2.0) == pytest.approx(2 * (2 + 10 * 5))
+    assert fed.duration_s(12.0, 104.0, 9.0) == pytest.approx(2.0)
+    assert fed.duration_s(12.0, 104.0, 1.0) == 1.0
+    assert fed.duration_s(12.0, 3.0, 1.0) == 0.0
+    assert fed.affordable_s(104.0, 2.0) == pytest.approx(12.0)
+
+
+def test_a_deck_fills_until_what_is_fed_leaves_it() -> None:
+    """Fed from 0.3 s on, and nothing leaves before 2 s: the mean number over a run grows as
+    (T - 0.3 s)^2 / T; of a long run it is that of the steady state."""
+    case = load(ROOT / "cases/ffs0827-slice", "dry").case
+    found = filling(case, 1.0)
+    assert found(1.0) == 1.0
+    assert found(2.0) == pytest.approx(1.7**2 / 2 / 0.7**2, rel=0.01)
+    assert found(64.0) / found(32.0) == pytest.approx(1.0, abs=0.05)
+    assert filling(load(ROOT / "cases/quickstart", "draft").case, 0.5)(5.0) == 1.0
 
 
 def test_what_does_not_fit_says_what_would() -> None:

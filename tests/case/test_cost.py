@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.bed.cost import THICK, cost
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.levels import load
-from orchestrator.commands.cost import THICK, cost
 from tests.case.cases import CASE, written
 
 FEED = """
