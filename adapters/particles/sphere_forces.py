@@ -8,10 +8,11 @@ import numpy as np
 
 from adapters.particles.sphere_adhesion import reduced
 from adapters.particles.sphere_contacts import Laws, contact_forces, springs
+from adapters.particles.sphere_history import History, history
 from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_partners import Partners, partners
 from adapters.particles.sphere_rolling import Rolling, across
-from adapters.particles.sphere_search import continued, touching
+from adapters.particles.sphere_search import touching
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching
 from adapters.particles.sphere_wear import Wear
@@ -124,27 +125,27 @@ def forces_at(
     two, weight = partners(contacts, spheres), contacts.weight
     normal = system.laws.normal.at(two.materials, two.radii_m, contacts.overlap_m)
     law = springs(system.laws, two.materials, normal, two.mass_kg)
-    history = _history(contacts, before, len(spheres))
+    earlier = history(contacts, before, len(spheres))
     stretch_m = step_s * slip_m_s
-    shear_m = across(history.shear_m + stretch_m, contacts.normal)
+    shear_m = across(earlier.shear_m + stretch_m, contacts.normal)
     at = contact_forces(law, contacts.normal, slip_m_s, shear_m)
     if system.wear is not None:
         system.wear.rub(contacts, two.materials, at.grip_N, shear_m - at.shear_m)
-    couple_N_m = history.couple_N_m
+    couple_N_m = earlier.couple_N_m
     if system.rolling is not None:
         couple_N_m = system.rolling.couple_N_m(
-            two, law, at, contacts.normal, step_s, history.couple_N_m
+            two, law, at, contacts.normal, step_s, earlier.couple_N_m
         )
     tangential_N_m = weight * law.tangential_N_m
     tension_N = tangential_N_m[:, None] * at.shear_m
     tangential_J = 0.5 * np.einsum("ij,ij->i", tension_N, at.shear_m)
-    lost_J = 0.5 * float(np.vdot(tension_N + history.tension_N, stretch_m))
-    lost_J += history.tangential_J - float(tangential_J.sum())
+    lost_J = 0.5 * float(np.vdot(tension_N + earlier.tension_N, stretch_m))
+    lost_J += earlier.tangential_J - float(tangential_J.sum())
     if system.rolling is not None:
-        mean_N_m = 0.5 * contacts.weighted(couple_N_m + history.couple_N_m)
+        mean_N_m = 0.5 * contacts.weighted(couple_N_m + earlier.couple_N_m)
         lost_J -= step_s * float(np.vdot(mean_N_m, two.spin_rad_s))
     if before is not None and system.laws.normal.reach_m > 0.0:
-        lost_J += _necks_J(system, spheres, contacts, history, before.touching)
+        lost_J += _necks_J(system, spheres, contacts, earlier, before.touching)
     contact_N, turning_N = contacts.weighted(at.force_N), _turning_N(system.laws, two, contacts)
     force_N, torque_N_m = contacts.on_spheres(
         contact_N, turning_N, contacts.weighted(couple_N_m), len(spheres)
@@ -178,12 +179,12 @@ def _turning_N(laws: Laws, two: Partners, contacts: Touching) -> Array:
 
 
 def _necks_J(
-    system: System, spheres: Spheres, now: Touching, history: _History, before: Touching
+    system: System, spheres: Spheres, now: Touching, earlier: History, before: Touching
 ) -> float:
     """Lost by necks that formed at zero overlap and by those that snapped: on either occasion
     the pair changes its energy while it stays where it is."""
-    formed, ended = history.parent < 0, np.ones(len(before.first), dtype=bool)
-    ended[history.same[history.same >= 0]] = False
+    formed, ended = earlier.parent < 0, np.ones(len(before.first), dtype=bool)
+    ended[earlier.same[earlier.same >= 0]] = False
     law, lost_J = system.laws.normal, 0.0
     for changed, sign in ((now.only(formed), -1.0), (before.only(ended), 1.0)):
         if len(changed.first):
@@ -194,30 +195,3 @@ def _necks_J(
             at = law.at(two.materials, two.radii_m, place_m)
             lost_J += sign * float(np.vdot(changed.weight, at.elastic_J + at.adhesion_J))
     return lost_J
-
-
-@dataclass(frozen=True)
-class _History:
-    """Springs and couples an instant ago, in the rows of now; zero where the contact is new.
-    ``same``, ``parent``: see ``continued``."""
-
-    same: Indices
-    parent: Indices
-    shear_m: Array
-    tension_N: Array
-    couple_N_m: Array
-    tangential_J: float  # in all, contacts that have ended included
-
-
-def _history(now: Touching, before: Forces | None, spheres: int) -> _History:
-    shear_m, tension_N, couple_N_m = np.zeros((3, len(now.first), 3))
-    if before is None:
-        nothing = np.full(len(now.first), -1)
-        return _History(nothing, nothing, shear_m, tension_N, couple_N_m, 0.0)
-    same, parent = continued(now, before.touching, spheres)
-    heir, old = np.flatnonzero(parent >= 0), np.flatnonzero(same >= 0)
-    shear_m[heir] = before.shear_m[parent[heir]]
-    couple_N_m[heir] = before.couple_N_m[parent[heir]]
-    tension_N[old] = before.tangential_N_m[same[old], None] * shear_m[old]
-    stored_J = float(before.tangential_J.sum())
-    return _History(same, parent, shear_m, tension_N, couple_N_m, stored_J)

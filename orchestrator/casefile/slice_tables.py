@@ -6,8 +6,9 @@ from __future__ import annotations
 from typing import TypeVar
 
 from orchestrator.tables.bed import Bed, Block, Feed
+from orchestrator.tables.frames import Bushing, Exciter, Frame
 from orchestrator.tables.quantities import Box
-from orchestrator.tables.screen import Bushing, Exciter, Frame, Panel, Screen
+from orchestrator.tables.screen import Panel, Screen
 
 Filled = TypeVar("Filled", Block, Feed)
 

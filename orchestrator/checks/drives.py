@@ -8,7 +8,7 @@ import numpy as np
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.errors import Key, Mistake
-from orchestrator.tables.screen import Drive
+from orchestrator.tables.frames import Drive
 
 LARGEST_TILT_RAD = 1.4  # adapters.frames.exudyn's
 

@@ -12,8 +12,9 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import Key, Mistake
 from orchestrator.deck.panels import axes
+from orchestrator.tables.frames import Exciter, Motor
 from orchestrator.tables.quantities import GROUND
-from orchestrator.tables.screen import Exciter, Motor, Panel
+from orchestrator.tables.screen import Panel
 
 
 def frames_and_their_solver(case: Case) -> Iterator[Mistake]:

@@ -7,10 +7,9 @@ missing, 4 a solver failed or the run became unstable or its results could not b
 
 from __future__ import annotations
 
-import shlex
 import signal
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -21,13 +20,13 @@ from orchestrator import adapter, ranks
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
+from orchestrator.commands.going_on import go_on, last_good
 from orchestrator.interruption import Interrupted
 from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import run_folder, summary
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
-from orchestrator.saves import files
 from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
 from orchestrator.stability import words
@@ -155,7 +154,7 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
         console.print(reason)
         if status != "refused":
             _leave_usable(run, status, reason, folder, console)
-            for line in _last_good(folder, world):
+            for line in last_good(folder, world):
                 LOG.error(line)
                 console.print(line)
         elif run.resumes is None:
@@ -170,26 +169,6 @@ def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Con
         run.finish(status, reason)
     except (OSError, MemoryError) as error:
         console.print(f"no summary: {error or OUT}")
-
-
-def _last_good(folder: Path, world: Any) -> Iterator[str]:
-    """Where a run that failed can be taken up again."""
-    last = files.newest(folder)
-    if last is None:
-        return
-    good = files.of(folder, last.good)
-    if good is None:
-        yield f"nothing was saved before; state at t = {last.simulated_s:g} s: {last.folder}"
-    else:
-        yield f"last good state: t = {good.simulated_s:g} s, {good.folder}"
-    yield f"to go on from there: {go_on(folder, world, good or last)}"
-
-
-def go_on(folder: Path, world: Any, save: Save | None = None) -> str:
-    """The command that takes the run up again, from ``save`` or the last one."""
-    with_ranks = [] if world is None else ["mpirun", "-n", str(world.size)]
-    point = [] if save is None else ["--save", str(save.sync_points)]
-    return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
 
 
 def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:

@@ -13,7 +13,7 @@ from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.shaking import Shaking, shakings
 from orchestrator.scene.strokes import largest_stroke_m
-from orchestrator.tables.screen import Motor
+from orchestrator.tables.frames import Motor
 
 
 def judge(scene: Scene) -> Verdict | None:

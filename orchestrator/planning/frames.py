@@ -11,7 +11,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import axes, to_world, unit
 from orchestrator.plans import Body, Bushing, Drive, Exciter, FramesPlan, Motor
 from orchestrator.ports import Array
-from orchestrator.tables import screen as tables
+from orchestrator.tables import frames as tables
 
 KNOW_MOTORS = ("planar", "exudyn")  # the others turn shafts at their speed_rad_s
 

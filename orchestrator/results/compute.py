@@ -18,7 +18,9 @@ from orchestrator.results.deck_figures import bed_figures, held_figures
 from orchestrator.results.estimate import Estimate
 from orchestrator.results.events import read
 from orchestrator.results.run_data import RunData, cut_size_m, run_data
-from orchestrator.results.screening_figures import Events, balanced, screening, transport
+from orchestrator.results.screening_figures import screening
+from orchestrator.results.steady_events import Events, balanced
+from orchestrator.results.transport_figures import transport
 from orchestrator.results.wear_figures import wear_figures
 
 NO_EXITS = "no exits: undersize and oversize are not told apart"

@@ -3,75 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from orchestrator.deck.line import DeckLine
 from orchestrator.ports import Array
-from orchestrator.records.deck_profile import bins_m
 from orchestrator.results import placement
-from orchestrator.results.estimate import Estimate, batch_sums, estimate
-from orchestrator.results.events import LOST, OVERSIZE, UNDERSIZE, Exits, Fed, Removed, per_cycle
+from orchestrator.results.estimate import Estimate
+from orchestrator.results.events import LOST, OVERSIZE, UNDERSIZE, per_cycle
 from orchestrator.results.partition import cut_and_spread, partition, size_classes
-from orchestrator.results.steady import Steady, steady
-from orchestrator.results.transport import passing_kg_s_m, residence_s
-
-
-@dataclass(frozen=True)
-class Events:
-    """What went in and out, the whole cycles' ``edges_s``, and the steady ones of them."""
-
-    fed: Fed
-    removed: Removed
-    exits: Exits
-    edges_s: Array
-    steady: Steady
-
-    @property
-    def window(self) -> slice:
-        """The cycles over which to average."""
-        return slice(self.steady.first, self.steady.last)
-
-    @property
-    def lasting_s(self) -> float:
-        """How long these are."""
-        return float(self.edges_s[self.steady.last] - self.edges_s[self.steady.first])
-
-    @property
-    def counted(self) -> Any:
-        """(removed,) which of the particles left through an exit within them."""
-        start, end = self.edges_s[self.steady.first], self.edges_s[self.steady.last]
-        time = self.removed.time_s
-        return (time > start) & (time <= end) & (self.removed.exit != LOST)
-
-    def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
-        """``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""
-        if self.steady.reason:
-            value = statistic(cycles[self.window].sum(axis=0))
-            return Estimate(float(value) if np.isfinite(value) else None)
-        return estimate(statistic, batch_sums(cycles[self.window]))
-
-    def rate(self, per_cycle: Array) -> Estimate:
-        """Of something summed per cycle (cycles,), per second."""
-        length_s = float(self.edges_s[1] - self.edges_s[0])
-        pairs = np.column_stack([per_cycle, np.full(len(per_cycle), length_s)])
-        return self.figure(lambda sums: sums[0] / sums[1], pairs)
-
-
-def balanced(fed: Fed, removed: Removed, exits: Exits, edges_s: Array) -> Events:
-    """With the steady state found.  Particles of t = 0 are there at the start, not fed."""
-    later = fed.time_s > 0
-    fed_kg = _summed(fed.time_s[later], fed.mass_kg[later], edges_s)
-    out_kg = _summed(removed.time_s, removed.mass_kg, edges_s)
-    start_kg = float(fed.mass_kg[~later].sum())
-    return Events(fed, removed, exits, edges_s, steady(fed_kg, out_kg, start_kg))
-
-
-def _summed(time_s: Array, mass_kg: Array, edges_s: Array) -> Array:
-    return per_cycle(time_s, mass_kg, edges_s, np.zeros(len(time_s), dtype=int), 1)[:, 0]
+from orchestrator.results.steady_events import Events, summed
 
 
 def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
@@ -121,9 +63,9 @@ def _recovered(events: Events, out: Array, cut_m: float) -> Estimate:
 def _flows(events: Events, out: Array) -> dict[str, Any]:
     """Mass rates; ``hold_up_kg`` is all that was fed and has not left."""
     fed, removed, edges_s = events.fed, events.removed, events.edges_s
-    fed_kg = _summed(fed.time_s, np.where(fed.time_s > 0, fed.mass_kg, 0.0), edges_s)
+    fed_kg = summed(fed.time_s, np.where(fed.time_s > 0, fed.mass_kg, 0.0), edges_s)
     held = float(fed.mass_kg[fed.time_s <= 0].sum()) + np.concatenate(
-        [[0.0], np.cumsum(fed_kg - _summed(removed.time_s, removed.mass_kg, edges_s))]
+        [[0.0], np.cumsum(fed_kg - summed(removed.time_s, removed.mass_kg, edges_s))]
     )
     mean_kg = np.column_stack([(held[1:] + held[:-1]) / 2, np.ones(len(held) - 1)])
     length_s = np.diff(edges_s)
@@ -190,34 +132,3 @@ def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
         "d50_m": d50,
         "ep_m": spread,
     }
-
-
-def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
-    """Residence of the oversize, and where the undersize passes."""
-    removed, counted = events.removed, events.counted
-    over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE))
-    stay = residence_s(events.fed, removed)
-    over &= np.isfinite(stay)
-    sums = per_cycle(
-        np.tile(removed.time_s[over], 2),
-        np.concatenate([(removed.mass_kg * stay)[over], removed.mass_kg[over]]),
-        events.edges_s,
-        np.repeat([0, 1], int(over.sum())),
-        2,
-    )
-    found: dict[str, Any] = {
-        "residence_s": events.figure(lambda s: placement.share(s[0], s[1]), sums)
-    }
-    if deck is not None:
-        length = deck.length_m
-        found["residence_velocity_m_s"] = events.figure(
-            lambda s: length * placement.share(s[1], s[0]), sums
-        )
-        edges = bins_m(deck)
-        under = counted & np.isin(removed.exit, events.exits.of(UNDERSIZE))
-        station = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
-        found["passing"] = {
-            "along_m": (edges[1:] + edges[:-1]) / 2,
-            "rate_kg_s_m": passing_kg_s_m(station, removed.mass_kg[under], edges, events.lasting_s),
-        }
-    return found

@@ -21,7 +21,7 @@ import numpy as np
 from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import SinglePanel, single_panels
 from orchestrator.ports import Array
-from orchestrator.tables.screen import Bushing, Exciter
+from orchestrator.tables.frames import Bushing, Exciter
 
 items: Any = exudyn.itemInterface
 ELEMENTS = 16
