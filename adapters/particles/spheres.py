@@ -81,7 +81,8 @@ class SpheresSolver:
         step_s = interval.length_s / steps
         impulse_N_s = step_s / 2.0 * self._now.on_points_N
         for step in range(1, steps + 1):
-            self._step(step_s, path.at(step / steps))
+            half_way_m_s = path.velocity_m_s((step - 0.5) / steps)
+            self._step(step_s, path.at(step / steps), half_way_m_s)
             impulse_N_s += step_s * self._now.on_points_N
             self._check(start_s + step * step_s)
         impulse_N_s -= step_s / 2.0 * self._now.on_points_N
@@ -135,17 +136,19 @@ class SpheresSolver:
     def close(self) -> None:
         pass
 
-    def _step(self, step_s: float, surface: Motion) -> None:
+    def _step(self, step_s: float, surface: Motion, half_way_m_s: Array) -> None:
+        """Forces at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._spheres, self._now
         self._kick(step_s / 2.0)
         now.position_m += step_s * now.velocity_m_s
         if self._near.outdated(now.position_m, surface.position_m):
             self._near = neighbours(now, self._plan.surface, surface.position_m)
-        self._now = self._forces(surface, before, step_s)
+        self._now = self._forces(Motion(surface.position_m, half_way_m_s), before, step_s)
         self._kick(step_s / 2.0)
         self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_s2
         self._surface_to(surface.position_m, before)
-        self._now = self._now.damped(now.velocity_m_s, now.spin_rad_s)
+        moved = self._now.carried(surface.velocity_m_s)
+        self._now = moved.damped(now.velocity_m_s, now.spin_rad_s)
         self._lost_J += self._now.lost_J
         self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
 

@@ -92,7 +92,8 @@ void FixSurface::post_force(int) {
   shearupdate_ = update->setupflag ? 0 : 1;
   if (!update->setupflag) {
     const double step = static_cast<double>(update->ntimestep - first_step_);
-    surface_.move(step / static_cast<double>(last_step_ - first_step_));
+    const double steps = static_cast<double>(last_step_ - first_step_);
+    surface_.move(step / steps, (step - 0.5) / steps);
     search_.surface_moved(surface_.fastest_m_s() * update->dt);
   }
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
@@ -159,15 +160,17 @@ Jkr FixSurface::law(int i, const Touch &touch) const {
 }
 
 // One contact through LIGGGHTS's own contact model.  What it added to the particle is measured,
-// and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.
+// and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.  Verlet's
+// velocities are those of the middle of the step while forces are evaluated: so is the surface's.
 template <class Worn>
 void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   double *force = atom->f[i], *torque = atom->torque[i];
   const Vec3 force_before = from(force), torque_before = from(torque);
   const Triangle &corner = search_.triangle(touch.triangle);
   const double *w = touch.at.weight;
-  Vec3 wall = w[0] * surface_.velocity(corner[0]) + w[1] * surface_.velocity(corner[1]) +
-              w[2] * surface_.velocity(corner[2]);
+  Vec3 wall = w[0] * surface_.velocity_half_way(corner[0]) +
+              w[1] * surface_.velocity_half_way(corner[1]) +
+              w[2] * surface_.velocity_half_way(corner[2]);
 
   const double overlap = atom->radius[i] - std::sqrt(touch.distance2);
   LIGGGHTS::ContactModels::SurfacesIntersectData contact;
@@ -194,7 +197,9 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }
   const double step = update->setupflag ? 0.0 : update->dt;
-  load_.add(corner, w, added, wall, step);
+  const Vec3 wall_now = w[0] * surface_.velocity(corner[0]) + w[1] * surface_.velocity(corner[1]) +
+                        w[2] * surface_.velocity(corner[2]);
+  load_.add(corner, w, added, wall_now, step);
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
     ++contacts_;

@@ -30,13 +30,14 @@ double SurfacePath::begin(const double *start_m, const double *start_m_s, const 
     jump2 = std::max(jump2, dot(jump, jump));
   }
   fastest_ = std::sqrt(fastest2);
-  fraction_ = 0.0;
+  now_ = half_way_ = Rate();
   position_ = start_x_;
   return std::sqrt(jump2);
 }
 
-void SurfacePath::move(double fraction) {
-  fraction_ = fraction;
+void SurfacePath::move(double fraction, double half_way) {
+  now_ = rate(fraction);
+  half_way_ = rate(half_way);
   if (fastest_ == 0.0) return;
   const double t = fraction, h = length_, r = 1 - t;
   const double x0 = (1 + 2 * t) * r * r, v0 = t * r * r * h;
@@ -46,12 +47,14 @@ void SurfacePath::move(double fraction) {
     position_[i] = x0 * start_x_[i] + v0 * start_v_[i] + x1 * end_x_[i] + v1 * end_v_[i];
 }
 
-Vec3 SurfacePath::velocity(int point) const {
-  const double t = fraction_;
-  const double x = 6 * t * (t - 1) / length_, v0 = (1 - t) * (1 - 3 * t), v1 = t * (3 * t - 2);
+SurfacePath::Rate SurfacePath::rate(double t) const {
+  return {6 * t * (1 - t) / length_, (1 - t) * (1 - 3 * t), t * (3 * t - 2)};
+}
+
+Vec3 SurfacePath::velocity(int point, const Rate &rate) const {
   const int i = 3 * point;
-  return x * (from(&start_x_[i]) - from(&end_x_[i])) + v0 * from(&start_v_[i]) +
-         v1 * from(&end_v_[i]);
+  return rate.x * (from(&end_x_[i]) - from(&start_x_[i])) + rate.v0 * from(&start_v_[i]) +
+         rate.v1 * from(&end_v_[i]);
 }
 
 }  // namespace flipflow

@@ -21,11 +21,12 @@ class SurfacePath {
   double begin(const double *start_m, const double *start_m_s, const double *end_m,
              const double *end_m_s, double length_s);
 
-  // All points to `fraction` (0 ... 1) of the interval.
-  void move(double fraction);
+  // All points to `fraction` (0 ... 1) of the interval; half-way there they were at `half_way`.
+  void move(double fraction, double half_way);
 
   Vec3 position(int point) const { return from(&position_[3 * point]); }
-  Vec3 velocity(int point) const;
+  Vec3 velocity(int point) const { return velocity(point, now_); }
+  Vec3 velocity_half_way(int point) const { return velocity(point, half_way_); }
   const std::vector<double> &start_velocity() const { return start_v_; }
   const std::vector<double> &positions() const { return position_; }
 
@@ -33,8 +34,16 @@ class SurfacePath {
   double fastest_m_s() const { return fastest_; }
 
  private:
+  struct Rate {  // what displacement, start and end velocity count for in a velocity
+    double x = 0.0, v0 = 1.0, v1 = 0.0;
+  };
+
+  Rate rate(double fraction) const;
+  Vec3 velocity(int point, const Rate &rate) const;
+
   std::vector<double> position_, start_x_, start_v_, end_x_, end_v_;
-  double length_ = 1.0, fraction_ = 0.0, fastest_ = 0.0;
+  double length_ = 1.0, fastest_ = 0.0;
+  Rate now_, half_way_;
 };
 
 }  // namespace flipflow

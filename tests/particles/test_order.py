@@ -1,0 +1,142 @@
+"""Order of the particles' time step, cause by cause (docs/theory/spheres.md)."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from contextlib import closing
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from orchestrator.clock import Interval
+from orchestrator.hermite import Path
+from orchestrator.plans import ParticlesPlan, SolverMissing
+from orchestrator.ports import Array, Motion
+from tests.particles.contract import WEIGHTLESS, one, particles, plan, plate
+
+RADIUS_M, SPEED_M_S = 0.005, 0.5
+MASS_KG = 1430.0 * np.pi / 6.0 * (2 * RADIUS_M) ** 3
+E_STAR_PA = 1e7 / (2.0 * (1.0 - 0.3**2))
+LENGTH_S = 1e-4  # of an interval; the impact lasts 13 to 16
+Height = Callable[[float], tuple[float, float]]  # and velocity, of the plate at a time
+
+
+def still(_: float) -> tuple[float, float]:
+    return 0.0, 0.0
+
+
+def shaken(time_s: float) -> tuple[float, float]:
+    amplitude_m, omega_1_s = 2e-4, 2.0 * np.pi * 150.0
+    phase = omega_1_s * time_s
+    return amplitude_m * np.sin(phase), amplitude_m * omega_1_s * np.cos(phase)
+
+
+@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
+def solver(request: pytest.FixtureRequest) -> Any:
+    try:
+        return importlib.import_module(f"adapters.particles.{request.param}")
+    except SolverMissing as missing:
+        pytest.skip(str(missing))
+
+
+def carried(
+    solver: Any, given: ParticlesPlan, height: Height, intervals: int
+) -> tuple[Array, Array]:
+    """Heights and velocities of the spheres after so many intervals on a plate that moves."""
+
+    def motion(index: int) -> Motion:
+        height_m, velocity_m_s = height(index * LENGTH_S)
+        up = np.zeros_like(given.surface.position_m) + [0.0, 0.0, 1.0]
+        return Motion(given.surface.position_m + height_m * up, velocity_m_s * up)
+
+    with closing(solver.build(given)) as opened:
+        for index in range(intervals):
+            path = Path(motion(index), motion(index + 1), LENGTH_S)
+            opened.advance(Interval(index, LENGTH_S), path)
+        now = opened.snapshot()
+    return now.position_m[:, 2], now.velocity_m_s[:, 2]
+
+
+def dropped(restitution: float, steps: int) -> ParticlesPlan:
+    """Twenty-five spheres that begin to touch at as many instants of a step."""
+    row_m = 0.012 * np.arange(-2, 3) + 0.001
+    x, y = (k.ravel() for k in np.meshgrid(row_m, row_m + 0.002))
+    z = RADIUS_M + np.linspace(1e-5, 6e-5, 25, endpoint=False)
+    return plan(
+        plate(0.05, 1),
+        particles(np.stack([x, y, z], axis=1), [0.0, 0.0, -SPEED_M_S]),
+        restitution=one(restitution),
+        gravity_m_s2=WEIGHTLESS,
+        step_s=LENGTH_S / steps,
+        sync_interval_s=LENGTH_S,
+    )
+
+
+@pytest.mark.parametrize("height", [still, shaken])
+def test_without_dampers_it_is_of_second_order(solver: Any, height: Height) -> None:
+    """Inside the contact, against a fine step."""
+    places_m = [carried(solver, dropped(1.0, n), height, 8)[0] for n in (4, 8, 16, 128)]
+    error_m = [np.sqrt(np.mean((place - places_m[-1]) ** 2)) for place in places_m[:-1]]
+    np.testing.assert_allclose(np.log2(np.divide(error_m[:-1], error_m[1:])), 2.0, atol=0.2)
+
+
+def rebound_m_s(restitution: float, late_s: float) -> float:
+    """Of Hertz's spring with Tsuji's damper, whose force is that of the velocity ``late_s`` ago:
+    c (v - late a), as if the mass were m - c late."""
+    log_e = np.log(restitution)
+    damping = 2.0 * np.sqrt(5.0 / 6.0) * -log_e / np.hypot(log_e, np.pi)
+
+    def rates(_: float, at: Array) -> list[float]:
+        stiffness = 2.0 * E_STAR_PA * np.sqrt(RADIUS_M * max(at[0], 0.0))
+        damper = damping * np.sqrt(stiffness * MASS_KG)
+        force_N = -2.0 / 3.0 * stiffness * at[0] - damper * at[1]
+        return [at[1], force_N / (MASS_KG - damper * late_s)]
+
+    def parted(_: float, at: Array) -> float:
+        return float(at[0])
+
+    parted.terminal, parted.direction = True, -1.0  # type: ignore[attr-defined]
+    found = solve_ivp(
+        rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14
+    )
+    return -float(found.y[1, -1])
+
+
+def test_dampers_are_half_a_step_late(solver: Any) -> None:
+    """Forces go by the velocities of the step's middle.  So the order is 1, and the error is what
+    a damper half a step late makes of the rebound e v, within 2 %: when in a step a sphere begins
+    to touch is chance."""
+    exact_m_s = 0.34 * SPEED_M_S
+    assert rebound_m_s(0.34, 0.0) == pytest.approx(exact_m_s, rel=1e-3)
+    error_m_s = []
+    for steps in (8, 16, 32):
+        found_m_s = carried(solver, dropped(0.34, steps), still, 22)[1]
+        error_m_s.append(float(np.mean(found_m_s)) - exact_m_s)
+        late_m_s = rebound_m_s(0.34, LENGTH_S / steps / 2.0)
+        assert error_m_s[-1] == pytest.approx(late_m_s - exact_m_s, rel=0.02)
+    np.testing.assert_allclose(np.log2(np.divide(error_m_s[:-1], error_m_s[1:])), 1.0, atol=0.05)
+
+
+def test_a_sphere_rests_on_a_plate_that_accelerates(solver: Any) -> None:
+    """At 50 g its overlap is Hertz's under 50 times its weight, whatever the step and the damper:
+    both velocities that the damper compares are those of the middle of the step."""
+    acceleration_m_s2 = 490.0
+    overlap_m = (0.75 * MASS_KG * acceleration_m_s2 / (E_STAR_PA * RADIUS_M**0.5)) ** (2.0 / 3.0)
+
+    def pushed(time_s: float) -> tuple[float, float]:
+        return acceleration_m_s2 * time_s**2 / 2.0, acceleration_m_s2 * time_s
+
+    given = plan(
+        plate(0.02, 1),
+        particles([0.001, 0.0, RADIUS_M - overlap_m]),
+        restitution=one(0.34),
+        gravity_m_s2=WEIGHTLESS,
+        step_s=LENGTH_S / 2.0,
+        sync_interval_s=LENGTH_S,
+    )
+    (place_m,), _ = carried(solver, given, pushed, 40)
+    found_m = RADIUS_M - (place_m - pushed(40 * LENGTH_S)[0])
+    assert found_m == pytest.approx(overlap_m, rel=1e-8)
