@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orchestrator.accuracy.setting import Family, NotOffered, Setting, degrees
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.contents import has_particles
+from orchestrator.casefile.contents import damped_contacts, has_particles
 from orchestrator.clock import exact
 from orchestrator.schemes import SCHEMES
 
@@ -47,9 +47,5 @@ def _family(knob: str, case: Case, name: str, overlay: str, points: int) -> Fami
         settings.append(Setting(label, (overlay, *sets) if overlay else sets, length_s))
     order = ORDERS.get(name)
     rank = (order or 0.0) + (0.5 if knob == "sync" else 0.0)
-    note = DAMPED if name == "particles-first" and _damped(case) else ""
+    note = DAMPED if name == "particles-first" and damped_contacts(case) else ""
     return Family(knob, "coupling", name, tuple(settings), LENGTH, order, rank, note)
-
-
-def _damped(case: Case) -> bool:
-    return has_particles(case) and any(row.restitution < 1 for row in case.contacts)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from orchestrator.accuracy.setting import Family, NotOffered, Setting, degrees
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.contents import has_particles
+from orchestrator.casefile.contents import damped_contacts, has_particles
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.slice import full_width_m
 from orchestrator.clock import exact, steps_in
@@ -18,9 +16,13 @@ COARSER = 1.5
 FINEST_STEPS = 3  # own, half, quarter
 HERTZ = 0.4  # duration of a Hertzian impact ~ (Young's modulus) ** -0.4
 
-MOVING = (
-    "between sync points the particles' order is 2, as it is on rigid panels; what the corrections "
-    "at the sync points leave on moving ones was seen to fall more slowly"
+DAMPED = (
+    "contacts with restitution below 1: their dampers go by velocities of half a step ago, which "
+    "makes an order of 1 (docs/theory/spheres.md)"
+)
+JUMPING = (
+    "the surface is corrected at every sync point, and the particles feel it half a step later, "
+    "which makes an order of 1 (docs/theory/spheres.md)"
 )
 
 
@@ -35,9 +37,9 @@ def step(case: Case, points: int) -> list[Family]:
         step_s = float(exact(interval_s) / steps)
         sets = (f"particles.step_s={step_s * (1 + 1e-9)!r}",) if halved else ()
         settings.append(Setting(f"{step_s:.3g} s", sets, step_s))
-    note = "" if case.panel.solver == "rigid" or not case.screen.panels else MOVING
-    family = Family("particle-step", "particle-step", "", tuple(settings), "step / s", 2.0)
-    return [replace(family, note=note)]
+    note = DAMPED if damped_contacts(case) else JUMPING if _jumps(case) else ""
+    name, order = "particle-step", 1.0 if note else 2.0
+    return [Family(name, name, "", tuple(settings), "step / s", order, note=note)]
 
 
 def stiffness(case: Case, points: int) -> list[Family]:
@@ -106,6 +108,15 @@ def width(case: Case, points: int) -> list[Family]:
     if len(settings) < 2:
         raise NotOffered("there is one width only")
     return [Family("slice", "slice", "", tuple(settings), "own width / width")]
+
+
+def _jumps(case: Case) -> bool:
+    """Whether an interval's path may begin elsewhere than the last one's ended: where the surface
+    is extrapolated, and of some with robin (docs/theory/coupling.md)."""
+    rigid = case.panel.solver == "rigid" or not case.screen.panels
+    extrapolated = {"particles-first": True, "robin": rigid or bool(case.screen.surfaces)}
+    moves = bool(case.screen.frames) or not rigid
+    return moves and extrapolated.get(case.coupling.scheme, False)
 
 
 def _there(case: Case) -> None:

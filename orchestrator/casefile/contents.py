@@ -11,6 +11,11 @@ def has_particles(case: Case) -> bool:
     return bool(described) and case.particles.solver != "none"
 
 
+def damped_contacts(case: Case) -> bool:
+    """Whether particles lose energy where they touch something."""
+    return has_particles(case) and any(row.restitution < 1 for row in case.contacts)
+
+
 def absent(case: Case) -> dict[str, str]:
     """What this case does not have at all, and another might: name -> why."""
     screen = case.screen

@@ -51,6 +51,23 @@ def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
 
 
 @pytest.mark.parametrize(
+    ("sets", "order"),
+    [
+        ((), 1.0),  # dampers
+        (("contacts.0.restitution=1", "contacts.1.restitution=1"), 1.0),  # jumps
+        (("contacts.0.restitution=1", "contacts.1.restitution=1", "panel.solver=rigid"), 2.0),
+        (("contacts.0.restitution=1", "contacts.1.restitution=1", "coupling.scheme=robin"), 2.0),
+    ],
+)
+def test_the_particles_step_is_of_first_order_where_something_is_felt_late(
+    sets: tuple[str, ...], order: float
+) -> None:
+    case = load(ROOT / "cases/ball-on-panel", "draft", sets).case
+    (family,) = offer(case, ["particle-step"], 3).families
+    assert (family.expected, bool(family.note)) == (order, order == 1.0)
+
+
+@pytest.mark.parametrize(
     ("case", "missing"),
     [
         ("panel-cycle", {"particle-step", "stiffness", "slice", "number", "cut-off"}),
