@@ -2,36 +2,19 @@
 
 from __future__ import annotations
 
-MACHINE = """
+from tests.case_parts import contact, grains, polyurethane
+
+MACHINE = (
+    """
 title = "a small screen"
 duration_s = 0.02
 domain_m = [[-0.1, -0.1, -0.2], [0.6, 0.2, 0.3]]
-
-[materials.PU]
-density_kg_m3 = 1150.0
-[materials.PU.hyperelastic]
-c10_Pa = 0.7e6
-c01_Pa = 2.8e6
-bulk_modulus_Pa = 2.0e9
-maxwell = [{ ratio = 0.2, relaxation_s = 2.0e-3 }, { ratio = 0.2, relaxation_s = 4.0e-4 }]
-
-[materials.coal]
-density_kg_m3 = 1430.0
-youngs_modulus_Pa = 9.9e8
-poisson_ratio = 0.3
-
-[[contacts]]
-between = ["coal", "coal"]
-restitution = 0.4
-sliding_friction = 0.36
-rolling_friction = 0.0
-
-[[contacts]]
-between = ["coal", "PU"]
-restitution = 0.5
-sliding_friction = 0.47
-rolling_friction = 0.0
-
+"""
+    + polyurethane((0.2, 2.0e-3), (0.2, 4.0e-4))
+    + grains("coal", density_kg_m3=1430.0, youngs_modulus_Pa=9.9e8)
+    + contact("coal", "coal", restitution=0.4, sliding=0.36)
+    + contact("coal", "PU", restitution=0.5, sliding=0.47)
+    + """
 [screen]
 inclination_deg = 15.0
 
@@ -79,6 +62,7 @@ largest_youngs_modulus_Pa = 1e7
 [coupling]
 sync_interval_s = 5e-5
 """
+)
 
 EXCITER = """
 [screen.exciters.shaft]

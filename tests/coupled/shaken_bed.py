@@ -5,39 +5,22 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
+from tests.case_parts import contact, grains, polyurethane
+
 SPEED_RAD_S, AMPLITUDE_M = 78.5, 0.0035  # throw intensity 2.2
 LENGTH_M, WIDTH_M, HEIGHT_M = 0.15, 0.10, 0.25
 
-CASE = f"""
+CASE = (
+    """
 title = "a bed in a shaken box"
 duration_s = 1.0
 domain_m = [[-0.05, -0.05, -0.1], [0.2, 0.15, 0.4]]
-
-[materials.PU]
-density_kg_m3 = 1150.0
-[materials.PU.hyperelastic]
-c10_Pa = 0.7e6
-c01_Pa = 2.8e6
-bulk_modulus_Pa = 2.0e9
-maxwell = [{{ ratio = 0.2, relaxation_s = 2.0e-3 }}]
-
-[materials.coal]
-density_kg_m3 = 1430.0
-youngs_modulus_Pa = 4e6
-poisson_ratio = 0.3
-
-[[contacts]]
-between = ["coal", "coal"]
-restitution = 0.3
-sliding_friction = 0.36
-rolling_friction = 0.05
-
-[[contacts]]
-between = ["coal", "PU"]
-restitution = 0.3
-sliding_friction = 0.47
-rolling_friction = 0.05
-
+"""
+    + polyurethane((0.2, 2.0e-3))
+    + grains("coal", density_kg_m3=1430.0, youngs_modulus_Pa=4e6)
+    + contact("coal", "coal", restitution=0.3, sliding=0.36, rolling=0.05)
+    + contact("coal", "PU", restitution=0.3, sliding=0.47, rolling=0.05)
+    + f"""
 [screen.frames.shaker.drive]
 speed_rad_s = {SPEED_RAD_S}
 amplitude_m = [0.0, 0.0, {AMPLITUDE_M}]
@@ -75,6 +58,7 @@ surface_cells = [12, 4]
 [coupling]
 sync_interval_s = 2e-4
 """
+)
 
 
 def write_walls(file: Path) -> None:

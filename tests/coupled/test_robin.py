@@ -1,6 +1,6 @@
 """A heavy bed on a light panel: how long an interval each scheme takes, and how well.
 
-The bed of ``test_statics`` made of balls of 12 000 kg/m3, eleven times as heavy as the panel.  Laid
+The bed of ``resting_bed`` made of balls of 12 000 kg/m3, eleven times as heavy as the panel.  Laid
 down on it, balls on mesh corners spin up where the interval is too long.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from tests.coupled.machines import opened, written
-from tests.coupled.test_statics import BED, CASE, DIAMETER_M, lowered_m
+from tests.coupled.resting_bed import BED, CASE, DIAMETER_M, lowered_m
 
 pytestmark = [pytest.mark.solver, pytest.mark.slow]
 

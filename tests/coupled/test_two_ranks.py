@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import h5py
@@ -10,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.coupled.screen import CASE
-from tests.runs.outside import flipflow, left_usable, run_words
+from tests.runs.outside import flipflow, left_usable, needs_mpirun, run_words
 
 SETTINGS = ["output.pictures=false", "output.interval_s=0.001", "probes.crosser.particle=4"]
 
@@ -37,7 +36,7 @@ def datasets(history: h5py.File) -> list[str]:
 
 @pytest.mark.solver
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
+@needs_mpirun
 @pytest.mark.parametrize("scheme", ["particles-first", "robin", "serial-staggered", "aitken"])
 def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
     """20 ms in which the bed lands and is thrown, astride the border between the ranks' domains (at

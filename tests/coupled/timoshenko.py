@@ -18,9 +18,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from orchestrator.ports import Array
+from tests.case_parts import contact
 from tests.coupled.machines import opened, written
 
-CASE = """
+CASE = (
+    """
 title = "Timoshenko's ball on a beam"
 duration_s = 3.52e-4
 gravity_m_s2 = [0.0, 0.0, 0.0]
@@ -36,19 +38,10 @@ density_kg_m3 = 7960.0
 youngs_modulus_Pa = 215.82e9
 poisson_ratio = 0.289
 hyperelastic = { c10_Pa = 35.97e9, c01_Pa = 0.0, bulk_modulus_Pa = 1e12 }
-
-[[contacts]]
-between = ["ball", "ball"]
-restitution = 1.0
-sliding_friction = 0.0
-rolling_friction = 0.0
-
-[[contacts]]
-between = ["ball", "beam"]
-restitution = 1.0
-sliding_friction = 0.0
-rolling_friction = 0.0
-
+"""
+    + contact("ball", "ball", restitution=1.0, sliding=0.0)
+    + contact("ball", "beam", restitution=1.0, sliding=0.0)
+    + """
 [screen.frames.foundation]
 mass_kg = 1000.0
 inertia_kg_m2 = [10.0, 10.0, 10.0]
@@ -89,6 +82,7 @@ step_s = 2.5e-7
 [coupling]
 sync_interval_s = 1e-6
 """
+)
 
 
 LENGTH_M, SIDE_M, RADIUS_M, SPEED_M_S = 0.1535, 0.010, 0.010, 0.010

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.clock import Interval
-from orchestrator.geometry import Rectangle
+from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.plans import Hyperelastic, PanelPlan
 from orchestrator.ports import Array, Load, Motion, Panel, PanelState
 
@@ -28,6 +28,7 @@ def plan(
     density_kg_m3: float = 1200.0,
     branches: tuple[tuple[float, float], ...] = (),
     sync_interval_s: float = 1e-4,
+    apertures: Apertures | None = None,
 ) -> PanelPlan:
     """A panel along x, its width along y, gravity down z."""
     rectangle = Rectangle(
@@ -50,6 +51,7 @@ def plan(
         step_s=step_s,
         integrator=integrator,
         sync_interval_s=sync_interval_s,
+        apertures=apertures,
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import closing
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,8 +22,8 @@ ROUNDING = 1e-12  # of sums over cells in another order, with products fused
 
 def given(pattern, branches=BRANCHES, **more):
     """Cells of several sizes; their number no multiple of those that stand side by side."""
-    sheet = plan(width_m=0.06, span_m=0.328, cells=(11, 3), branches=branches, **more)
-    return replace(sheet, apertures=pattern)
+    shape = {"width_m": 0.06, "span_m": 0.328, "cells": (11, 3)}
+    return plan(**shape, branches=branches, apertures=pattern, **more)
 
 
 @PATTERNS

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -18,7 +16,7 @@ ACROSS = Apertures("rectangle", 0.003, 0.009, 0.006, 0.012, 0.0, 0.012, 0.006)
 
 def small(pattern, span_m=0.12, gravity_m_s2=1e-4, **more):
     """120 x 60 mm, 1 mm thick: thin enough for the lands (3 mm) of the sheet with openings."""
-    given = plan(
+    return plan(
         length_m=0.12,
         width_m=0.06,
         span_m=span_m,
@@ -26,9 +24,9 @@ def small(pattern, span_m=0.12, gravity_m_s2=1e-4, **more):
         clamp_m=0.01,
         cells=(24, 12),
         gravity_m_s2=gravity_m_s2,
+        apertures=pattern,
         **more,
     )
-    return replace(given, apertures=pattern)
 
 
 def both(given):
@@ -109,8 +107,14 @@ def test_strip_and_sheet_agree():
     from adapters.panel import sheet, strip
 
     pattern = Apertures("rectangle", 0.012, 0.006, 0.016, 0.010, 0.0, 0.03, 0.0)
-    given = plan(length_m=0.3, span_m=0.306, width_m=0.03, cells=(30, 3), gravity_m_s2=0.0)
-    given = replace(given, apertures=pattern)
+    given = plan(
+        length_m=0.3,
+        span_m=0.306,
+        width_m=0.03,
+        cells=(30, 3),
+        gravity_m_s2=0.0,
+        apertures=pattern,
+    )
     pulls = []
     for solver in (strip, sheet):
         panel = solver.build(given)

@@ -26,7 +26,7 @@ both_patterns = pytest.mark.parametrize("pattern", [ALONG, ACROSS], ids=["along"
 
 
 def small(pattern, span_m=0.12, gravity_m_s2=0.02, **more):
-    given = plan(
+    return plan(
         length_m=0.12,
         width_m=0.048,
         span_m=span_m,
@@ -34,9 +34,9 @@ def small(pattern, span_m=0.12, gravity_m_s2=0.02, **more):
         clamp_m=0.01,
         cells=(20, 8),
         gravity_m_s2=gravity_m_s2,
+        apertures=pattern,
         **more,
     )
-    return replace(given, apertures=pattern)
 
 
 def both(given):

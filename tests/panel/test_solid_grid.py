@@ -16,7 +16,7 @@ STAGGERED = replace(SLOTS, stagger=0.4)
 
 
 def given(pattern=SLOTS, cells=(10, 2)):
-    return replace(plan(length_m=0.3, width_m=0.04, cells=cells), apertures=pattern)
+    return plan(length_m=0.3, width_m=0.04, cells=cells, apertures=pattern)
 
 
 @pytest.mark.parametrize("pattern", [SLOTS, STAGGERED], ids=["rows", "staggered"])

@@ -1,35 +1,19 @@
 """A real run, small and quick: two sizes of spheres, fed onto two rigid panels with a gap."""
 
-CASE = """
+from tests.case_parts import contact, grains, polyurethane
+
+CASE = (
+    """
 title = "a deck with a gap that the small pass"
 description = "Two rigid panels with a gap of 28 mm between them; 30 mm spheres roll over it."
 duration_s = 2.5
 domain_m = [[-0.3, -0.05, -0.6], [0.8, 0.15, 0.3]]
-
-[materials.PU]
-density_kg_m3 = 1150.0
-[materials.PU.hyperelastic]
-c10_Pa = 0.7e6
-c01_Pa = 2.8e6
-bulk_modulus_Pa = 2.0e9
-
-[materials.glass]
-density_kg_m3 = 2500.0
-youngs_modulus_Pa = 2e6
-poisson_ratio = 0.3
-
-[[contacts]]
-between = ["glass", "glass"]
-restitution = 0.3
-sliding_friction = 0.3
-rolling_friction = 0.0
-
-[[contacts]]
-between = ["glass", "PU"]
-restitution = 0.3
-sliding_friction = 0.3
-rolling_friction = 0.0
-
+"""
+    + polyurethane()
+    + grains("glass", density_kg_m3=2500.0, youngs_modulus_Pa=2e6)
+    + contact("glass", "glass", restitution=0.3, sliding=0.3)
+    + contact("glass", "PU", restitution=0.3, sliding=0.3)
+    + """
 [screen]
 inclination_deg = 12.0
 
@@ -109,3 +93,4 @@ interval_s = 0.02
 pictures = false
 cut_size_m = 0.02
 """
+)

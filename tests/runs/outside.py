@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -13,11 +14,14 @@ from typing import Any
 
 import h5py
 import numpy as np
+import pytest
 
 ROOT = Path(__file__).parents[2]
 HANG_S = 240  # nothing here takes so long; a guard against processes that wait for ever
 EVENTS = ("fed", "removed")  # tables with a row for each particle
 QUICK = ("output.pictures=false",)
+ENDED_S = 10.0  # every rank has ended by then
+needs_mpirun = pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun")
 MPIRUN = ("mpirun", "--allow-run-as-root", "--oversubscribe", "-n")
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import signal
 import time
 from pathlib import Path
@@ -16,10 +15,12 @@ import pytest
 
 from orchestrator.records.folder_lock import at_work
 from tests.runs.outside import (
+    ENDED_S,
     HANG_S,
     QUICK,
     flipflow,
     left_usable,
+    needs_mpirun,
     of,
     run_words,
     said_plainly,
@@ -30,9 +31,8 @@ from tests.runs.outside import (
 
 pytestmark = [
     pytest.mark.solver,
-    pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun"),
+    needs_mpirun,
 ]
-ENDED_S = 10.0  # every rank has ended by then
 SHORT = [*QUICK, "duration_s=0.02"]
 # broken on one rank only: at the third interval, of the panel that this rank owns
 ONE_RANK_FAILS = """

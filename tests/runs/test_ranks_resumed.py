@@ -4,7 +4,6 @@ on is, to the last bit, the run that never stopped."""
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import time
 from pathlib import Path
@@ -13,10 +12,12 @@ import pytest
 
 from orchestrator.records.folder_lock import at_work
 from tests.runs.outside import (
+    ENDED_S,
     HANG_S,
     QUICK,
     flipflow,
     left_usable,
+    needs_mpirun,
     of,
     run_words,
     said_plainly,
@@ -28,9 +29,8 @@ from tests.runs.same_run import run_differences
 pytestmark = [
     pytest.mark.solver,
     pytest.mark.slow,
-    pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpirun"),
+    needs_mpirun,
 ]
-ENDED_S = 10.0
 OFTEN = "save.every_s=0.0006"
 # 20 pieces of coal in LIGGGHTS, a panel on each rank; 60 sync intervals
 CASE = [*QUICK, "particles.solver=liggghts", "bed.blocks.coal.count=20"]
