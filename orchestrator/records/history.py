@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
 from orchestrator.ports import Array, Indices
+from orchestrator.records.column import Column
 from orchestrator.records.full_disk import Reserved
-from orchestrator.records.units import unit_of
 
 ROWS_IN_MEMORY = 500
 
@@ -26,21 +25,22 @@ class History:
     def __init__(self, path: Path, goes_on: bool = False) -> None:
         """A new file, or one that goes on."""
         self._disk = Reserved(path, "r+b" if goes_on else "w+b")
-        self._file = h5py.File(self._disk, "r+" if goes_on else "w")
-        self._rows: dict[str, list[dict[str, Array]]] = {}
+        # without a cache of chunks, of up to 1 MB for each column that stays open
+        self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
+        self._rows: dict[str, list[dict[str, Array | float]]] = {}
+        self._columns: dict[str, Column] = {}
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
         """One row at ``time_s``; the names of a group's values are the same in every row."""
-        row = {name: np.asarray(value, dtype=np.float64) for name, value in values.items()}
         rows = self._rows.setdefault(group, [])
-        rows.append({"time_s": np.float64(time_s) * np.ones(())} | row)
+        rows.append({"time_s": time_s, **values})
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
 
     def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
         """Rows of an event table, of any number, appended at once; whole numbers stay whole."""
         for name, rows in values.items():
-            self._extend(f"{group}/{name}", rows, rows.dtype)
+            self._extend(f"{group}/{name}", rows)
 
     def describe(self, group: str, name: str, words: Sequence[str]) -> None:
         """An attribute of a group: a list of words."""
@@ -65,17 +65,9 @@ class History:
         if not rows:
             return
         for name in rows[0]:
-            block = np.stack([row[name] for row in rows])
-            self._extend(f"{group}/{name}", block, np.dtype(np.float64))
+            self._extend(f"{group}/{name}", np.array([row[name] for row in rows], np.float64))
 
-    def _extend(self, where: str, block: Array | Indices, dtype: np.dtype[Any]) -> None:
-        if where not in self._file:
-            inner = block.shape[1:]
-            dataset = self._file.create_dataset(
-                where, shape=(0, *inner), maxshape=(None, *inner), dtype=dtype
-            )
-            dataset.attrs["unit"] = unit_of(where)
-        dataset = self._file[where]
-        before = len(dataset)
-        dataset.resize(before + len(block), axis=0)
-        dataset[before:] = block
+    def _extend(self, where: str, block: Array | Indices) -> None:
+        if where not in self._columns:
+            self._columns[where] = Column(self._file, where, block.shape[1:], block.dtype)
+        self._columns[where].append(block)
