@@ -3,9 +3,11 @@ bushings."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from orchestrator.coupling import State
 from orchestrator.machine import Machine, Probe
@@ -26,6 +28,11 @@ class TimeSeries:
         self._centres = np.fromiter(machine.centres.values(), np.int64)
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
+        panels = machine.panels
+        held = [[one.clamps, one.first_clamp, one.second_clamp, one.stops] for one in panels]
+        points = len(start.load), len(start.panel.reaction)
+        self._loads = _sums([one.surface for one in panels], points[0])
+        self._reactions = _sums([part for kind in zip(*held, strict=True) for part in kind], points[1])
 
     def sync_point(self, state: State) -> None:
         """Takes note of an interval's forces."""
@@ -69,19 +76,16 @@ class TimeSeries:
     def _forces_N(self, state: State) -> Array:
         """(5, panels, 3), in the order of FORCES."""
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
-        return np.array(
-            [
-                [_sum(load_N, panel.surface) for panel in self._machine.panels],
-                [_sum(reaction_N, panel.clamps) for panel in self._machine.panels],
-                [_sum(reaction_N, panel.first_clamp) for panel in self._machine.panels],
-                [_sum(reaction_N, panel.second_clamp) for panel in self._machine.panels],
-                [_sum(reaction_N, panel.stops) for panel in self._machine.panels],
-            ]
-        ).reshape(self._sum_N.shape)
+        sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
+        return np.asarray(sums_N.reshape(self._sum_N.shape))
 
 
-def _sum(force_N: Array, points: slice | Indices) -> Array:
-    return np.asarray(np.add.reduce(force_N[points], axis=0))
+def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
+    """(parts, points): sums over the points of each part, all in one product."""
+    numbers = [np.arange(points)[part] for part in parts]
+    starts = np.cumsum([0, *map(len, numbers)])
+    inside = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
+    return csr_array((np.ones(len(inside)), inside, starts), shape=(len(parts), points))
 
 
 def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
