@@ -28,11 +28,10 @@ class TimeSeries:
         self._centres = np.fromiter(machine.centres.values(), np.int64)
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
-        panels = machine.panels
-        held = [[one.clamps, one.first_clamp, one.second_clamp, one.stops] for one in panels]
-        points = len(start.load), len(start.panel.reaction)
-        self._loads = _sums([one.surface for one in panels], points[0])
-        self._reactions = _sums([part for kind in zip(*held, strict=True) for part in kind], points[1])
+        kinds = ("clamps", "first_clamp", "second_clamp", "stops")
+        held = [getattr(panel, kind) for kind in kinds for panel in machine.panels]
+        self._loads = _sums([panel.surface for panel in machine.panels], len(start.load))
+        self._reactions = _sums(held, len(start.panel.reaction))
 
     def sync_point(self, state: State) -> None:
         """Takes note of an interval's forces."""
