@@ -36,18 +36,22 @@ class Alternation:
 
     def _begin(self, velocity_m_s: Array) -> None:
         self._before_m_s = velocity_m_s
-        self._step_m_s = self._change_m_s = np.zeros_like(velocity_m_s)
+        self._step_m_s, self._change_m_s = np.zeros((2, *velocity_m_s.shape))
+        # making room anew takes longer than filling it
+        self._room: tuple[Array, Array] = (np.empty_like(velocity_m_s), np.empty_like(velocity_m_s))
         self._first: Array = np.zeros(len(velocity_m_s))
         self._turns: Indices = np.zeros(len(velocity_m_s), dtype=np.int64)
 
     def add(self, velocity_m_s: Array) -> None:
-        step_m_s = velocity_m_s - self._before_m_s
-        change_m_s = step_m_s - self._step_m_s
+        step_m_s, change_m_s = self._room
+        np.subtract(velocity_m_s, self._before_m_s, out=step_m_s)
+        np.subtract(step_m_s, self._step_m_s, out=change_m_s)
         if points := len(velocity_m_s):
             quick_m_s = sqrt(np.vdot(velocity_m_s, velocity_m_s) / points)
             self._quick_m_s = max(self._quick_m_s, quick_m_s)
             self._count(change_m_s, self._loud(change_m_s))
-        self._before_m_s, self._step_m_s, self._change_m_s = velocity_m_s, step_m_s, change_m_s
+        self._before_m_s, self._room = velocity_m_s, (self._step_m_s, self._change_m_s)
+        self._step_m_s, self._change_m_s = step_m_s, change_m_s
 
     def _loud(self, change_m_s: Array) -> bool:
         """Whether a point may alternate fast enough to count; the norm, no smaller than any of its

@@ -18,10 +18,12 @@ docs/theory/stability.md, "The watch"; tests/watching compares both with the led
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from orchestrator.coupling import State
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array, Indices, Load, Saved
 from orchestrator.state import put_back, taken
 from orchestrator.watching.crossed import Crossed
 
@@ -71,7 +73,31 @@ class Balance:
         put_back(self, saved, *_SUMS)
 
 
-_OF_CONTACTS = ("_surface_m", "_path_end_m", "_load_N", "_load_before_N")
+@dataclass(frozen=True)
+class Acting:
+    """What of a load is not zero: of a surface's many points, particles touch few.  ``where`` (n,)
+    among the flattened components, ``force_N`` (n,)."""
+
+    where: Indices
+    force_N: Array
+
+    def moved_m(self, from_m: Array, to_m: Array) -> Array:
+        """(n,) of the points' ways."""
+        return np.subtract(to_m.take(self.where), from_m.take(self.where))
+
+    def work_J(self, from_m: Array, to_m: Array) -> float:
+        """On points that move so."""
+        return float(self.force_N.dot(self.moved_m(from_m, to_m)))
+
+
+def acting(load: Load, points: slice) -> Acting:
+    """Of a load on some of the points."""
+    force_N = load.force_N[points]
+    where = np.flatnonzero(force_N != 0.0)
+    return Acting(where, force_N.take(where))
+
+
+_OF_CONTACTS = ("_surface_m", "_path_end_m", "_load", "_load_before")
 
 
 class ContactWork:
@@ -81,26 +107,32 @@ class ContactWork:
         """``points``: those of the surface that count."""
         self.balance, self._points = Balance(), points
         self._surface_m = self._path_end_m = start.panel.surface.position_m[points]
-        self._load_N = self._load_before_N = start.load.force_N[points]
+        self._load = self._load_before = acting(start.load, points)
 
     def add(self, crossed: Crossed) -> None:
         assert crossed.particles is not None
         path, load = crossed.particles
         _, given, state = crossed.panel
-        surface_m, force_N = state.surface.position_m[self._points], load.force_N[self._points]
+        surface_m = state.surface.position_m[self._points]
         start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
-        moved_m, jump_m = surface_m - self._surface_m, start_m - self._path_end_m
-        before_J, twice_before_J = dot(self._load_N, jump_m), dot(self._load_before_N, jump_m)
-        jump_J = (2 * dot(force_N, jump_m) + 5 * before_J - twice_before_J) / 6
-        particles_J = dot(force_N, end_m - start_m) + jump_J
-        created_J = dot(given.force_N[self._points], moved_m) - particles_J
-        self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
+        newest = acting(load, self._points)
+        moved_m = newest.moved_m(self._surface_m, surface_m)
+        given_J = newest.force_N.dot(moved_m)
+        if given is not load:
+            given_J = acting(given, self._points).work_J(self._surface_m, surface_m)
+        new_J, before_J, twice_before_J = (
+            one.work_J(self._path_end_m, start_m) for one in (newest, self._load, self._load_before)
+        )
+        jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
+        particles_J = newest.work_J(start_m, end_m) + jump_J
+        went_J = through_J(newest.force_N, moved_m, crossed.length_s)
+        self.balance.add(float(given_J - particles_J), went_J)
         self._surface_m, self._path_end_m = surface_m, end_m
-        self._load_before_N, self._load_N = self._load_N, force_N
+        self._load_before, self._load = self._load, newest
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
-        self.balance.begin_anew(dot(self._load_N, self._surface_m - self._path_end_m))
+        self.balance.begin_anew(self._load.work_J(self._path_end_m, self._surface_m))
 
     def save(self) -> Saved:
         return taken(self, *_OF_CONTACTS) | {"balance": self.balance.save()}
@@ -155,6 +187,5 @@ def dot(one: Array, other: Array) -> float:
 
 
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
-    """Of points that moved by (points, 3) in ``length_s``."""
-    sizes_N = np.abs(force_N)
-    return dot(sizes_N, np.abs(moved_m)) + SLOW_M_S * length_s * float(sizes_N.sum())
+    """Of components that moved so far in ``length_s``, force and motion of the same shape."""
+    return dot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s)
