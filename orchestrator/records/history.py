@@ -29,6 +29,7 @@ class History:
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
         self._rows: dict[str, list[dict[str, Array | float]]] = {}
         self._columns: dict[str, Column] = {}
+        self._file.flush()  # what is killed before its first row leaves a file that opens
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
         """One row at ``time_s``; the names of a group's values are the same in every row."""

@@ -100,7 +100,7 @@ def _recorded(run: Path, cycles: int) -> Recorded:
                     )
                 recording, change[panel.name] = _panel(case, history, panel, machine, cycles)
                 panels[panel.name] = recording_file.Panel(recording, shape_of(panel))
-    except OSError as error:
+    except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
         raise _refused(run, f"history.h5 cannot be read: {error}") from None
     return Recorded(cycles, recording_file.File(machine.speed_rad_s, panels), change)
 
@@ -139,15 +139,14 @@ def _panel(
 
 
 def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
-    cycle_s, step_s = 2 * math.pi / machine.speed_rad_s, float(np.diff(time_s).min())
-    end_s = float(time_s[-1])
+    cycle_s, end_s = 2 * math.pi / machine.speed_rad_s, float(time_s.max(initial=0.0))
     start_s = end_s - cycles * cycle_s
     if start_s - FADE * cycle_s < machine.start_s + machine.run_up_s:
         raise TooShort(
             f"{cycles} cycles of {cycle_s:.4g} s and a quarter do not fit between the run-up and "
             f"the end at {end_s:g} s",
         )
-    samples = math.ceil(cycles * cycle_s / step_s)
+    samples = math.ceil(cycles * cycle_s / float(np.diff(time_s).min()))
     angle_s = cycles * cycle_s * np.arange(samples) / samples
     sampled_s = start_s + (angle_s - (start_s - machine.zero_s)) % (cycles * cycle_s)
     return Window(cycles, start_s, end_s, cycle_s, sampled_s)
