@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+from orchestrator.records.run_folder import write_text
 
 
 class Series:
@@ -62,9 +63,7 @@ class Series:
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
             f"<Collection>\n{self._rows}</Collection>\n</VTKFile>\n"
         )
-        fresh = self._folder / f".{self._name}.pvd"
-        fresh.write_text(text, encoding="utf-8")
-        fresh.replace(self._folder / f"{self._name}.pvd")
+        write_text(self._folder / f"{self._name}.pvd", text)
 
 
 def surface_mesh(

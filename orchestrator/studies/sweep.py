@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import subprocess
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -131,7 +132,8 @@ def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
     with log.open("w", encoding="utf-8") as said:
         codes = (_carried_out(words, said) for words in commands if words)
         code = next((code for code in codes if code), 0)  # the first to fail is the last
-    return f"{folder.name}: {status(folder)}" + (f" ({log})" if code else "")
+    how = f"killed ({signal.Signals(-code).name})" if code < 0 else status(folder)
+    return f"{folder.name}: {how}" + (f" ({log})" if code else "")
 
 
 def _carried_out(words: Sequence[str], said: IO[str]) -> int:
