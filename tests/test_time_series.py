@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Load, Motion, PanelState
+from orchestrator.records.column import CHUNK_ROWS
 from orchestrator.records.history import History
 from orchestrator.records.time_series import TimeSeries
 
@@ -53,3 +54,19 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
     assert time_s == pytest.approx([0.0, 1.0, 2.0])
     assert load_N == pytest.approx([10.0, 6.0, 3.0])
     assert clamp_N == pytest.approx([-10.0, -6.0, -3.0])
+
+
+def test_rows_go_on_in_a_file_that_is_there(tmp_path: Path) -> None:
+    """More of them than a chunk holds; what has not had a row yet opens, too."""
+    path = tmp_path / "history.h5"
+    for part in range(2):
+        history = History(path, goes_on=part > 0)
+        with h5py.File(path) as file:
+            assert len(file) == part
+        for row in range(CHUNK_ROWS):
+            time_s = float(part * CHUNK_ROWS + row)
+            history.add("one", time_s, {"place_m": np.array([time_s, 0.0, 1.0])})
+        history.close()
+    with h5py.File(path) as file:
+        assert np.array_equal(file["one/place_m"][:, 0], np.arange(2.0 * CHUNK_ROWS))
+        assert file["one/place_m"].attrs["unit"] == "m"
