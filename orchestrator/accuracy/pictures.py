@@ -32,9 +32,8 @@ def work_precision(study: Study, table: Sequence[Row], path: Path) -> Path:
     for number, row in enumerate(front, 1):
         near = {"textcoords": "offset points", "fontsize": 9, "weight": "bold"}
         axis.annotate(str(number), _place(row), (6, 5), **near)
-    chance = max((_width(row.error) for row in front), default=0.0)
-    if chance:
-        axis.axhspan(LEAST / 10, chance, color=GREY, alpha=0.12, lw=0, label="chance alone (95 %)")
+    if any(_width(row.error) for row in table):
+        axis.plot([], [], color=GREY, lw=0.9, label="where chance leaves it (95 %)")
     _guides(axis, study.measured[study.reference].processor_s)
     axis.set_title(f"What accuracy costs: {study.listed.loaded.name}, down and left is better")
     axis.legend(**BESIDE)
@@ -66,6 +65,9 @@ def _scatter(axis: Any, rows: Sequence[Row], mark: str, colour: str, label: str)
     x, y = _line(rows)
     size = 90 if mark == "*" else 34
     axis.scatter(x, y, marker=mark, s=size, color=colour, label=label, zorder=3)
+    ends = [(y - _width(row.error), y + _width(row.error)) for y, row in zip(y, rows, strict=True)]
+    low, high = ([max(end, LEAST) for end in each] for each in zip(*ends, strict=True))
+    axis.vlines(x, low, high, color=colour, lw=0.9, alpha=0.6, zorder=2)
 
 
 def _guides(axis: Any, reference_s: float) -> None:
