@@ -7,6 +7,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import damped_contacts, has_particles
 from orchestrator.clock import exact
 from orchestrator.schemes import SCHEMES
+from orchestrator.stability.choice import settled
 
 LENGTH = "sync interval / s"
 ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0, "aitken": 2.0, "quasi-newton": 2.0}
@@ -20,20 +21,22 @@ DAMPED = (
 
 
 def sync(case: Case, points: int) -> list[Family]:
-    """The interval of the case's own scheme, halved and doubled."""
-    scheme = case.coupling.scheme
-    return [_family("sync", case, scheme, "", points)]
+    """The interval of the case's own scheme, or of the one that is taken for it, halved and
+    doubled."""
+    name = settled(case).coupling.scheme
+    overlay = f"coupling.scheme={name}" if case.coupling.scheme != name else ""
+    return [_family("sync", case, name, overlay, points)]
 
 
 def scheme(case: Case, points: int) -> list[Family]:
     """Every other scheme, at the same intervals.  Raises NotOffered."""
     if not (case.screen.panels and (has_particles(case) or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
-    some = has_particles(case)
+    some, own = has_particles(case), settled(case).coupling.scheme
     return [
         _family("scheme", case, name, f"coupling.scheme={name}", points)
         for name in SCHEMES
-        if name != case.coupling.scheme and (some or name in WITHOUT_PARTICLES)
+        if name != own and (some or name in WITHOUT_PARTICLES)
     ]
 
 
@@ -44,7 +47,8 @@ def _family(knob: str, case: Case, name: str, overlay: str, points: int) -> Fami
         length_s = float(own_s / 2**halved if halved >= 0 else own_s * 2**-halved)
         sets = (f"coupling.sync_interval_s={length_s!r}",) if halved else ()
         label = f"{name}, {length_s:g} s"
-        settings.append(Setting(label, (overlay, *sets) if overlay else sets, length_s))
+        named = (overlay,) if overlay and (sets or knob == "scheme") else ()
+        settings.append(Setting(label, (*named, *sets), length_s))
     order = ORDERS.get(name)
     rank = (order or 0.0) + (0.5 if knob == "sync" else 0.0)
     note = DAMPED if name == "particles-first" and damped_contacts(case) else ""

@@ -12,7 +12,7 @@ from orchestrator.casefile.levels import load
 from orchestrator.checks import mistakes
 from orchestrator.hard.expected import FILE, Expected, Runs, read
 from orchestrator.hard.outcome import outcome
-from orchestrator.stability.card import card
+from orchestrator.stability.choice import settled_card
 from orchestrator.studies import sweep
 from orchestrator.studies.sweep import Point
 
@@ -70,7 +70,7 @@ def interval_of(case: Path, sets: Sequence[str], multiple: float) -> list[str]:
 
 def safe_s(case: Case) -> float:
     """The largest safe sync interval, whatever the case takes."""
-    return card(case).safe_s
+    return settled_card(case).safe_s
 
 
 def point(

@@ -9,6 +9,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import single_panels
 from orchestrator.report.words import number
 from orchestrator.results.run_data import RunData, cut_size_m
+from orchestrator.stability.choice import settled
 
 
 def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
@@ -75,4 +76,7 @@ def solver_facts(case: Case) -> Iterator[tuple[str, str]]:
     k = case.particles.coarse_graining
     if k > 1.0:
         yield "coarse graining", f"{k:g} times the diameter, one particle stands for {k**3:.3g}"
-    yield "sync interval", f"{1e6 * case.coupling.sync_interval_s:.4g} µs, {case.coupling.scheme}"
+    yield (
+        "sync interval",
+        f"{1e6 * case.coupling.sync_interval_s:.4g} µs, {settled(case).coupling.scheme}",
+    )

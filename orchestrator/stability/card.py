@@ -27,7 +27,7 @@ IMPACT = "docs/theory/stability.md, impacts"
 
 
 def card(case: Case) -> Card:
-    """All bounds of a case without mistakes."""
+    """All bounds of a case without mistakes that names its scheme (choice.py: ``settled_card``)."""
     there = scene(case)
     modes_rad_s, unknown = highest_rad_s(case)
     frames = frame_matrices(there)

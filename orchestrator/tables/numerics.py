@@ -79,7 +79,7 @@ class Coupling(Table):
 
     scheme: Literal[
         "particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"
-    ] = "particles-first"
+    ] = "auto"
     """Order of the solvers within a sync interval (docs/theory/coupling.md): robin foretells with
     the contacts where panels go; aitken and quasi-newton repeat it until particles and panels
     agree; auto is particles-first within its safe interval, else robin (docs/theory/stability.md).

@@ -13,8 +13,7 @@ from orchestrator.commands.launch import run
 from orchestrator.scene.scene import scene
 from orchestrator.stability import words
 from orchestrator.stability.bound import Bound, Card
-from orchestrator.stability.card import card
-from orchestrator.stability.choice import Taken, taken
+from orchestrator.stability.choice import Taken, settled_card, taken
 from orchestrator.stability.panel_masses import lightest_point_kg
 from tests.case.cases import BLOCK, loaded
 from tests.effects.verdicts import BARE, written
@@ -33,7 +32,7 @@ def test_one_ball_on_a_strip_by_hand(tmp_path: Path) -> None:
     """Ball of 20 mm, 1430 kg/m3, E = 10 MPa; the panel's small-strain values; the speed of the
     panel's middle.  The ball is alone, so a whole row of the strip carries it."""
     case = loaded(tmp_path, STRIP).case
-    found, speed_m_s = card(case), scene(case).impact_m_s
+    found, speed_m_s = settled_card(case), scene(case).impact_m_s
     mass_kg, radius_m = math.pi / 6 * 0.02**3 * 1430, 0.01
     modulus_Pa = 1 / ((1 - 0.3**2) / 1e7 + (1 - 0.49825**2) / 20.963e6)
     depth_m = (15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * modulus_Pa)) ** 0.4
@@ -52,23 +51,23 @@ def test_many_side_by_side_share_the_panel(tmp_path: Path) -> None:
     many = BLOCK.replace("count=1", "count=10000").replace(
         "smallest_m=0.01, largest_m=0.02", "smallest_m=0.006, largest_m=0.006"
     )
-    found = by_name(card(loaded(tmp_path, [*STRIP, many]).case))
+    found = by_name(settled_card(loaded(tmp_path, [*STRIP, many]).case))
     share_g = 1e3 * 1150 * 0.004 * math.sqrt(3) / 2 * 0.006**2
     assert f"on {share_g:.3g} g" in found["light points"].why
 
 
 def test_what_is_not_handed_over_sets_no_bound(tmp_path: Path) -> None:
-    unloaded = card(loaded(tmp_path, [*STRIP, "hand_over.particle_load=false"]).case)
+    unloaded = settled_card(loaded(tmp_path, [*STRIP, "hand_over.particle_load=false"]).case)
     assert "light points" not in by_name(unloaded)
-    unpushed = card(loaded(tmp_path, [*STRIP, "hand_over.panel_reaction=false"]).case)
+    unpushed = settled_card(loaded(tmp_path, [*STRIP, "hand_over.panel_reaction=false"]).case)
     assert "extrapolated clamps" not in by_name(unpushed)
-    still = card(loaded(tmp_path, ["panel.solver=rigid", "frames.solver=prescribed"]).case)
+    still = settled_card(loaded(tmp_path, ["panel.solver=rigid", "frames.solver=prescribed"]).case)
     assert [bound.kind for bound in still.bounds] == ["accuracy"]
 
 
 def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
     """The late reaction: 2 bushings without dampers hold the frame, so nothing is short enough."""
-    found = card(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
+    found = settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
     assert set(by_name(found)) >= {"late contacts", "late reaction", "carried mass"}
     assert found.safe_s == 0.0
     (said, *_) = words.warnings(found)
@@ -77,7 +76,7 @@ def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("scheme", ["aitken", "quasi-newton"])
 def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: str) -> None:
-    found = card(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
+    found = settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
     assert set(by_name(found)) == {"shortest impact", "carried mass", "extrapolated clamps"}
     assert found.stable is not None
     assert found.stable.name == "extrapolated clamps"
@@ -91,7 +90,7 @@ def test_auto_takes_the_plain_scheme_where_it_is_safe(tmp_path: Path) -> None:
         return taken(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
 
     plain_s, robin_s = (
-        card(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
+        settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
         for name in ("particles-first", "robin")
     )
     assert robin_s > 2 * plain_s
@@ -117,8 +116,8 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load(written(tmp_path, BARE), None, STRIP)
-    assert set(by_name(card(bare.case))) == {"carried mass", "extrapolated clamps"}
-    assert not list(words.warnings(card(bare.case)))
+    assert set(by_name(settled_card(bare.case))) == {"carried mass", "extrapolated clamps"}
+    assert not list(words.warnings(settled_card(bare.case)))
 
 
 def test_in_words_and_in_numbers() -> None:
@@ -145,7 +144,7 @@ def test_in_words_and_in_numbers() -> None:
 @pytest.mark.solver
 @pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
-    found = card(load(CASES / "ball-on-panel", "default", overrides).case)
+    found = settled_card(load(CASES / "ball-on-panel", "default", overrides).case)
     assert bool(list(words.warnings(found))) is warned
     assert found.stable is not None
     assert found.stable.name == "light points"
