@@ -10,6 +10,7 @@ from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.slice import full_width_m
 from orchestrator.clock import exact, steps_in
 from orchestrator.ladder.rungs import stiffest_Pa
+from orchestrator.stability.choice import settled
 
 SOFTER = 10**0.5  # between neighbours
 COARSER = 1.5
@@ -116,7 +117,7 @@ def _jumps(case: Case) -> bool:
     rigid = case.panel.solver == "rigid" or not case.screen.panels
     extrapolated = {"particles-first": True, "robin": rigid or bool(case.screen.surfaces)}
     moves = bool(case.screen.frames) or not rigid
-    return moves and extrapolated.get(case.coupling.scheme, False)
+    return moves and extrapolated.get(settled(case).coupling.scheme, False)
 
 
 def _there(case: Case) -> None:

@@ -54,6 +54,7 @@ surface_cells = [16, 4]
 largest_youngs_modulus_Pa = 2e7
 
 [coupling]
+scheme = "particles-first"
 sync_interval_s = 2.5e-5   # not above the panels' own critical step: docs/theory/coupling.md
 """
 )

@@ -60,6 +60,7 @@ surface_cells = [13, 7]
 largest_youngs_modulus_Pa = 1e7
 
 [coupling]
+scheme = "particles-first"
 sync_interval_s = 5e-5
 """
 )

@@ -56,6 +56,7 @@ cells = [12, 1]
 surface_cells = [12, 4]
 
 [coupling]
+scheme = "particles-first"
 sync_interval_s = 2e-4
 """
 )

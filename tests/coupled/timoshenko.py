@@ -80,6 +80,7 @@ surface_cells = [72, 2]
 step_s = 2.5e-7
 
 [coupling]
+scheme = "particles-first"
 sync_interval_s = 1e-6
 """
 )

@@ -80,6 +80,7 @@ frame = "frame"
 point_m = [0.0, 0.0, 0.0]
 
 [coupling]
+scheme = "particles-first"
 sync_interval_s = 5e-4
 [frames]
 solver = "prescribed"

@@ -44,6 +44,7 @@ FILES = {
 }
 SOLVERS = """
 [coupling]
+scheme = "particles-first"
 sync_interval_s = 2e-4
 [frames]
 solver = "two-mass"

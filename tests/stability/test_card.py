@@ -21,6 +21,7 @@ from tests.effects.verdicts import BARE, written
 CASES = Path("cases")
 # finite elements and triangles share their corners, and the ball lands on one of them
 COARSE_AND_LIGHT = ["panel.cells=[22,12]", "panel.surface_cells=[22,12]"]
+COARSE_AND_LIGHT += ["coupling.scheme=particles-first"]
 STRIP = ["panel.solver=strip", "panel.cells=[22,1]", "panel.surface_cells=[22,4]"]
 
 
