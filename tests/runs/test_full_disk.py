@@ -20,17 +20,17 @@ SAVED += ["save.every_s=0.0003"]
 # something else takes what is left of the disk when the save at 0.0057 s begins
 FILLED = """
 from orchestrator.saves import files
-write = files._write
-def filled(aside, *rest):
-    if aside.name == ".000000000057":
+parts = files._parts
+def filled(mine, *rest):
+    if mine.parent.name == ".000000000057":
         with open({filler!r}, "wb", buffering=0) as filler:
             try:
                 while filler.write(bytes(4096)) == 4096:
                     pass
             except OSError:
                 pass
-    write(aside, *rest)
-files._write = filled
+    return parts(mine, *rest)
+files._parts = filled
 """
 
 
