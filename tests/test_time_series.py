@@ -70,3 +70,13 @@ def test_rows_go_on_in_a_file_that_is_there(tmp_path: Path) -> None:
     with h5py.File(path) as file:
         assert np.array_equal(file["one/place_m"][:, 0], np.arange(2.0 * CHUNK_ROWS))
         assert file["one/place_m"].attrs["unit"] == "m"
+
+
+def test_rows_of_nothing_are_rows(tmp_path: Path) -> None:
+    """A machine without panels has places of none of them."""
+    history = History(tmp_path / "history.h5")
+    for row in range(3):
+        history.add("none", float(row), {"place_m": np.empty((0, 3))})
+    history.close()
+    with h5py.File(tmp_path / "history.h5") as file:
+        assert file["none/place_m"].shape == (3, 0, 3)

@@ -24,8 +24,10 @@ class Column:
     ) -> None:
         """The one that is there, or a new one with rows of shape ``inner``."""
         if where not in file:
-            rows = min(CHUNK_ROWS, CHUNK_BYTES // (dtype.itemsize * prod(inner)))
-            chunks, most = (max(1, rows), *inner), (None, *inner)
+            row_bytes = dtype.itemsize * prod(inner)
+            rows = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, row_bytes)))
+            chunks = (rows, *inner) if row_bytes else True  # HDF5 has no chunks of nothing
+            most = (None, *inner)
             dataset = file.create_dataset(where, (0, *inner), dtype, chunks=chunks, maxshape=most)
             dataset.attrs["unit"] = unit_of(where)
         self._dataset = file[where].id
@@ -33,11 +35,11 @@ class Column:
 
     def append(self, block: Array | Indices) -> None:
         """Any number of rows."""
-        if not len(block):
-            return
         first, self._rows = self._rows, self._rows + len(block)
         inner = block.shape[1:]
         self._dataset.set_extent((self._rows, *inner))
+        if not block.size:
+            return
         there = self._dataset.get_space()
         there.select_hyperslab((first, *(0 for _ in inner)), block.shape)
         self._dataset.write(h5py.h5s.create_simple(block.shape), there, block)
