@@ -1,6 +1,6 @@
 """What a long run holds: ``python -m tests.endurance OUT [--set KEY=VALUE …]`` runs the
 quickstart's level "hour" into OUT and samples its process and its folder; OUT.csv has a row every
-ten seconds.
+ten seconds, OUT.log what the run said.
 
 ``python -m tests.endurance --table OUT`` says how each of them grew, and what the machine's energy
 did.  Measured figures: docs/reliability.md, "An hour".
@@ -43,8 +43,9 @@ def sampled(out: Path, more: list[str]) -> int:
     """Runs to the end; returns the exit code."""
     sets = [word for key in QUICK for word in ("--set", key)]
     words = ["run", "cases/quickstart", "--level", "hour", "--out", str(out), *sets, *more]
-    run, start = started(*words), time.monotonic()
-    with out.with_suffix(".csv").open("w", newline="") as file:
+    said = out.with_suffix(".log").open("w")  # a pipe would be full after an hour
+    run, start = started(*words, said=said), time.monotonic()
+    with said, out.with_suffix(".csv").open("w", newline="") as file:
         rows = csv.writer(file)
         rows.writerow(COLUMNS)
         while run.poll() is None:
@@ -52,8 +53,8 @@ def sampled(out: Path, more: list[str]) -> int:
             if run.poll() is None and (out / "run.log").exists():
                 rows.writerow([time.monotonic() - start, *sample(run.pid, out)])
                 file.flush()
-    print(run.communicate()[1][-2000:])
-    return run.returncode
+    print(out.with_suffix(".log").read_text()[-2000:])
+    return int(run.returncode)
 
 
 def sample(process: int, out: Path) -> list[float]:

@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import h5py
 import numpy as np
@@ -53,15 +53,20 @@ def flipflow(*words: str, before: str = "", ranks: int = 1) -> subprocess.Comple
 
 
 def started(
-    *words: str, before: str = "", ranks: int = 1, cwd: Path = ROOT
+    *words: str,
+    before: str = "",
+    ranks: int = 1,
+    cwd: Path = ROOT,
+    said: TextIO | int = subprocess.PIPE,
 ) -> subprocess.Popen[str]:
-    """Starts and returns at once; what it says can be read at the end."""
+    """Starts and returns at once; what it says can be read at the end (64 kB at most), or is
+    written to the file ``said``."""
     return subprocess.Popen(
         command(*words, before=before, ranks=ranks),
         cwd=cwd,
         env=_environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stdout=said,
+        stderr=said,
         text=True,
     )
 
