@@ -14,7 +14,7 @@ from orchestrator.casefile.levels import LoadedCase
 from orchestrator.ladder.stored import measured
 from orchestrator.scene.catalogue import Judged, judged, spared, with_dependents
 from orchestrator.scene.effect import Part, in_words
-from orchestrator.stability.choice import AUTO, taken
+from orchestrator.stability.choice import AUTO
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
@@ -108,7 +108,6 @@ def summary(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
         f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}"
         for one in spare
     )
-    if loaded.case.coupling.scheme == AUTO:
-        scheme = taken(loaded.case)
-        yield f"coupling.scheme: {scheme.scheme} is taken: {scheme.why}"
+    if loaded.case.coupling.scheme == AUTO:  # which one it is takes the solvers to say
+        yield "coupling.scheme: the program's choice, which flipflow check names, with the reason"
     yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"
