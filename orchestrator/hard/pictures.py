@@ -19,7 +19,7 @@ from orchestrator.report.filled import filled
 # outcome: colour, mark, what it says; told apart by shape, too
 SHOWN = {
     "stable": ("#2b7a4b", "o", "stable"),
-    "warned": ("#d08a00", "^", "warned: over 1 % of the energy made or lost by the coupling"),
+    "warned": ("#d08a00", "^", "warned: over 1 % of the energy made or lost, or a mode that grows"),
     "stopped": ("#b3261e", "X", "stopped, with a reason"),
     "not run": ("#9aa4b0", "_", "not run"),
 }
