@@ -17,6 +17,8 @@ import numpy as np
 from orchestrator.accuracy.setting import Setting
 from orchestrator.ports import Array
 
+Ties = Literal["cheapest", "finest"]
+
 
 @dataclass(frozen=True)
 class Option:
@@ -59,6 +61,8 @@ class Model:
         errors = [[_row(one.error, judged_by, 0.0) for one in axis] for axis in self._axes]
         ratios = [[_row(one.ratio, [*parts_s], 1.0) for one in axis] for axis in self._axes]
         self._error = _combined(np.add, errors, len(judged_by)) + self._left
+        lengths = [[np.log([one.setting.h or 1.0]) for one in axis] for axis in self._axes]
+        self._length = _combined(np.add, lengths, 1)[..., 0]
         self._cost_s = _combined(np.multiply, ratios, len(parts_s)) @ _row(parts_s, [*parts_s], 0.0)
 
     def cheapest(self, tolerance: float) -> Proposal | None:
@@ -68,14 +72,15 @@ class Model:
             return None
         return self._proposal(int(np.where(worst <= tolerance, self._cost_s, np.inf).argmin()))
 
-    def best(self, budget_s: float, ties: Literal["cheapest", "dearest"]) -> Proposal | None:
-        """With the least error for at most so much processor time; None where none is so cheap."""
+    def best(self, budget_s: float, ties: Ties) -> Proposal | None:
+        """With the least error for at most so much processor time; None where none is so cheap.
+        Times are measured, so that what is finest must not go by them."""
         worst = self._error.max(axis=-1, initial=0.0)
         within = np.flatnonzero(self._cost_s <= budget_s)
         if not len(within):
             return None
-        cost_s = self._cost_s.flat[within] * (1 if ties == "cheapest" else -1)
-        return self._proposal(int(within[np.lexsort((cost_s, worst.flat[within]))[0]]))
+        preferred = (self._cost_s if ties == "cheapest" else self._length).flat[within]
+        return self._proposal(int(within[np.lexsort((preferred, worst.flat[within]))[0]]))
 
     def _proposal(self, flat: int) -> Proposal:
         at = np.unravel_index(flat, self._cost_s.shape)

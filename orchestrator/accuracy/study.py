@@ -161,7 +161,7 @@ def _proposed(before: Study) -> list[tuple[Point, Proposal]]:
     asked, model = before.listed.asked, before.model()
     # chance is no reason to take less than the best for what all are compared with
     careful = options(before.listed.offer, before.families, before.base, EXACT)
-    finest = replace(before, options=careful).model().best(asked.budget_s, "dearest")
+    finest = replace(before, options=careful).model().best(asked.budget_s, "finest")
     wanted = [(REFERENCE, finest)]
     wanted += [(TOGETHER, model.cheapest(tolerance)) for tolerance in TOLERANCES]
     known = {one.sets: one for one in before.points if one.kind != CALIBRATION}

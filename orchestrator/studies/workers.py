@@ -58,6 +58,7 @@ class Crew:
                 processes=False,
                 memory_limit=None,
                 dashboard_address=None,
+                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any port, not to others
             ) as cluster,
             Client(cluster) as client,
         ):

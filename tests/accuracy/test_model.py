@@ -6,7 +6,7 @@ from itertools import product
 
 import pytest
 
-from orchestrator.accuracy.model import Model, Option
+from orchestrator.accuracy.model import Model, Option, Ties
 from orchestrator.accuracy.setting import Setting
 
 PARTS_S = {"particles": 8.0, "panel": 2.0}
@@ -62,16 +62,21 @@ def test_the_best_within_a_time_and_its_cost() -> None:
     assert Model(AXES, PARTS_S, {"rms_g": 0.1}, ["rms_g"]).cheapest(0.05) is None
 
 
-def test_of_settings_that_differ_in_cost_alone_either_end_is_found() -> None:
-    axis = [option("a", name, 0.0, panel=ratio) for name, ratio in (("x", 1.0), ("own", 2.0))]
+def test_of_settings_that_are_equally_good_the_cheapest_and_the_finest_are_found() -> None:
+    """What is finer was cheaper, by chance."""
+    axis = [
+        Option("a", Setting(name, (f"a={name}",), h), {"deflection_m": 0.0}, {"panel": ratio})
+        for name, h, ratio in (("long", 2.0, 1.1), ("short", 0.5, 1.0), ("middle", 1.0, 0.9))
+    ]
     model = Model({"a": axis}, PARTS_S, {}, ["deflection_m"])
-    dear, cheap = model.best(100.0, "dearest"), model.best(100.0, "cheapest")
-    assert dear is not None
-    assert cheap is not None
-    assert (dear.processor_s, cheap.processor_s) == (pytest.approx(12.0), pytest.approx(10.0))
+    wanted: list[tuple[Ties, str]] = [("finest", "short"), ("cheapest", "middle")]
+    for ties, label in wanted:
+        found = model.best(100.0, ties)
+        assert found is not None
+        assert found.options[0].setting.label == label
 
 
 def test_the_case_as_it_is_where_nothing_was_turned() -> None:
-    found = Model({}, PARTS_S, {}, ["deflection_m"]).best(100.0, "dearest")
+    found = Model({}, PARTS_S, {}, ["deflection_m"]).best(100.0, "finest")
     assert found is not None
     assert (found.settings, found.processor_s) == ({}, pytest.approx(10.0))

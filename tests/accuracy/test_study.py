@@ -5,13 +5,12 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
-from statistics import median
 
 import pytest
 from pyarrow import parquet
 
 from orchestrator.accuracy import tables
-from orchestrator.accuracy.calibration import by_study, timed
+from orchestrator.accuracy.calibration import by_study
 from orchestrator.accuracy.families import Converged
 from orchestrator.accuracy.points import Asked
 from orchestrator.accuracy.rows import pareto, recommended, rows
@@ -107,7 +106,7 @@ def test_the_particles_step_is_of_the_order_expected(
 
 def test_what_is_proposed_together_keeps_what_it_promises(study: Study) -> None:
     """Every proposal was run and is off by at most twice what was predicted, and 0.1 %; the
-    reference is the dearest of them and the best there is of each knob."""
+    reference is the finest of them and the best there is of each knob."""
     table = rows(study)
     assert study.reference in study.proposals
     best = study.measured[study.reference].point.settings
@@ -157,20 +156,15 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
     assert (wrong.returncode, 'did you mean "sync"?' in wrong.stderr) == (2, True)
 
 
-def test_a_plan_by_the_study_is_kept_by_the_run(study: Study, out: Path) -> None:
-    """Of what was not run: 1.5, 2 and 3 times the duration; in the median within 30 % of processor
-    time.  Of wall time nothing can be said where others are at work."""
+def test_a_plan_by_the_study_is_one_of_its_short_run(study: Study, out: Path) -> None:
+    """How well times are kept is no test, but a command: tests/plan_series.py."""
     tables.write(study, rows(study), out)
     found = stored(load(BALL, "draft"), out / "accuracy.json")
     assert found is not None
-    one = found.cheapest(0.05)
-    assert one is not None
-    ratios = []
-    for duration_s in (0.075, 0.1, 0.15):
-        predicted_s = by_study(found, BALL, "draft").processor_s(one.processor_s, duration_s)
-        sets = [*SETS, *study.listed.shared, *one.sets, f"duration_s={duration_s}"]
-        ratios.append(predicted_s / timed(BALL, "draft", sets)["processor_s"])
-    assert median(ratios) == pytest.approx(1.0, abs=0.3), ratios
+    timing, own_s = by_study(found, BALL, "draft"), study.base.processor_s
+    short_s, long_s = (timing.wall_s(own_s, duration_s) for duration_s in (0.05, 0.1))
+    assert timing.wall.start_s < short_s < long_s < 2 * short_s
+    assert timing.duration_s(own_s, short_s, 1.0) == pytest.approx(0.05)
 
 
 def test_answers_known_from_elsewhere_stand_beside_every_point(tmp_path: Path) -> None:
