@@ -34,7 +34,7 @@ class Column:
         self._rows = int(self._dataset.shape[0])
 
     def append(self, block: Array | Indices) -> None:
-        """Any number of rows."""
+        """Any number of rows; ``block`` (rows, *inner)."""
         first, self._rows = self._rows, self._rows + len(block)
         inner = block.shape[1:]
         self._dataset.set_extent((self._rows, *inner))
@@ -42,4 +42,5 @@ class Column:
             return
         there = self._dataset.get_space()
         there.select_hyperslab((first, *(0 for _ in inner)), block.shape)
-        self._dataset.write(h5py.h5s.create_simple(block.shape), there, block)
+        rows = h5py.h5s.create_simple(block.shape)
+        self._dataset.write(rows, there, np.ascontiguousarray(block))

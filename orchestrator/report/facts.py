@@ -9,7 +9,6 @@ from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import single_panels
 from orchestrator.report.words import number
 from orchestrator.results.run_data import RunData, cut_size_m
-from orchestrator.stability.choice import settled
 
 
 def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
@@ -64,8 +63,8 @@ def bed_facts(case: Case) -> Iterator[tuple[str, str]]:
     yield "cut size", f"{1e3 * cut:g} mm" if cut else "none"
 
 
-def solver_facts(case: Case) -> Iterator[tuple[str, str]]:
-    """With what and how finely."""
+def solver_facts(case: Case, scheme: str) -> Iterator[tuple[str, str]]:
+    """With what and how finely; ``scheme``: the one that the run took."""
     cells = " × ".join(str(n) for n in case.panel.cells)
     yield "panels' solver", f"{case.panel.solver}, {cells} cells each"
     yield "frames' solver", case.frames.solver
@@ -76,7 +75,4 @@ def solver_facts(case: Case) -> Iterator[tuple[str, str]]:
     k = case.particles.coarse_graining
     if k > 1.0:
         yield "coarse graining", f"{k:g} times the diameter, one particle stands for {k**3:.3g}"
-    yield (
-        "sync interval",
-        f"{1e6 * case.coupling.sync_interval_s:.4g} µs, {settled(case).coupling.scheme}",
-    )
+    yield "sync interval", f"{1e6 * case.coupling.sync_interval_s:.4g} µs, {scheme}"

@@ -37,7 +37,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             summary=summary,
             provenance=provenance,
             results=found,
-            facts=_facts(data),
+            facts=_facts(data, summary["stability"]["scheme"]),
             headline=headline(found),
             warnings=warnings(folder, summary, found),
             sheets=_sheets(found),
@@ -52,11 +52,11 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
         )
 
 
-def _facts(data: RunData) -> dict[str, list[tuple[str, str]]]:
+def _facts(data: RunData, scheme: str) -> dict[str, list[tuple[str, str]]]:
     return {
         "machine": list(facts.machine_facts(data)),
         "bed": list(facts.bed_facts(data.case)),
-        "how it was computed": list(facts.solver_facts(data.case)),
+        "how it was computed": list(facts.solver_facts(data.case, scheme)),
     }
 
 

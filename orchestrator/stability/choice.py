@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
@@ -13,40 +13,28 @@ from orchestrator.stability.card import card
 PLAIN, STRONGER, AUTO = "particles-first", "robin", "auto"
 
 
-@dataclass(frozen=True)
-class Taken:
-    """A scheme, and why, in words."""
-
-    scheme: str
-    why: str
-
-
-def taken(case: Case) -> Taken:
-    """For a case without mistakes: the plain scheme where the sync interval is within what it is
-    sure to be stable at, or where nothing is stronger there; else ``robin``."""
-    plain = card(with_scheme(case, PLAIN))
-    if plain.interval_s <= plain.safe_s:
-        return Taken(PLAIN, f"the sync interval is within its safe one, {_limit(plain)}")
-    beyond = f"the sync interval of {plain.interval_s:.3g} s is above {PLAIN}'s {_limit(plain)}"
-    if not has_particles(case):
-        return Taken(PLAIN, f"{beyond}, and without particles {STRONGER} is no other")
-    stronger = card(with_scheme(case, STRONGER))
-    if stronger.safe_s > plain.safe_s:
-        return Taken(STRONGER, f"{beyond}; {STRONGER}'s is {_limit(stronger)}")
-    return Taken(PLAIN, f"{beyond}, and {STRONGER}'s is no longer: {_limit(stronger)}")
-
-
 def settled_card(case: Case) -> Card:
-    """The card of a case, with the scheme that is taken where it leaves that to the program."""
+    """The card of a case without mistakes.  Where that leaves its scheme to the program: the plain
+    one's where the sync interval is within what it is sure to be stable at, or where nothing is
+    stronger there; else ``robin``'s."""
     if case.coupling.scheme != AUTO:
         return card(case)
-    one = taken(case)
-    return replace(card(with_scheme(case, one.scheme)), why=one.why)
+    plain = card(with_scheme(case, PLAIN))
+    if plain.interval_s <= plain.safe_s:
+        why = f"the sync interval is within its safe one, {_limit(plain)}"
+        return replace(plain, why=why)
+    beyond = f"the sync interval of {plain.interval_s:.3g} s is above {PLAIN}'s {_limit(plain)}"
+    if not has_particles(case):
+        return replace(plain, why=f"{beyond}, and without particles {STRONGER} is no other")
+    stronger = card(with_scheme(case, STRONGER))
+    if stronger.safe_s > plain.safe_s:
+        return replace(stronger, why=f"{beyond}; {STRONGER}'s is {_limit(stronger)}")
+    return replace(plain, why=f"{beyond}, and {STRONGER}'s is no longer: {_limit(stronger)}")
 
 
 def settled(case: Case) -> Case:
     """The case with a scheme of its own, or with the one that is taken for it."""
-    return case if case.coupling.scheme != AUTO else with_scheme(case, taken(case).scheme)
+    return with_scheme(case, settled_card(case).scheme) if case.coupling.scheme == AUTO else case
 
 
 def with_scheme(case: Case, name: str) -> Case:

@@ -13,7 +13,7 @@ from orchestrator.commands.launch import run
 from orchestrator.scene.scene import scene
 from orchestrator.stability import words
 from orchestrator.stability.bound import Bound, Card
-from orchestrator.stability.choice import Taken, settled_card, taken
+from orchestrator.stability.choice import settled_card
 from orchestrator.stability.panel_masses import lightest_point_kg
 from tests.case.cases import BLOCK, loaded
 from tests.effects.verdicts import BARE, written
@@ -86,9 +86,11 @@ def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: 
 def test_auto_takes_the_plain_scheme_where_it_is_safe(tmp_path: Path) -> None:
     """And else the stronger one, if that is safe at longer intervals."""
 
-    def at(interval_s: float, *sets: str) -> Taken:
+    def at(interval_s: float, *sets: str) -> Card:
         interval = f"coupling.sync_interval_s={interval_s!r}"
-        return taken(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
+        return settled_card(
+            loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case
+        )
 
     plain_s, robin_s = (
         settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
