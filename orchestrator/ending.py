@@ -16,7 +16,7 @@ from orchestrator.casefile.levels import LoadedCase
 from orchestrator.casefile.slice import share
 from orchestrator.children import python
 from orchestrator.progress import Progress
-from orchestrator.records import summary
+from orchestrator.records import summary, trust
 from orchestrator.records.run_folder import LOG, write_json
 from orchestrator.results.compute import results
 from orchestrator.results.seen import checked
@@ -37,9 +37,10 @@ class Ending:
     console: Console
 
     def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
-        """``summary.json``, which is returned, and the pictures.
+        """Writes ``summary.json`` and the pictures; returns the summary.
 
-        ``status``: "done", "interrupted" or "failed", with the ``reason``.
+        ``status``: "done", "interrupted" or "failed", with the ``reason``.  A run that is done
+        may turn out to be doubtful or incomplete (``trust.py``).
         """
         case, folder, wall_s = self.loaded.case, self.folder, progress.wall_s
         by_part = summary.wall_by_part_s(progress.stopwatch.wall_s, wall_s)
@@ -67,27 +68,36 @@ class Ending:
         write_json(folder / "summary.json", figures)
         if figures["sync_intervals"]:
             self._add_results(figures)
+        figures["doubts"] = trust.doubts(figures) if status != "failed" else []
+        if status == trust.DONE:
+            figures["status"] = trust.state_at_end(figures)
+        write_json(folder / "summary.json", figures)
         if case.output.pictures and figures["sync_intervals"]:
             _draw(folder)
         return figures
 
     def _add_results(self, figures: dict[str, Any]) -> None:
-        """To ``summary.json`` and ``history.h5``.  A mistake in them loses nothing else."""
+        """Adds the results to ``figures`` and to ``history.h5``.
+
+        Where they cannot be made, that is said on the console and in the log, and nothing else is
+        lost.
+        """
         try:
             figures["results"] = results(self.folder)
-            write_json(self.folder / "summary.json", figures)
             store(self.folder / "history.h5", figures["results"])
             self._check_effects(figures)
         except OSError:
             raise
         except Exception as error:
             LOG.exception("no results: %s", error)
+            what = f"the results could not be made ({type(error).__name__}: {error})"
+            self.console.print(f"WARNING: {what}; run.log has the details")
+            figures["reason"] = figures["reason"] or what
 
     def _check_effects(self, figures: dict[str, Any]) -> None:
         """What was judged before the run, by what it recorded."""
         after = checked(self.effects, self.loaded.described, self.folder, figures["results"])
         figures["effects"] = {name: one.figures() for name, one in after.items()}
-        write_json(self.folder / "summary.json", figures)
         for line in at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
             self.console.print(line)

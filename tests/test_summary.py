@@ -7,21 +7,22 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.records.summary import closing_lines, cycle_s, iteration_lines, watch_lines
+from orchestrator.records import trust
+from orchestrator.records.summary import cycle_s, iteration_lines, watch_lines
 from tests.case.cases import loaded
 
 
-@pytest.mark.parametrize(("created_J", "warned"), [(-0.05, False), (0.2, True), (-0.2, True)])
-def test_energy_created_is_warned_of(created_J: float, warned: bool) -> None:
+@pytest.mark.parametrize(("created_J", "doubtful"), [(-0.05, False), (0.2, True), (-0.2, True)])
+def test_a_run_whose_coupling_created_energy_is_doubtful(created_J: float, doubtful: bool) -> None:
     ledger = {"supplied.frames.exciter": 9.0, "lost.panel.panel_damping": 1.0}
-    summary = {
-        "energy_ledger_J": ledger | {"created.particles-panel": created_J},
-        "momentum_residual_relative": 1e-13,
-        "simulated_s": 0.5,
-        "sync_intervals": 100,
-        "particles": 0,
-    }
-    assert any("WARNING" in line for line in closing_lines(summary)) is warned
+    summary = {"energy_ledger_J": ledger | {"created.particles-panel": created_J}, "results": {}}
+    summary["doubts"] = trust.doubts(summary)
+    assert bool(summary["doubts"]) is doubtful
+    assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")
+
+
+def test_a_run_without_results_is_incomplete() -> None:
+    assert trust.state_at_end({"doubts": []}) == "incomplete"
 
 
 @pytest.mark.parametrize(("unsolved", "lines"), [(0, 1), (3, 2)])

@@ -17,6 +17,7 @@ from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes
 from orchestrator.clock import exact
 from orchestrator.ladder.cost import particles_at_start, predicted_s
+from orchestrator.records import trust
 from orchestrator.studies import sweep
 from orchestrator.studies.sampling import sample_s, sampled_at
 from orchestrator.studies.workers import Crew
@@ -67,8 +68,9 @@ class Point:
 
     @property
     def ended(self) -> bool:
-        """All its runs have come to an end, well or not."""
-        return bool(self.runs) and all(one.status() in ("done", "failed") for one in self.runs)
+        """Whether all its runs have come to an end, well or not."""
+        ends = (*trust.AT_THE_END, "failed")
+        return bool(self.runs) and all(one.status() in ends for one in self.runs)
 
     @property
     def done(self) -> bool:

@@ -103,6 +103,7 @@ def _list(asked: Asked) -> None:
     """What would be run, with predictions."""
     from orchestrator.accuracy.measured import read
     from orchestrator.accuracy.study import afford, listed
+    from orchestrator.records.trust import AT_THE_END
 
     there = listed(asked)
     measured = {name: one.processor_s for name, one in read(there.points[:2]).items()}
@@ -110,7 +111,7 @@ def _list(asked: Asked) -> None:
         CONSOLE.print(f"not offered: {name}: {why}")
     total_s = 0.0
     for one in afford(there.points, asked, read(there.points[:2])):
-        todo = [run for run in one.runs if run.status() not in ("done", "failed")]
+        todo = [run for run in one.runs if run.status() not in (*AT_THE_END, "failed")]
         what = one.omitted or f"predicted {one.predicted_s:.0f} s each, {len(todo)} to be run"
         total_s += one.predicted_s * len(todo)
         CONSOLE.print(f"{one.name}: {what}")

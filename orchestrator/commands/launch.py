@@ -1,8 +1,9 @@
 """From the command line to a run and its exit code: who says what went wrong, and once.
 
 0 done, 1 a mistake in flipflow itself, 2 the case or the output folder is wrong, 3 a solver is
-missing, 4 a solver failed or the run became unstable or its results could not be written,
-130 (SIGINT), 138 (SIGUSR1) or 143 (SIGTERM) interrupted.
+missing, 4 a solver failed or the run became unstable or its results could not be written, 5 done
+but not to be trusted, 6 done but its results could not be made, 130 (SIGINT), 138 (SIGUSR1) or
+143 (SIGTERM) interrupted.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from orchestrator.checks import mistakes, warnings
 from orchestrator.commands.going_on import go_on, last_good
 from orchestrator.interruption import Interrupted
 from orchestrator.plans import SolverFailed, SolverMissing
-from orchestrator.records import run_folder, summary
+from orchestrator.records import run_folder, summary, trust
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
@@ -126,16 +127,23 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
         reason = _noted(f"a mistake in flipflow: {type(error).__name__}: {error}", error)
         return _ended(run, BROKEN, "failed", reason, folder, world)
     else:
-        code, status, reason = DONE, "done", ""
-    if not ranks.is_first(world):
-        return code
+        code, status, reason = DONE, trust.DONE, ""
+    return ranks.first_rank_does(
+        world, lambda: _finished(run, code, status, reason, folder, console)
+    )
+
+
+def _finished(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
+    """Writes what a run leaves at its end; returns its exit code, which is another one than
+    ``code`` where the summary says that the run is doubtful or incomplete, or cannot be written."""
     try:
-        _close(run.finish(status, reason), folder, console)
+        figures = run.finish(status, reason)
+        _close(figures, folder, console)
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
         return FAILED
-    return code
+    return trust.EXIT_CODES.get(figures["status"], code)
 
 
 def _noted(reason: str, error: BaseException) -> str:
@@ -173,10 +181,13 @@ def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Con
 
 def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
     """The closing table, and where everything is."""
-    if figures["status"] == "done":
+    if trust.came_to_its_end(figures["status"]):
         console.print(summary.closing_table(figures))
         for line in summary.closing_lines(figures):
             _say(line, console)
+        for doubt in figures["doubts"]:
+            LOG.warning("do not trust this run: %s", doubt)
+            console.print(f"WARNING: do not trust this run: {doubt}")
     console.print(f"results in {folder}")
 
 

@@ -142,7 +142,7 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:
-    """The run's own figures of quality, in words; a warning where they are bad."""
+    """The run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
     ledger = summary["energy_ledger_J"]
     share = share_created(ledger)
     lines = [
@@ -163,9 +163,4 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         lines += material_lines(material)
     if watch := summary.get("watch"):
         lines += watch_lines(watch)
-    if abs(share) > LARGEST_SHARE_CREATED:
-        lines.append(
-            f"WARNING: the coupling created more than {100 * LARGEST_SHARE_CREATED:g} % of the "
-            "energy supplied and lost: do not trust this run; shorten coupling.sync_interval_s"
-        )
     return lines

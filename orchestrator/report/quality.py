@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from orchestrator.records import trust
 from orchestrator.records.summary import closing_lines
 from orchestrator.report.words import number
 
@@ -51,8 +52,11 @@ def _watched(watch: dict[str, Any]) -> Iterator[tuple[str, str]]:
 def warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
     """How the run ended, what is not steady, what is missing, and what the log warned of."""
     said = []
-    if summary["status"] != "done":
+    said += [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
+    if not trust.came_to_its_end(summary["status"]):
         said.append(f"The run was {summary['status']}: {summary['reason']}")
+    elif summary["status"] == trust.INCOMPLETE:
+        said.append(f"The run is incomplete: {summary['reason']}")
     state = found.get("steady")
     if state and not state["is_steady"]:
         said.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")

@@ -16,6 +16,7 @@ from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.casefile.overlays import changed
 from orchestrator.checks import mistakes
 from orchestrator.children import python
+from orchestrator.records import trust
 from orchestrator.records.folder_lock import at_work
 from orchestrator.records.run_folder import FolderUnusable, resolved, write_json
 from orchestrator.studies.points import Vary
@@ -25,7 +26,7 @@ MAIN = "from orchestrator.commands.cli import main; main()"
 
 
 def status(folder: Path) -> str:
-    """Of the run in a folder, as in its summary; "missing" without one."""
+    """Returns the state of the run in a folder, as in its summary; "missing" without one."""
     try:
         return str(json.loads((folder / "summary.json").read_text())["status"])
     except (OSError, ValueError, KeyError):
@@ -33,7 +34,8 @@ def status(folder: Path) -> str:
 
 
 def came_to_its_end(folder: Path) -> bool:
-    return status(folder) == "done"
+    """Returns whether the run of a folder need not be run again; it may still be doubtful."""
+    return trust.came_to_its_end(status(folder))
 
 
 @dataclass(frozen=True)

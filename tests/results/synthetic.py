@@ -223,6 +223,8 @@ def _summary(particles: bool, cycles: int) -> dict[str, object]:
     }
     return {
         "status": "done",
+        "doubts": [],
+        "stability": {"scheme": "particles-first"},
         "reason": "",
         "case": "by-hand",
         "level": "draft",

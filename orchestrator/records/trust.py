@@ -1,0 +1,65 @@
+"""Whether a run that came to its end can be trusted: one definition for the console, the exit
+code, studies and reports.
+
+A run ends with one of these states in ``summary.json``:
+
+``done``
+    It came to its end, and nothing in its own figures speaks against it.
+``doubtful``
+    It came to its end, and its own figures say that it cannot be trusted; ``doubts`` says why.
+``incomplete``
+    It came to its end, but its results could not be made.
+``interrupted``, ``failed``
+    It did not come to its end.
+
+Each ground for doubt is a small function of the summary in ``GROUNDS``, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from orchestrator.records.summary import LARGEST_SHARE_CREATED, share_created
+
+DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
+AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
+EXIT_CODES = {DONE: 0, DOUBTFUL: 5, INCOMPLETE: 6}
+
+Summary = Mapping[str, Any]
+
+
+def doubts(summary: Summary) -> list[str]:
+    """Returns the reasons why the run behind ``summary`` (the table of ``summary.json``) is not to
+    be trusted, a whole sentence each; none for a run that can be."""
+    return [sentence for ground in GROUNDS for sentence in ground(summary)]
+
+
+def state_at_end(summary: Summary) -> str:
+    """Returns the state of a run that came to its end, from its ``doubts`` and its results."""
+    if summary.get("doubts"):
+        return DOUBTFUL
+    return INCOMPLETE if summary.get("results") is None else DONE
+
+
+def came_to_its_end(state: str) -> bool:
+    """Returns whether a run of this state need not be run again."""
+    return state in AT_THE_END
+
+
+def is_trusted(state: str) -> bool:
+    """Returns whether figures of a run of this state may be taken as data."""
+    return state == DONE
+
+
+def _energy_created(summary: Summary) -> Iterator[str]:
+    """The coupling must not make more than a small share of the energy that goes through it."""
+    share = share_created(summary.get("energy_ledger_J", {}))
+    if abs(share) > LARGEST_SHARE_CREATED:
+        yield (
+            f"The coupling created {100 * share:+.2g} % of the energy supplied and lost, more than "
+            f"{100 * LARGEST_SHARE_CREATED:g} %; shorten coupling.sync_interval_s."
+        )
+
+
+GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (_energy_created,)
