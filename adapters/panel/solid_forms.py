@@ -22,6 +22,7 @@ from adapters.panel.pierced_grid import PiercedGrid
 from adapters.panel.solid_grid import bearable_grid
 from adapters.panel.structure import Structure
 from orchestrator.plans import PanelPlan
+from orchestrator.ports import Array, Indices
 
 ISOCHORIC_DEGREE = 4  # 3 x 3 x 3 Gauss points
 VOLUMETRIC_DEGREE = 2  # 2 x 2 x 2
@@ -78,6 +79,18 @@ def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
     )
 
 
+def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
+    """The nodes that the clamps prescribe, of all nodes ``material_m`` (nodes, 3).
+
+    A clamp with depth holds every node on and under it, so that the end cannot turn.  A clamp
+    without depth (``clamp_m`` is 0) is a hinge as it is for the strip and for the sheet: it holds
+    only those nodes of its edge that lie on the mid-surface, ``middle``, and the end face is free
+    to turn about them.
+    """
+    held = np.flatnonzero(~np.isnan(plan.rectangle.end(material_m[:, :2])))
+    return held if plan.rectangle.clamp_m > 0.0 else np.intersect1d(held, middle)
+
+
 def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
     """The structure of ``plan``; its surface is the nodes of the mid-surface."""
     grid = bearable_grid(plan)
@@ -85,6 +98,6 @@ def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
     material_m = space.tabulate_dof_coordinates()
     middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
-    held = np.flatnonzero(~np.isnan(plan.rectangle.end(material_m[:, :2])))
+    held = held_nodes(plan, material_m, middle)
     structure = Structure(law(plan, fem.Function(space)), plan.material.density_kg_m3, held)
     return structure, Surface(grid, middle[grid.numbers_of(material_m[middle])])

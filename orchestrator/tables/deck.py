@@ -89,7 +89,8 @@ class Deck(Table):
     thickness_m: Positive
     """Thickness of the panels."""
     clamp_m: NotNegative = 0.0
-    """Length held under each clamp."""
+    """Length held under each clamp: the panel is built in there.  0 is a hinge, for every solver:
+    the panel's end cannot move but can turn."""
     tension_m: Annotated[tuple[Number, ...], BeforeValidator(_listed)] = (0.0,)
     """Distance between a panel's clamps less ``length_m``, positive is taut, negative slack: one
     number for all panels, or a list with one for each."""

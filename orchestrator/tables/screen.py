@@ -51,7 +51,8 @@ class Panel(Table):
     thickness_m: Positive
     """Thickness."""
     clamp_m: NotNegative = 0.0
-    """Length held under each clamp."""
+    """Length held under each clamp: the panel is built in there.  0 is a hinge, for every solver:
+    the panel's end cannot move but can turn."""
     tension_m: Number | None = None
     """Distance between the clamps less ``length_m``: positive is taut, negative slack."""
     span_m: Positive | None = None

@@ -46,6 +46,14 @@ def small(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
     return plan(length_m=0.12, span_m=0.123, cells=cells, integrator=integrator, branches=DAMPED)
 
 
+def hinged(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
+    """With clamps that have no depth and so let its ends turn; twice as thick, because only its
+    bending damps its swinging and that is less where the ends turn."""
+    given = small(integrator, cells)
+    rectangle = replace(given.rectangle, clamp_m=0.0)
+    return replace(given, rectangle=rectangle, thickness_m=2 * given.thickness_m)
+
+
 def perforated(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
     """3 x 3 openings of 16 x 8 mm, half a land at the sides."""
     openings = Apertures("rectangle", 0.016, 0.008, 0.024, 0.014, 0.0, 0.02, 0.0)
@@ -73,6 +81,9 @@ CASES = {
     "solid-openings": Case("solid", pierced(), 1e-4),
     "rigid-openings": Case("rigid", perforated("explicit"), 1e-12),
     "strip-openings": Case("strip", perforated("explicit"), 1e-9),
+    "strip-hinged": Case("strip", hinged("explicit"), 1e-9),
+    "sheet-hinged": Case("sheet", hinged("explicit", (6, 1)), 1e-4),
+    "solid-hinged": Case("solid", hinged("implicit", (4, 1)), 1e-4),
     "sheet-openings": Case("sheet", perforated("explicit", (6, 3)), 1e-4),
 }
 NEEDS_SOLVER = {name for name, case in CASES.items() if case.solver in ("sheet", "solid")}
