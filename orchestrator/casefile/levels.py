@@ -23,6 +23,7 @@ from orchestrator.casefile.errors import (
     shown,
     visible,
 )
+from orchestrator.casefile.origin import Origin
 from orchestrator.casefile.overlays import Layers, changed, parsed
 from orchestrator.casefile.toml_file import read_toml
 from orchestrator.scene.catalogue import dropped, left_out
@@ -47,7 +48,8 @@ class LoadedCase:
 
     ``level`` is "" for the bare case; ``changed`` lists the physics keys (dotted) to which the
     level, --set or ``effects`` gave another value; ``left_out`` names the physics that solvers,
-    hand-overs and ``effects`` leave out, with the reason; ``layers`` knows which file gave a key.
+    hand-overs and ``effects`` leave out, with the reason; ``layers`` knows which file gave a key;
+    ``origin`` is what it was read from.
     """
 
     name: str
@@ -58,6 +60,7 @@ class LoadedCase:
     left_out: dict[str, str]
     layers: Layers
     choice: Choice
+    origin: Origin
 
     @property
     def described(self) -> Case:
@@ -93,6 +96,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
         left_out=_why_left_out(case, choice),
         layers=layers,
         choice=choice,
+        origin=Origin(folder, given, at_level, tuple(overrides)),
     )
 
 

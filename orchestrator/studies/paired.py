@@ -1,0 +1,224 @@
+"""Runs a case with and without an effect, briefly and cheaply, and compares what comes out.
+
+The same engine serves ``effects = "auto"``, ``flipflow explain --for`` and ``flipflow study
+effects``.  The case is taken at its level "draft" if it has one that still has the effect, and
+made cheaper still by settings that do not bear on the effect.  Both runs are commands of their
+own.  A run that a pair shares with another is made once.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import CaseError
+from orchestrator.casefile.levels import LoadedCase, level_names, load
+from orchestrator.casefile.origin import CHEAP_LEVEL
+from orchestrator.checks import mistakes
+from orchestrator.children import python
+from orchestrator.clock import exact
+from orchestrator.deck.panels import single_panels
+from orchestrator.ladder.cost import particles_at_start, predicted_s
+from orchestrator.playback import turning
+from orchestrator.records.run_folder import resolved
+from orchestrator.records.trust import is_trusted
+from orchestrator.scene.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.scene.pair import Pair, key, remember, remembered
+from orchestrator.studies.sampling import sample_s
+from orchestrator.studies.sweep import MAIN
+
+LIMIT_S = 60.0
+"""Processor time that one run of a pair may take, as it is predicted."""
+PATIENCE = 10.0
+"""A run that takes this many times the limit in wall time is ended: prediction errs by a factor of
+three, and the processor may be busy with other work."""
+FEWEST_CYCLES = 6
+"""Of the machine, after its run-up: half of the cycles are looked at."""
+STRIP_CELLS = 16
+MIDDLE = "flipflow-middle-of"
+AUTO = "effects=auto"
+
+Say = Callable[[str], None]
+
+
+class NoPair(Exception):
+    """The runs cannot be made, or cannot be relied upon; the message says why."""
+
+
+def _silent(line: str) -> None:
+    pass
+
+
+@dataclass
+class Pairs:
+    """Makes pairs, remembers them, and shares runs among them.
+
+    ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each
+    run; ``forget`` asks again for what is remembered.
+    """
+
+    limit_s: float = LIMIT_S
+    say: Say = _silent
+    forget: bool = False
+    _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    def of(self, loaded: LoadedCase, effect: str) -> Pair:
+        """The pair of a case and an effect that it has, from memory if it is known."""
+        found = key(loaded.origin.read() | {"limit_s": self.limit_s}, effect)
+        if not self.forget and (known := remembered(found)) is not None:
+            return known
+        try:
+            pair = self._made(loaded, effect)
+        except NoPair as why:
+            pair = Pair(effect, refused=str(why))
+        remember(found, pair)
+        return pair
+
+    def _made(self, loaded: LoadedCase, effect: str) -> Pair:
+        path, (level, sets) = loaded.folder, _cheap(loaded, effect, self.limit_s)
+        every = [*_present(path, level, sets)]
+        kept = [one for one in every if one not in with_dependents([effect], "")]
+        with_it = self._summary(path, level, (*sets, _named(every)), f"{loaded.name} as it is")
+        without = self._summary(
+            path, level, (*sets, _named(kept)), f"{loaded.name} without {effect}"
+        )
+        used_s = with_it["processor_s"] + without["processor_s"]
+        return Pair(effect, level, sets, "", used_s, with_it, without)
+
+    def _summary(self, path: Path, level: str, sets: tuple[str, ...], what: str) -> dict[str, Any]:
+        """Of the run of a case with ``sets``.  Raises NoPair."""
+        loaded = load(path, level, sets)
+        if wrong := mistakes(loaded):
+            raise NoPair(f"{what} cannot be run: {wrong[0]}")
+        same = json.dumps([resolved(loaded), str(path)], sort_keys=True, default=str)
+        if same not in self._runs:
+            cost_s = _predicted_s(loaded.case)
+            self.say(f"trial run: {what}, {loaded.case.duration_s:g} s, about {cost_s:.0f} s")
+            self._runs[same] = _run(path, level, sets, PATIENCE * self.limit_s, what)
+        return self._runs[same]
+
+
+def _run(
+    path: Path, level: str, sets: tuple[str, ...], patience_s: float, what: str
+) -> dict[str, Any]:
+    """The summary of a run in a folder that is gone afterwards.  Raises NoPair."""
+    with tempfile.TemporaryDirectory(prefix="flipflow-pair-") as scratch:
+        folder = Path(scratch) / "run"
+        at_level = ["--level", level] if level else []
+        options = [word for one in sets for word in ("--set", one)]
+        words = ["run", str(path), *at_level, *options, "--out", str(folder)]
+        try:
+            done = python(
+                *("-c", MAIN, *words),
+                capture_output=True,
+                env={"OMP_NUM_THREADS": "1"},
+                timeout=patience_s,
+            )
+        except subprocess.TimeoutExpired:
+            raise NoPair(f"{what} took more than {patience_s:g} s and was ended") from None
+        try:
+            summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+        except (OSError, ValueError):
+            said = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
+            raise NoPair(f"{what} left nothing: {said[0]}") from None
+    if not is_trusted(summary["status"]):
+        reasons = [summary.get("reason", ""), *summary.get("doubts", [])]
+        raise NoPair(f"{what} ended {summary['status']}: {'; '.join(filter(None, reasons))}")
+    return summary
+
+
+def _cheap(loaded: LoadedCase, effect: str, limit_s: float) -> tuple[str, tuple[str, ...]]:
+    """Level and ``--set``s at which the pair is run.  Raises NoPair."""
+    origin, reasons = loaded.origin, [f"the case does not have {effect}"]
+    levels = [name for name in (CHEAP_LEVEL,) if name in level_names(loaded.folder)]
+    for level in dict.fromkeys([*levels, loaded.level]):
+        for cheaper in (True, False):
+            try:
+                return level, _sets(loaded.folder, level, origin.others, effect, limit_s, cheaper)
+            except NoPair as why:
+                reasons.append(str(why))
+            except CaseError as error:
+                reasons.append(str(error.mistakes[0]))
+    raise NoPair(reasons[-1])
+
+
+def _sets(
+    folder: Path, level: str, others: tuple[str, ...], effect: str, limit_s: float, cheaper: bool
+) -> tuple[str, ...]:
+    """Raises NoPair and CaseError."""
+    case = _described(folder, level, others).case
+    if not (present(case, effect) and can_go(case, effect)):
+        raise NoPair(f"{effect} cannot be left out of the case at level {level or 'none'}")
+    sets = (*others, *_watched(case))
+    if cheaper:
+        sets = (*sets, *_cheaper_panels(case, effect))
+    found = _described(folder, level, sets)
+    if wrong := mistakes(found):
+        raise NoPair(str(wrong[0]))
+    if not present(found.case, effect):
+        raise NoPair(f"{effect} is gone with cheaper panels")
+    return (*sets, *_shorter(found.case, limit_s))
+
+
+def _described(folder: Path, level: str, sets: tuple[str, ...]) -> LoadedCase:
+    """With all that the case describes, whatever its key ``effects`` says: nothing asks in turn."""
+    return load(folder, level, (*sets, _named(_present(folder, level, sets))))
+
+
+def _present(folder: Path, level: str, sets: tuple[str, ...]) -> Iterator[str]:
+    case = load(folder, level, (*sets, AUTO)).described
+    return (name for name in EFFECTS if present(case, name))
+
+
+def _named(effects: Iterable[str]) -> str:
+    return f"effects={json.dumps([*effects])}"
+
+
+def _watched(case: Case) -> Iterator[str]:
+    """What a short run writes: rows often enough, a probe on a panel, and nothing else."""
+    yield "output.pictures=false"
+    yield "save.wall_min=0.0"
+    yield f"output.series_s={float(sample_s(case.coupling.sync_interval_s))!r}"
+    panels = single_panels(case)
+    if panels and not any(probe.panel for probe in case.probes.values()):
+        panel = panels[len(panels) // 2].name
+        yield f'probes.{MIDDLE}={{panel="{panel}", at=[0.5, 0.5]}}'
+
+
+def _cheaper_panels(case: Case, effect: str) -> Iterator[str]:
+    if case.panel.solver in ("sheet", "solid") and effect != "variation-across":
+        cells = f"panel.cells=[{min(STRIP_CELLS, max(2, case.panel.cells[0]))}, 1]"
+        yield from ("panel.solver=strip", "panel.integrator=explicit", "panel.step_s=0.0", cells)
+
+
+def _predicted_s(case: Case) -> float:
+    return predicted_s(case, particles_at_start(case))
+
+
+def _shorter(case: Case, limit_s: float) -> Iterator[str]:
+    """Nothing where the case is within the limit; else as long as the limit allows, of whole output
+    intervals, if enough cycles of the machine are in it.  Raises NoPair."""
+    cost_s = _predicted_s(case)
+    if cost_s <= limit_s:
+        return
+    machine = turning(case)
+    fewest_s = 0.0
+    if machine is not None:
+        cycle_s = 2 * math.pi / machine.speed_rad_s
+        fewest_s = machine.start_s + machine.run_up_s + FEWEST_CYCLES * cycle_s
+    every = exact(case.output.interval_s)
+    wanted_s = case.duration_s * limit_s / cost_s
+    duration_s = float(max(1, int(wanted_s / every)) * every)
+    if duration_s < fewest_s:
+        least_s = cost_s * fewest_s / case.duration_s
+        raise NoPair(
+            f"a trial run takes about {least_s:.0f} s, more than the {limit_s:g} s allowed"
+        )
+    yield f"duration_s={duration_s!r}"

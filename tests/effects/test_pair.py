@@ -1,0 +1,120 @@
+"""Runs with and without an effect: what counts as a change, the memory, and what is shared."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from orchestrator.casefile.levels import load
+from orchestrator.results.scalars import SCALARS, Value, scalar
+from orchestrator.scene.pair import Pair, changed, key, remember, remembered
+from orchestrator.studies import paired
+from tests.case.cases import CASE, loaded, written
+
+SHORT = "duration_s=0.02"
+
+
+def summary(**values: float) -> dict[str, Any]:
+    """Of a run whose bed figures are ``values``."""
+    bed = {name: {"value": value, "half_width": None} for name, value in values.items()}
+    return {"status": "done", "processor_s": 1.0, "results": {"bed": bed}}
+
+
+@pytest.fixture(autouse=True)
+def own_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+def test_a_change_is_relative_to_the_value_with_the_effect() -> None:
+    """1.5 instead of 11.8 mm is 87 % off; 32.5 instead of 3.43 mm is 848 % off."""
+    for with_it, without, percent in ((11.8e-3, 1.5e-3, 87), (3.43e-3, 32.5e-3, 848)):
+        found = changed(Value(with_it), Value(without), 1e-6)
+        assert found.relative is not None
+        assert round(100 * found.relative) == percent
+        assert found.matters is True
+
+
+def test_what_neither_run_resolves_is_no_change_and_what_one_run_lacks_is_all_of_it() -> None:
+    assert changed(Value(1e-12), Value(4e-12), 1e-6).relative is None
+    assert changed(None, None, 1e-6).relative is None
+    lost = changed(Value(80.0), None, 0.1)
+    assert (lost.relative, lost.matters) == (math.inf, True)
+
+
+def test_chance_makes_a_change_near_the_threshold_unknown() -> None:
+    near = changed(Value(10.0, 0.5), Value(10.8, 0.5), 0.1)
+    assert near.matters is None
+    assert changed(Value(10.0, 0.01), Value(10.8, 0.01), 0.1).matters is False
+    assert changed(Value(10.0, 0.5), Value(13.0, 0.5), 0.1).matters is True
+
+
+def test_results_have_one_table_of_names_and_paths_besides() -> None:
+    found = summary(velocity_m_s=0.4)
+    assert scalar("velocity").of(found) == Value(0.4)
+    assert scalar("results.bed.velocity_m_s").of(found) == Value(0.4)
+    assert scalar("efficiency").of(found) is None
+    assert all(one.words for one in SCALARS.values())
+    with pytest.raises(KeyError, match='did you mean "efficiency"'):
+        scalar("eficiency")
+
+
+def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
+    one = {"results": {"motion": {"frames": {"a": {"amplitude_m": [0.003, 0, 0]}}}}}
+    assert scalar("stroke").of(one) == Value(0.003)
+    along = {"value": 0.006, "half_width": 0.001}
+    two = {
+        "results": {"motion": one["results"]["motion"] | {"relative": {"a-b": {"along_m": along}}}}
+    }
+    assert scalar("stroke").of(two) == Value(0.006, 0.001)
+
+
+def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
+    folder = written(tmp_path / "case", CASE)
+    read = load(folder).origin.read()
+    assert remembered(key(read, "adhesion")) is None
+    remember(key(read, "adhesion"), Pair("adhesion", "draft", ("a=1",), "", 2.0))
+    assert remembered(key(read, "adhesion")) == Pair("adhesion", "draft", ("a=1",), "", 2.0)
+    other = load(folder, None, ["duration_s=0.04"]).origin.read()
+    assert key(other, "adhesion") != key(read, "adhesion")
+    asked = load(folder, None, ["effects=auto"]).origin.read()
+    assert key(asked, "adhesion") == key(read, "adhesion")
+
+
+def test_the_run_with_everything_is_made_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of two effects three runs are made, and none when they are asked for again."""
+    made: list[tuple[str, ...]] = []
+
+    def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
+        made.append(sets)
+        return summary(velocity_m_s=0.4 if len(made) == 1 else 0.2)
+
+    monkeypatch.setattr(paired, "_run", run)
+    case = loaded(tmp_path, (SHORT,))
+    for effect in ("sliding-friction", "particle-load"):
+        found = paired.Pairs().of(case, effect)
+        assert found.refused == ""
+    assert len(made) == 4, "two engines share no runs"
+    pairs = paired.Pairs(forget=True)
+    made.clear()
+    for effect in ("sliding-friction", "particle-load"):
+        pairs.of(case, effect)
+    assert len(made) == 3
+    assert paired.Pairs().of(case, "particle-load").change("velocity") is not None
+    assert len(made) == 3, "remembered"
+
+
+def test_a_pair_that_would_take_too_long_is_refused_and_says_why(tmp_path: Path) -> None:
+    case = loaded(tmp_path, ("duration_s=4.0",))
+    found = paired.Pairs(limit_s=0.01).of(case, "particle-load")
+    assert "a trial run takes about" in found.refused
+    assert found.change("velocity") is None
+
+
+def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:
+    found = paired.Pairs().of(loaded(tmp_path, (SHORT,)), "adhesion")
+    assert "adhesion cannot be left out" in found.refused
