@@ -21,6 +21,29 @@ def test_a_run_whose_coupling_created_energy_is_doubtful(created_J: float, doubt
     assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")
 
 
+@pytest.mark.parametrize(
+    ("left_out", "crossed", "matters", "doubtful"),
+    [
+        ("auto", True, True, True),
+        ("auto", False, True, False),
+        ("", True, True, False),
+        ("auto", True, False, False),
+    ],
+)
+def test_a_run_that_contradicts_what_was_left_out_of_it_is_doubtful(
+    left_out: str, crossed: bool, matters: bool, doubtful: bool
+) -> None:
+    """Not where the effect is there, nor where the run says that it may be left out after all."""
+    after = {"number": "throw", "value": 0.31234, "threshold": "0.1", "matters": matters}
+    entry = {"left_out": left_out, "crossed": crossed, "before": {}, "after": after}
+    summary = {"energy_ledger_J": {}, "effects": {"adhesion": entry}, "results": {}}
+    summary["doubts"] = trust.doubts(summary)
+    assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")
+    if doubtful:
+        (said,) = summary["doubts"]
+        assert "adhesion is left out, and by the run it matters: throw is 0.312" in said
+
+
 def test_a_run_without_results_is_incomplete() -> None:
     assert trust.state_at_end({"doubts": []}) == "incomplete"
 

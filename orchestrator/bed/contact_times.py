@@ -60,6 +60,13 @@ def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_
     return math.pow(15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)
 
 
+def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -> float:
+    """Overlap under a constant force:  (9 F^2 / (16 R E*^2))^(1/3), with reduced radius and
+    modulus.
+    Johnson, K. L., Contact Mechanics, 1985, section 4.2."""
+    return math.pow(9 * force_N**2 / (16 * radius_m * reduced_Pa**2), 1 / 3)
+
+
 def smallest_diameters_m(case: Case) -> dict[str, float]:
     """The smallest diameter of each material that particles are made of."""
     bed = case.bed

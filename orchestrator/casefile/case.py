@@ -133,6 +133,9 @@ class Case(Table):
     effects: Literal["auto"] | tuple[str, ...] | None = None
     """Which effects the case has, of those that can be left out: without, what it describes; a list
     of names, exactly these; "auto", all but what `flipflow explain` says may be left out."""
+    effects_for: tuple[str, ...] = ()
+    """Results, by their short names, that "auto" must not change by more than a tenth; without,
+    all that have one."""
     gravity_m_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box

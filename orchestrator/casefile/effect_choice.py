@@ -18,10 +18,14 @@ from orchestrator.casefile.coarse import coarsened
 from orchestrator.casefile.deck_layout import laid_out
 from orchestrator.casefile.errors import CaseError, Key, Mistake, did_you_mean, shown
 from orchestrator.casefile.loss_curve import damped
+from orchestrator.casefile.origin import Origin
 from orchestrator.casefile.overlays import Layers
 from orchestrator.casefile.slice import sliced
 from orchestrator.checks import OF_TABLES
-from orchestrator.scene.catalogue import EFFECTS, can_go, judged, present, spared, with_dependents
+from orchestrator.results.scalars import SCALARS, scalar
+from orchestrator.scene.catalogue import EFFECTS, can_go, present, spared, with_dependents
+from orchestrator.scene.pair import Pair, key_of, remembered
+from orchestrator.scene.weighing import undecided, weighed
 
 KEY: Key = ("effects",)
 OF_LAW = {law: name for name, effect in EFFECTS.items() for law in effect.laws}
@@ -31,24 +35,31 @@ OF_LAW = {law: name for name, effect in EFFECTS.items() for law in effect.laws}
 class Choice:
     """What ``effects`` did: ``left_out`` by it, name -> why; ``lacking``: what matters and the case
     does not have, in words ("auto" only); ``mistakes`` in the key itself; ``described``: the case
-    with all that it describes, None where nothing was left out."""
+    with all that it describes, None where nothing was left out; ``pairs``: runs with and without
+    an effect that were remembered, by which "auto" chose for the results ``asked`` for;
+    ``undecided``: effects that only such runs could leave out."""
 
     left_out: dict[str, str] = field(default_factory=dict)
     lacking: tuple[str, ...] = ()
     mistakes: tuple[Mistake, ...] = ()
     described: Case | None = None
+    pairs: Mapping[str, Pair] = field(default_factory=dict)
+    asked: tuple[str, ...] = ()
+    undecided: tuple[str, ...] = ()
 
 
-def chosen(layers: Layers, without: Collection[str]) -> Choice:
+def chosen(layers: Layers, without: Collection[str], origin: Origin) -> Choice:
     """Takes ``effects`` out of the layers and lays over them what it wants.  ``without``: names
-    that the level may leave out although they are asked for.  A case that has other mistakes is
-    left as it is."""
+    that the level may leave out although they are asked for; ``origin``: what the case was read
+    from, by which runs with and without an effect are remembered.  A case that has other mistakes
+    is left as it is."""
     asked, file = layers.merged.get("effects"), layers.source(KEY)
-    layers.lay({"effects": None}, file)
+    results = layers.merged.get("effects_for") or ()
+    layers.lay({"effects": None, "effects_for": None}, file)
+    if wrong := (*_misnamed(asked), *_unknown_results(results)):
+        return Choice(mistakes=wrong)
     if asked is None:
         return Choice()
-    if wrong := tuple(_misnamed(asked)):
-        return Choice(mistakes=wrong)
     try:
         bare = Case.model_validate(layers.merged)
         case = shaped(bare)
@@ -58,7 +69,7 @@ def chosen(layers: Layers, without: Collection[str]) -> Choice:
         return Choice()
     source = f"effects in {file}"
     if asked == "auto":
-        return _judged_choice(layers, bare, case, source)
+        return _judged_choice(layers, bare, case, source, origin, tuple(results) or (*SCALARS,))
     return _named_choice(layers, bare, case, asked, without, source)
 
 
@@ -68,8 +79,13 @@ def shaped(bare: Case) -> Case:
     return sliced(coarsened(laid_out(damped(bare))))
 
 
-def _judged_choice(layers: Layers, bare: Case, case: Case, source: str) -> Choice:
-    every = [one for rows in judged(case).values() for one in rows]
+def _judged_choice(
+    layers: Layers, bare: Case, case: Case, source: str, origin: Origin, asked: tuple[str, ...]
+) -> Choice:
+    estimated = [one for rows in weighed(case).values() for one in rows]
+    trying = tuple(one.effect for one in estimated if undecided(one) and EFFECTS[one.effect].saves)
+    pairs = known_pairs(origin, trying)
+    every = [one for rows in weighed(case, pairs, asked).values() for one in rows]
     lacking = tuple(
         f"{one.effect} matters, and the case does not have it: "
         f"{one.verdict.in_numbers}; {one.verdict.why}; {one.key}"
@@ -78,7 +94,29 @@ def _judged_choice(layers: Layers, bare: Case, case: Case, source: str) -> Choic
     )
     spare = with_dependents(spared(every), 'effects = "auto"')
     _leave_out(layers, bare, spare, source)
-    return Choice(_there(case, spare), lacking, described=case)
+    unknown = tuple(name for name in trying if name not in pairs)
+    left_out = _there(case, spare)
+    return Choice(left_out, lacking, (), case, pairs, asked, unknown)
+
+
+def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
+    """Pairs of runs that are remembered of a case, by effect."""
+    if not names:
+        return {}
+    read = origin.read()
+    found = {name: remembered(key_of(read, name)) for name in names}
+    return {name: pair for name, pair in found.items() if pair is not None}
+
+
+def _unknown_results(names: Any) -> Iterator[Mistake]:
+    """In ``effects_for``, what is neither a short name nor a path of keys with dots."""
+    if not isinstance(names, list | tuple):
+        return  # the tables say so
+    for name in names:
+        try:
+            scalar(str(name))
+        except KeyError as error:
+            yield Mistake(("effects_for",), str(error.args[0]))
 
 
 def _named_choice(
@@ -115,7 +153,7 @@ def _leave_out(layers: Layers, bare: Case, spare: Collection[str], source: str) 
 
 def _misnamed(asked: Any) -> Iterator[Mistake]:
     """What is neither "auto" nor a list of names of effects, and laws that exclude each other."""
-    if asked == "auto":
+    if asked == "auto" or asked is None:
         return
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
         yield Mistake(KEY, f'{shown(asked)} is wrong, "auto" or a list of names is wanted')

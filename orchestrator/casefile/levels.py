@@ -39,7 +39,7 @@ NUMERICS = (
     "slice",
     "watch",
 )
-NO_PHYSICS = (*NUMERICS, "effects")
+NO_PHYSICS = (*NUMERICS, "effects", "effects_for")
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,8 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     without = _lay_level(layers, folder, at_level) if at_level else ()
     for override in overrides:
         layers.lay(parsed(override), "--set")
-    choice = chosen(layers, without)
+    origin = Origin(folder, given, at_level, tuple(overrides))
+    choice = chosen(layers, without, origin)
     case = validated(layers, choice.mistakes)
     physics = (key for key in changed(given, layers.merged) if key[0] not in NO_PHYSICS)
     return LoadedCase(
@@ -96,7 +97,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
         left_out=_why_left_out(case, choice),
         layers=layers,
         choice=choice,
-        origin=Origin(folder, given, at_level, tuple(overrides)),
+        origin=origin,
     )
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 
 from orchestrator.commands.options import CasePath, Level, Overrides
-from orchestrator.commands.said import CONSOLE, checked, refuse, said
+from orchestrator.commands.said import CONSOLE, ERRORS, checked, refuse, said
+
+if TYPE_CHECKING:
+    from orchestrator.casefile.levels import LoadedCase
+    from orchestrator.studies.trials import Asked
 
 
 def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> None:
@@ -30,6 +34,17 @@ def explain(
         Path | None,
         typer.Option(help="ladder.json of flipflow ladder [default: the one beside case.toml]"),
     ] = None,
+    results: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            metavar="NAMES",
+            help="results, by short names (efficiency,stroke,...), whose change decides",
+        ),
+    ] = None,
+    budget: Annotated[
+        float, typer.Option(min=0, help="with --for: processor time for all runs / s")
+    ] = 300.0,
     overrides: Overrides = None,
 ) -> None:
     """Say which effects a case calls for, by estimates before any run.
@@ -38,6 +53,10 @@ def explain(
     the threshold, what follows, and which key changes it.  At the end: what matters and is
     lacking, and what could be left out.  No solver is started or needed.  Where flipflow ladder has
     measured what an effect amounts to, its figures take the estimate's place.
+
+    With --for, a verdict is the change of these results in short runs with and without the effect
+    at a cheap level, except where an estimate surely says that it may be left out.  The runs are
+    remembered.
 
     Exit code 0: said, whatever the verdicts; 2: the case has mistakes.
     """
@@ -48,7 +67,24 @@ def explain(
     loaded = checked(case, level, overrides, table_mistakes)
     with said():
         found = stored(loaded, ladder)
-    show(loaded, found)
+        asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
+        show(loaded, found, _tried(loaded, asked, budget), asked)
+
+
+def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:
+    """Runs with and without effects, for results that are ``asked`` for; None where none are."""
+    from orchestrator.results.scalars import scalar
+    from orchestrator.studies.paired import LIMIT_S, Pairs
+    from orchestrator.studies.trials import for_results
+
+    try:
+        for name in asked:
+            scalar(name)
+    except KeyError as error:
+        refuse(f"--for: {error.args[0]}")
+    if not asked:
+        return None
+    return for_results(loaded, Pairs(LIMIT_S, ERRORS.print), budget_s)
 
 
 def list_cases(

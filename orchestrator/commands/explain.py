@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,9 +12,12 @@ from rich.table import Table
 
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.ladder.stored import measured
-from orchestrator.scene.catalogue import Judged, judged, spared, with_dependents
+from orchestrator.scene.catalogue import Judged, spared, with_dependents
 from orchestrator.scene.effect import Part, in_words
+from orchestrator.scene.pair import Pair
+from orchestrator.scene.weighing import weighed
 from orchestrator.stability.choice import AUTO
+from orchestrator.studies.trials import Asked
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
@@ -26,13 +29,19 @@ NOTHING = {
 }
 
 
-def show(loaded: LoadedCase, ladder: Mapping[str, Any] | None = None) -> None:
+def show(
+    loaded: LoadedCase,
+    ladder: Mapping[str, Any] | None = None,
+    tried: Asked | None = None,
+    asked: Sequence[str] = (),
+) -> None:
     """Prints everything about a case without mistakes in its tables; with what a ``ladder``
-    measured of it in place of estimates."""
+    measured of it, or what runs that were ``tried`` say of the results ``asked`` for, in place of
+    estimates."""
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    parts = judged_of(loaded)
+    parts = judged_of(loaded) if tried is None else judged_of(loaded, tried.pairs, asked)
     if ladder is not None:
         parts = {part: [_measured(one, ladder) for one in rows] for part, rows in parts.items()}
     level = f"level {loaded.level}" if loaded.level else "no level"
@@ -41,6 +50,8 @@ def show(loaded: LoadedCase, ladder: Mapping[str, Any] | None = None) -> None:
     console.print(table(parts, COLUMNS[:-1] if narrow else COLUMNS))
     if narrow:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
+    for line in () if tried is None else about_trials(tried, asked):
+        console.print(line, soft_wrap=True)
     for line in summary(loaded, [verdict for rows in parts.values() for verdict in rows]):
         console.print(line, soft_wrap=True)
 
@@ -49,13 +60,21 @@ def _measured(one: Judged, ladder: Mapping[str, Any]) -> Judged:
     return replace(one, verdict=measured(one.effect, one.verdict, ladder))
 
 
-def judged_of(loaded: LoadedCase) -> dict[Part, list[Judged]]:
-    """The case as it describes itself, and what of it is here."""
+def judged_of(
+    loaded: LoadedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
+) -> dict[Part, list[Judged]]:
+    """The case as it describes itself, and what of it is here; with ``pairs`` of runs for the
+    results ``asked`` for, by default those that the case itself has."""
+    if pairs is None:
+        pairs, asked = loaded.choice.pairs, loaded.choice.asked
 
     def here(one: Judged) -> Judged:
         return replace(one, present=one.present and one.effect not in loaded.left_out)
 
-    return {part: [here(one) for one in rows] for part, rows in judged(loaded.described).items()}
+    return {
+        part: [here(one) for one in rows]
+        for part, rows in weighed(loaded.described, pairs, asked).items()
+    }
 
 
 def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
@@ -70,6 +89,20 @@ def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
             found.add_row(*_row(one, going)[: len(columns)])
         found.add_section()
     return found
+
+
+def about_trials(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
+    """What was run, what could not be, and for what the budget did not last."""
+    used_s = sum(pair.processor_s for pair in tried.pairs.values())
+    done = [name for name, pair in tried.pairs.items() if not pair.refused]
+    yield f"for {', '.join(asked)}: {len(done)} effects tried out, {used_s:.0f} s of processor time"
+    for name, pair in tried.pairs.items():
+        if pair.refused:
+            yield f"  {name}: no runs: {pair.refused}"
+        elif not pair.changes(asked):
+            yield f"  {name}: the runs have none of these results"
+    if tried.omitted:
+        yield f"  not tried, as --budget was used: {', '.join(tried.omitted)}"
 
 
 def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:

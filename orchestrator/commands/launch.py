@@ -30,8 +30,11 @@ from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.run import Run
 from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
+from orchestrator.scene.catalogue import EFFECTS
+from orchestrator.scene.pair import agree, key_of
 from orchestrator.stability import words
 from orchestrator.stability.choice import settled_card
+from orchestrator.studies.trials import before
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
 OUT = "out of memory"
@@ -44,13 +47,35 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     try:
         loaded = load(path, level, overrides)
         ready(loaded)
-        entries = account(loaded.described, loaded.left_out)
+        loaded = _tried_out(loaded, path, level, overrides, world)
+        entries = account(
+            loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked
+        )
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
     except Exception as error:
         return refused(world, error)
     return carried_out(loaded, entries, folder, world)
+
+
+def _tried_out(
+    loaded: LoadedCase, path: Path, level: str | None, overrides: Sequence[str], world: Any
+) -> LoadedCase:
+    """The case with what short runs with and without effects say of those that "auto" cannot
+    decide about; the first rank makes or remembers them, and all ranks choose alike."""
+    if not loaded.choice.asked:
+        return loaded
+    say = _console().print
+    made = ranks.first_rank_does(world, lambda: before(loaded, say))
+    if not made and world is None:
+        return loaded
+    known = ranks.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
+    read = loaded.origin.read()
+    agree({key_of(read, name): known.get(name) for name in EFFECTS})
+    loaded = load(path, level, overrides)
+    ready(loaded)
+    return loaded
 
 
 def ready(loaded: LoadedCase) -> None:

@@ -29,6 +29,7 @@ from orchestrator.plans import SolverMissing
 from orchestrator.scene.account import account, at_start
 from orchestrator.stability import words
 from orchestrator.stability.choice import settled_card
+from orchestrator.studies.trials import wanted_before
 
 
 def overview(loaded: LoadedCase) -> Iterator[str]:
@@ -40,7 +41,14 @@ def overview(loaded: LoadedCase) -> Iterator[str]:
     if has_particles(case):
         yield from _particles(loaded)
     yield from _times(loaded)
-    yield from at_start(account(loaded.described, loaded.left_out))
+    yield from at_start(
+        account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
+    )
+    if names := wanted_before(loaded):
+        yield (
+            f'effects = "auto" cannot decide about {", ".join(names)}: '
+            "a run begins with short runs with and without each"
+        )
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
     stability = settled_card(case)

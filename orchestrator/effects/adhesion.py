@@ -24,6 +24,7 @@ def judge(scene: Scene) -> Verdict:
         value=ratio,
         threshold="0.1 (JKR 1971)",
         matters=ratio > TENTH,
+        limit=TENTH,
         why=sticks if pull else f"{dry}{_would_matter(scene, apart)}",
         cost="about half as much again per step (jkr)",
     )

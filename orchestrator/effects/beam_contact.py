@@ -24,6 +24,7 @@ def judge(scene: Scene) -> Verdict | None:
         value=max(shares) if shares else None,
         threshold="1 (it touches)",
         matters=max(shares) > 1 if shares else None,
+        limit=1.0,
         why=known if shares else unknown,
         cost="a few products per point above a beam and sync interval",
     )
@@ -56,4 +57,5 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("panel-deformation",),
     key="stops of panels or decks",
+    checked_by="frames_throw",
 )

@@ -1,4 +1,4 @@
-"""Contacts as stiff as the materials: softened ones must stay small against the particles."""
+"""Contacts as stiff as the materials: softened ones must not let particles through."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from orchestrator.scene.effect import Effect, Verdict
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.softness import STEP_COST, softened, softness
 
-LARGEST_OVERLAP = 0.1  # of the radius: contacts are small against bodies, as Hertz's theory wants
+LARGEST_OVERLAP = 1 / 3
+"""Of the radius.  Results of loaded cases were found to differ by 0.3 % from 1e6 to 1e8 Pa, which
+for cases/ffs0827-slice are estimated overlaps of 0.30 to 0.05.  Overlaps in runs are up to 1.5
+times as large as estimated, so that from here on a particle's centre may come within half a radius
+of a panel, through which it passes at 1."""
 
 
 def judge(scene: Scene) -> Verdict:
@@ -15,7 +19,7 @@ def judge(scene: Scene) -> Verdict:
     return Verdict(
         number="overlap / radius",
         value=found.overlap,
-        threshold="0.1 (Hertz: small contacts)",
+        threshold="0.333 (half a radius in a run)",
         matters=found.overlap > LARGEST_OVERLAP,
         why=found.in_words(found.overlap, LARGEST_OVERLAP, found.where),
         cost=STEP_COST,

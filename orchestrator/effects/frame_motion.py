@@ -12,12 +12,15 @@ def judge(scene: Scene) -> Verdict | None:
     if not scene.panels or not scene.plan.bodies:
         return None
     shaken = scene.speed_rad_s > 0
+    matters = True if scene.throw > TENTH else None
     thrown = f"panels' middles are thrown with {scene.panels_throw:.2g} g"
+    if matters is None:
+        thrown += "; what slow clamps do to the panels' pull, only a run tells"
     return Verdict(
         number="throw",
         value=scene.throw if shaken else None,
         threshold="0.1 (of the weight)",
-        matters=scene.throw > TENTH if shaken else None,
+        matters=matters if shaken else None,
         why=thrown if shaken else "nothing shakes the frames: how they yield, only a run tells",
         cost="nothing",
     )

@@ -20,6 +20,7 @@ def judge(scene: Scene) -> Verdict | None:
         value=ratio,
         threshold="0.1",
         matters=ratio > TENTH if ratio is not None else None,
+        limit=TENTH,
         why=why,
         cost="planar 0.2 ms per sync interval, two-mass, which cannot, 0.1 ms",
     )
@@ -46,4 +47,5 @@ EFFECT = Effect(
     needs=("frame-dynamics",),
     key="frames.solver",
     checked_by="rotation",
+    saves=True,
 )

@@ -16,6 +16,7 @@ def judge(scene: Scene) -> Verdict:
         value=off,
         threshold="0.1 (a tenth of the force)",
         matters=off > TENTH,
+        limit=TENTH,
         why=f"the tautest panel is stretched by {panel.strain:.2%}",
         cost=ELASTIC,
     )

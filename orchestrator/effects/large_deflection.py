@@ -17,6 +17,7 @@ def judge(scene: Scene) -> Verdict:
         value=ratio if moves else None,
         threshold="0.2 (Ventsel, Krauthammer 2001)",
         matters=ratio > LARGE_DEFLECTION if moves else None,
+        limit=LARGE_DEFLECTION,
         why=f"the slackest panel sags by {sag_m * 1e3:.3g} mm" if moves else NOTHING_MOVES,
         cost=ELASTIC,
     )

@@ -21,13 +21,18 @@ def judge(scene: Scene) -> Verdict:
         factor, where = scene.seen.loss_factor, "the frequencies of the panels' pull"
     lost = 2 * math.pi * factor
     given = any(panel.material.branches for panel in scene.panels)
+    matters: bool | None = lost > TENTH
+    why = f"loss factor {factor:.2g} at {where}"
+    if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
+        matters, why = None, f"{why}; near a panel's resonance only damping limits its answer"
     unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
     return Verdict(
         number="energy lost / stored, per cycle",
         value=lost if given else None,
         threshold="0.1 (loss factor 0.016)",
-        matters=lost > TENTH if given else None,
-        why=f"loss factor {factor:.2g} at {where}" if given else unknown,
+        matters=matters if given else None,
+        limit=TENTH,
+        why=why if given else unknown,
         cost="hardly anything for a strip, an eighth to a quarter of a sheet's time",
     )
 
@@ -54,4 +59,5 @@ EFFECT = Effect(
     needs=("panel-deformation",),
     key="materials.<name>.hyperelastic.maxwell",
     checked_by="loss_factor",
+    saves=True,
 )

@@ -15,6 +15,7 @@ def judge(scene: Scene) -> Verdict:
         value=ratio if shaken else None,
         threshold="0.1 (one oscillator)",
         matters=ratio > TENTH if shaken else None,
+        limit=TENTH,
         why=f"the empty panel's lowest is at {frequency:.3g} rad/s" if shaken else NOTHING_MOVES,
         cost=ELASTIC,
     )

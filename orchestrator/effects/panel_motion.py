@@ -16,6 +16,7 @@ def judge(scene: Scene) -> Verdict:
         value=scene.throw if shaken else None,
         threshold="0.1 (of the weight)",
         matters=scene.throw > TENTH if shaken else None,
+        limit=TENTH,
         why=thrown if shaken else "nothing shakes the surface: what bends it, only a run tells",
         cost="the particles' surface is placed at every step",
     )

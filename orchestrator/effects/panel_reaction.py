@@ -25,9 +25,10 @@ def judge(scene: Scene) -> Verdict | None:
         why = "there are no panels"
     return Verdict(
         number="panels / bushings, stiffness along the deck",
-        value=ratio if free else None,
+        value=max(ratio, abs(change)) if free else None,
         threshold="0.1, or the stroke by a tenth",
         matters=free and (ratio > TENTH or abs(change) > TENTH),
+        limit=TENTH,
         why=why,
         cost="hardly anything",
     )

@@ -14,12 +14,17 @@ def judge(scene: Scene) -> Verdict | None:
         return None
     bed = scene.bed_kg_m2
     ratio = bed / min(panel.mass_kg_m2 for panel in scene.panels)
+    matters: bool | None = ratio > TENTH
+    why = f"the bed has up to {bed:.3g} kg/m2"
+    if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
+        matters, why = None, f"{why}; near a panel's resonance little mass shifts much"
     return Verdict(
         number="bed / panel, mass per area",
         value=ratio,
         threshold="0.1 (a tenth of the inertia)",
-        matters=ratio > TENTH,
-        why=f"the bed has up to {bed:.3g} kg/m2",
+        matters=matters,
+        limit=TENTH,
+        why=why,
         cost="a sync interval below a tenth of the shortest impact",
     )
 

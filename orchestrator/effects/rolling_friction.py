@@ -16,6 +16,7 @@ def judge(scene: Scene) -> Verdict:
         value=ratio,
         threshold="0.1 (rolling sphere)",
         matters=ratio > TENTH,
+        limit=TENTH,
         why=takes(ratio, "rolling alone"),
         cost="a contact history (epsd2)",
     )

@@ -21,6 +21,7 @@ def judge(scene: Scene) -> Verdict | None:
         value=ratio,
         threshold="0.1",
         matters=ratio > TENTH if ratio is not None else None,
+        limit=TENTH,
         why=f"{why}; of panels and bushings, not of an uneven bed",
         cost="exudyn 0.35 ms per sync interval, planar, which cannot, 0.2 ms",
     )
@@ -47,4 +48,5 @@ EFFECT = Effect(
     needs=("frame-rotation",),
     key="frames.solver",
     checked_by="sideways",
+    saves=True,
 )

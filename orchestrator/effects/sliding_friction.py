@@ -22,6 +22,7 @@ def _verdict(number: str, ratio: float) -> Verdict:
         value=ratio,
         threshold="0.1 (Coulomb)",
         matters=ratio > TENTH,
+        limit=TENTH,
         why=takes(ratio, "sliding"),
         cost="hardly anything",
     )

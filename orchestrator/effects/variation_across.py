@@ -54,4 +54,5 @@ EFFECT = Effect(
     overlay=overlay,
     needs=("panel-deformation",),
     key="panel.solver",
+    saves=True,
 )

@@ -32,6 +32,7 @@ def judge(scene: Scene) -> Verdict | None:
         value=share if rate_m3_N_m else None,
         threshold="0.1",
         matters=share > TENTH if rate_m3_N_m else None,
+        limit=TENTH,
         why=given if rate_m3_N_m else unknown,
         cost="a few products per contact and step",
     )

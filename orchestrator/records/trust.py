@@ -62,4 +62,22 @@ def _energy_created(summary: Summary) -> Iterator[str]:
         )
 
 
-GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (_energy_created,)
+def _effects_crossed(summary: Summary) -> Iterator[str]:
+    """Nothing may be left out by an estimate that the run itself contradicts."""
+    for name, entry in summary.get("effects", {}).items():
+        after = entry.get("after") or {}
+        if entry.get("left_out") and entry.get("crossed") and after.get("matters"):
+            yield (
+                f"{name} is left out, and by the run it matters: {after['number']} is "
+                f"{_rounded(after['value'])}, threshold {after['threshold']}; do not leave it out."
+            )
+
+
+def _rounded(value: float | None) -> str:
+    return "infinite" if value is None else f"{value:.3g}"
+
+
+GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (
+    _energy_created,
+    _effects_crossed,
+)

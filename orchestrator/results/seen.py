@@ -14,7 +14,7 @@ from orchestrator.results.run_data import RunData, run_data
 from orchestrator.results.seen_bed import bearing, bed_kg_m2, deepest, products, transport_m_s
 from orchestrator.results.seen_motion import SeenMotion
 from orchestrator.scene.account import Entry
-from orchestrator.scene.catalogue import EFFECTS
+from orchestrator.scene.catalogue import EFFECTS, present
 from orchestrator.scene.scene import Scene, scene
 from orchestrator.scene.seen import Seen
 from orchestrator.scene.shaking import shakings
@@ -46,6 +46,7 @@ def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> S
         transport_m_s=transport_m_s(results),
         deepest=deepest(data),
         products=products(data),
+        closed=not present(data.case, "apertures"),
     )
     window = results.get("motion")
     if window is None or not estimated.speed_rad_s > 0:
@@ -59,6 +60,7 @@ def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> S
         sideways=motion.outermost("sideways-motion", out_of_plane),
         panels_N_m=sum(spring.stiffness_N_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
+        turned=motion.turned(),
         bearing=bearing(estimated, data, window["start_s"], window["end_s"]),
     )
     moved = replace(estimated, panels=motion.panels(), seen=seen)

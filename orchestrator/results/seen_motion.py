@@ -14,9 +14,10 @@ from orchestrator.results.seen_forces import loss_factor, spring_N_m
 from orchestrator.scene.catalogue import present
 from orchestrator.scene.moved_panel import MovedPanel
 from orchestrator.scene.scene import Scene
-from orchestrator.scene.seen import Shape
+from orchestrator.scene.seen import Shape, Turned
 from orchestrator.scene.shaking import PanelSpring, free_frames
 from orchestrator.scene.turning import Part, clamps_m
+from orchestrator.tables.frames import Exciter
 
 
 class SeenMotion:
@@ -62,6 +63,25 @@ class SeenMotion:
             return None
         found = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels]
         return max((one for one in found if one is not None), default=None)
+
+    def turned(self) -> Turned | None:
+        """Power of the exciters in the window, and their largest torque before it, revolution by
+        revolution; None where none turns at its own speed: a motor's lag would be in it."""
+        exciters = list(self._data.case.screen.exciters.values())
+        path = "energy/supplied.frames.exciter"
+        if path not in self._data.history or any(one.motor for one in exciters):
+            return None
+        time_s, given_J = self._data.read("energy/time_s"), self._data.read(path)
+        inside = self._inside(time_s)
+        slowest = min(exciters, key=lambda one: one.speed_rad_s)
+        turned_rad = angle_rad(time_s, slowest)
+        before_rad = turned_rad - 2 * np.pi
+        before_J = np.interp(before_rad, turned_rad, given_J)
+        torque_N_m = (given_J - before_J)[before_rad >= 0] / (2 * np.pi)
+        if inside.sum() < 2 or not len(torque_N_m):
+            return None
+        spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
+        return Turned(float(spent_J / over_s), float(torque_N_m.max()))
 
     def _pull(self, panel: MovedPanel) -> tuple[Array, Array]:
         """Times (rows,) and pull (rows,) of a panel."""
@@ -137,6 +157,16 @@ class SeenMotion:
     def _inside(self, time_s: Array) -> Array:
         start_s, end_s = self._window_s
         return np.asarray((time_s >= start_s - 1e-12) & (time_s <= end_s + 1e-12))
+
+
+def angle_rad(time_s: Array, exciter: Exciter) -> Array:
+    """Of a shaft that runs up as prescribed: its speed rises with half a cosine."""
+    since_s = np.maximum(time_s - exciter.start_s, 0.0)
+    run_up_s = exciter.run_up_s
+    rising_s = np.minimum(since_s, run_up_s)
+    lag_s = run_up_s / np.pi * np.sin(np.pi * rising_s / run_up_s) if run_up_s else 0.0
+    turning_s = (rising_s - lag_s) / 2 + (since_s - rising_s)
+    return np.asarray(exciter.speed_rad_s * turning_s)
 
 
 def _height_m(lines_m: Array) -> Array:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from orchestrator.casefile.case import Case
-from orchestrator.scene.catalogue import judged
 from orchestrator.scene.effect import Verdict, in_words
+from orchestrator.scene.pair import Pair
+from orchestrator.scene.weighing import weighed
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,8 @@ class Entry:
 
     @property
     def crossed(self) -> bool:
-        """Whether the run says otherwise."""
-        if self.before is None or self.after is None:
+        """Whether the run says otherwise than the estimate; what two runs measured stands."""
+        if self.before is None or self.after is None or self.before.measured:
             return False
         return {self.before.matters, self.after.matters} == {True, False}
 
@@ -40,10 +41,16 @@ class Entry:
         }
 
 
-def account(described: Case, left_out: Mapping[str, str]) -> dict[str, Entry]:
-    """Of all effects, from the case with all that it describes, and those left out of it."""
+def account(
+    described: Case,
+    left_out: Mapping[str, str],
+    pairs: Mapping[str, Pair] | None = None,
+    asked: Sequence[str] = (),
+) -> dict[str, Entry]:
+    """Of all effects, from the case with all that it describes, and those left out of it.
+    ``pairs`` of runs with and without an effect say what results ``asked`` for they change."""
     found = {}
-    for one in (one for rows in judged(described).values() for one in rows):
+    for one in (one for rows in weighed(described, pairs, asked).values() for one in rows):
         why = left_out.get(one.effect, "")
         found[one.effect] = Entry(why, one.present and not why, one.verdict)
     others = {name: Entry(why, False) for name, why in left_out.items() if name not in found}
@@ -62,7 +69,10 @@ def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
     """The deciding numbers again of what was left out, where the run has them, and warnings where
     they are on the other side of their thresholds."""
     for name, one in entries.items():
-        if not one.left_out or one.after is None or one.before is None:
+        if not one.left_out or one.before is None:
+            continue
+        if one.after is None:
+            yield f"left out: {name}; the run does not tell what it would have changed"
             continue
         yield f"left out: {name}; by the run {one.after.in_numbers}"
         if one.crossed:
@@ -84,5 +94,6 @@ def _figures(verdict: Verdict | None) -> dict[str, Any] | None:
         "value": None if verdict.value is None or math.isinf(verdict.value) else verdict.value,
         "threshold": verdict.threshold,
         "matters": verdict.matters,
+        "measured": verdict.measured,
         "why": verdict.why,
     }

@@ -25,6 +25,8 @@ def _found() -> dict[str, Effect]:
 
 
 EFFECTS = _found()
+FLAT = ("frames", "panel", "particles", "hand_over")
+"""Tables of the case that have no tables in them: solvers and hand-overs."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,7 @@ def judged(case: Case) -> dict[Part, list[Judged]]:
 def can_go(case: Case, name: str) -> bool:
     """Whether keys of the case leave it out that do not do so yet: neither it nor, with another
     value of the same key, something that it needs."""
-    gone = any(EFFECTS[one].left_out(case) for one in (name, *_needs(name)))
+    gone = any(EFFECTS[one].left_out(case) for one in (name, *needs_of(name)))
     return bool(EFFECTS[name].overlay(case)) and not gone
 
 
@@ -84,16 +86,16 @@ def with_dependents(names: Collection[str], why: str) -> dict[str, str]:
     """These, and all that needs one of them: name -> why."""
     found = dict.fromkeys(names, why)
     for name in EFFECTS:
-        if need := next((need for need in _needs(name) if need in names), None):
+        if need := next((need for need in needs_of(name) if need in names), None):
             found[name] = f"it needs {need}, which is left out"
     return found
 
 
-def _needs(name: str) -> Iterator[str]:
+def needs_of(name: str) -> Iterator[str]:
     """All effects without which this is nothing."""
     for need in EFFECTS[name].needs:
         yield need
-        yield from _needs(need)
+        yield from needs_of(need)
 
 
 def present(case: Case, name: str) -> bool:
@@ -101,6 +103,19 @@ def present(case: Case, name: str) -> bool:
     effect = EFFECTS[name]
     there = effect.described(case) and not effect.left_out(case)
     return there and all(present(case, one) for one in effect.needs)
+
+
+def taken_along(case: Case, name: str) -> list[str]:
+    """What else the case loses with an effect although it does not need it: solvers that leave out
+    the one may not know the other."""
+    flat = {
+        table: getattr(case, table).model_copy(update=dict(keys))
+        for table, keys in EFFECTS[name].overlay(case).items()
+        if table in FLAT
+    }
+    without = case.model_copy(update=flat)
+    others = (one for one in EFFECTS if one != name and name not in needs_of(one))
+    return [one for one in others if present(case, one) and not present(without, one)]
 
 
 def left_out(case: Case) -> dict[str, str]:

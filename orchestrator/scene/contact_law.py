@@ -42,4 +42,5 @@ def contact_law(
         laws={name: {"particles": {law: name}} for name in laws},
         key=key,
         checked_by=checked_by,
+        saves=True,
     )

@@ -14,6 +14,8 @@ from orchestrator.scene.seen import What
 Part = Literal["particles", "panels", "frames", "machine"]
 Overlay = Mapping[str, Any]
 NOTHING_BUT_ROUNDING = 1e-9
+MARGIN = 3.0
+"""Estimates are good to a factor of three (docs/theory/effects.md): the project's own choice."""
 TENTH = 0.1
 """What changes a result by less than a tenth may be left out: the project's own choice, as the
 amplitudes of cases/ffs0827-empty meet the published ones to about a tenth."""
@@ -25,7 +27,9 @@ class Verdict:
 
     ``number`` names the dimensionless number that decides, ``value`` is its value (None: there is
     none), ``threshold`` what it is compared with; ``matters`` is None where the scene does not
-    tell; ``why`` says so in words, ``cost`` what the effect costs.
+    tell; ``why`` says so in words, ``cost`` what the effect costs.  ``limit`` is the threshold as
+    a number where the estimate is only good to a factor: within ``MARGIN`` below it, the estimate
+    does not decide.  ``measured`` marks a verdict by a pair of runs with and without the effect.
     """
 
     number: str
@@ -34,6 +38,16 @@ class Verdict:
     matters: bool | None
     why: str
     cost: str = ""
+    limit: float | None = None
+    measured: bool = False
+
+    @property
+    def is_close(self) -> bool:
+        """Whether the value is below the limit and yet too near to it for an estimate to say that
+        the effect may be left out."""
+        if self.limit is None or self.value is None or self.measured:
+            return False
+        return self.limit / MARGIN < self.value <= self.limit
 
     @property
     def value_in_words(self) -> str:
@@ -81,7 +95,8 @@ class Effect:
     it; two of them exclude each other.  ``key``: what a user changes to have it or not.
     ``undescribed``: keys that take it out of the data where ``overlay`` chooses another law, for
     the benchmark.  ``checked_by``: what a run must tell (a field of ``Seen``) for ``judge`` to be
-    asked again after it.
+    asked again after it.  ``saves``: whether a run without it takes less time, so that it is worth
+    a trial.
     """
 
     part: Part
@@ -94,6 +109,7 @@ class Effect:
     laws: Mapping[str, Overlay] = field(default_factory=dict)
     key: str = ""
     checked_by: What | None = None
+    saves: bool = False
 
     @property
     def optional(self) -> bool:

@@ -135,6 +135,30 @@ def stiffness_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
     return float(1 / (1 - cut + cut / net))
 
 
+def softest_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
+    """Lower bound of the same: besides its net section, each row of openings gives way like a row
+    of collinear cracks as long as the openings are wide, (4 W / pi) ln sec(pi a / W) for cracks
+    2 a at the pitch W; rows near each other shield each other and are stiffer.  Tada, H., Paris,
+    P. C. and Irwin, G. R., The Stress Analysis of Cracks Handbook, 3rd ed., 2000, section 7."""
+    if pattern is None:
+        return 1.0
+    (low, high) = pattern.region_m(rectangle)
+    along, across = (high - low) / (rectangle.length_m, rectangle.width_m)
+    rows = along * rectangle.length_m / pattern.pitch_along_m
+    opened = min(0.999, pattern.width_m / pattern.pitch_across_m)
+    crack_m = 4 * pattern.pitch_across_m / math.pi * math.log(1 / math.cos(math.pi / 2 * opened))
+    gives = across * rows * crack_m / rectangle.length_m
+    return float(1 / (1 / stiffness_share(pattern, rectangle) + gives))
+
+
+def answer(ratio: float) -> float:
+    """Amplitude of the middle of a panel against its clamps, over theirs normal to it, when they
+    are shaken at ``ratio`` times its lowest frequency without damping: the sine's share of a
+    uniform load, 4/pi, times r^2 / |1 - r^2|.  Infinite at resonance."""
+    square = ratio**2
+    return math.inf if square == 1.0 else 4 / math.pi * square / abs(1 - square)
+
+
 def mooney_ratio(law: Hyperelastic, strain: float) -> float:
     """Nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
     over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,

@@ -50,7 +50,7 @@ class Pair:
     """Two runs of a case at a cheap level; ``refused`` says why there are none ("": there are).
 
     ``summary_with`` and ``summary_without`` are theirs; ``processor_s`` is of both together;
-    ``level`` and ``sets`` say how the case was made cheap.
+    ``level`` and ``sets`` say how the case was made cheap, ``limit_s`` what a run was allowed.
     """
 
     effect: str
@@ -58,6 +58,7 @@ class Pair:
     sets: tuple[str, ...] = ()
     refused: str = ""
     processor_s: float = 0.0
+    limit_s: float = 0.0
     summary_with: Mapping[str, Any] | None = None
     summary_without: Mapping[str, Any] | None = None
 
@@ -104,14 +105,25 @@ def _program() -> str:
     return json.dumps([commit(), versions()], sort_keys=True)
 
 
-def key(read: Mapping[str, Any], effect: str) -> str:
+def key_of(read: Mapping[str, Any], effect: str) -> str:
     """``read``: all that the case was read from (``casefile/origin.py``)."""
     text = json.dumps([_program(), read, effect], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
+_AGREED: dict[str, Pair | None] = {}
+
+
+def agree(found: Mapping[str, Pair | None]) -> None:
+    """From now on, this process remembers these pairs by their keys, whatever its own memory has:
+    processes that run one case together must choose alike."""
+    _AGREED.update(found)
+
+
 def remembered(found: str) -> Pair | None:
     """The pair of a key; None where it is not known, or its file is no pair."""
+    if found in _AGREED:
+        return _AGREED[found]
     try:
         table = json.loads((memory() / f"{found}.json").read_text(encoding="utf-8"))
         return Pair(**(table | {"sets": tuple(table["sets"])}))

@@ -27,6 +27,7 @@ from orchestrator.scene.seen import Seen
 from orchestrator.scene.shaking import PanelSpring, Shaking, shakings
 
 STANDARD_GRAVITY_M_S2 = 9.81
+RESONANT = (0.7, 1.4)  # of the lowest frequency: one oscillator answers twice as much or more
 ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
 NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
 ELASTIC = "every panel.solver but rigid has it"
@@ -95,6 +96,12 @@ class Scene:
         """Tangent of the flattest panel's slope against the horizontal; 0 without panels."""
         sines = [min(1.0, abs(p.panel.rectangle.along[2])) for p in self.panels]
         return math.tan(math.asin(min(sines, default=0.0)))
+
+    def near_resonance(self, panel: MovedPanel) -> bool:
+        """Whether the excitation is so near to a panel's lowest frequency that its answer is
+        several times the static one."""
+        ratio = self.speed_rad_s / panel.frequency_rad_s
+        return RESONANT[0] < ratio < RESONANT[1]
 
     @property
     def impact_m_s(self) -> float:

@@ -43,6 +43,15 @@ class Products:
 
 
 @dataclass(frozen=True)
+class Turned:
+    """Mean power of the exciters on the frames, and the largest of a cycle during the run-up over
+    the speed that the shafts had then: the torque."""
+
+    power_W: float
+    largest_N_m: float
+
+
+@dataclass(frozen=True)
 class Seen:
     """None where the run does not tell.
 
@@ -53,7 +62,8 @@ class Seen:
     plane, over its translation, and words about it.  ``transport_m_s``: speed of the bed along the
     deck.  ``panels_N_m``: stiffness of all panels along themselves, pull over stretch; with it the
     scene's springs have the run's, and ``shaken`` is the frames' motion with them.
-    ``loss_factor``: largest of the panels', at the frequencies of their pull.
+    ``loss_factor``: largest of the panels', at the frequencies of their pull.  ``closed``: the
+    panels of the run have no openings.  ``turned``: what the run's exciters took.
     """
 
     frames_throw: float | None = None
@@ -66,6 +76,8 @@ class Seen:
     bearing: Bearing | None = None
     deepest: Deepest | None = None
     products: Products | None = None
+    closed: bool = False
+    turned: Turned | None = None
 
 
 What = Literal[
@@ -79,4 +91,5 @@ What = Literal[
     "bearing",
     "deepest",
     "products",
+    "turned",
 ]

@@ -28,13 +28,13 @@ from orchestrator.deck.panels import single_panels
 from orchestrator.ladder.cost import particles_at_start, predicted_s
 from orchestrator.playback import turning
 from orchestrator.records.run_folder import resolved
-from orchestrator.records.trust import is_trusted
+from orchestrator.records.trust import DOUBTFUL, doubts, is_trusted
 from orchestrator.scene.catalogue import EFFECTS, can_go, present, with_dependents
-from orchestrator.scene.pair import Pair, key, remember, remembered
+from orchestrator.scene.pair import Pair, key_of, remember, remembered
 from orchestrator.studies.sampling import sample_s
 from orchestrator.studies.sweep import MAIN
 
-LIMIT_S = 60.0
+LIMIT_S = 30.0
 """Processor time that one run of a pair may take, as it is predicted."""
 PATIENCE = 10.0
 """A run that takes this many times the limit in wall time is ended: prediction errs by a factor of
@@ -71,13 +71,14 @@ class Pairs:
 
     def of(self, loaded: LoadedCase, effect: str) -> Pair:
         """The pair of a case and an effect that it has, from memory if it is known."""
-        found = key(loaded.origin.read() | {"limit_s": self.limit_s}, effect)
-        if not self.forget and (known := remembered(found)) is not None:
+        found = key_of(loaded.origin.read(), effect)
+        known = None if self.forget else remembered(found)
+        if known is not None and not (known.refused and known.limit_s < self.limit_s):
             return known
         try:
             pair = self._made(loaded, effect)
         except NoPair as why:
-            pair = Pair(effect, refused=str(why))
+            pair = Pair(effect, refused=str(why), limit_s=self.limit_s)
         remember(found, pair)
         return pair
 
@@ -90,7 +91,7 @@ class Pairs:
             path, level, (*sets, _named(kept)), f"{loaded.name} without {effect}"
         )
         used_s = with_it["processor_s"] + without["processor_s"]
-        return Pair(effect, level, sets, "", used_s, with_it, without)
+        return Pair(effect, level, sets, "", used_s, self.limit_s, with_it, without)
 
     def _summary(self, path: Path, level: str, sets: tuple[str, ...], what: str) -> dict[str, Any]:
         """Of the run of a case with ``sets``.  Raises NoPair."""
@@ -128,10 +129,17 @@ def _run(
         except (OSError, ValueError):
             said = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
             raise NoPair(f"{what} left nothing: {said[0]}") from None
-    if not is_trusted(summary["status"]):
+    if not _is_usable(summary):
         reasons = [summary.get("reason", ""), *summary.get("doubts", [])]
         raise NoPair(f"{what} ended {summary['status']}: {'; '.join(filter(None, reasons))}")
     return summary
+
+
+def _is_usable(summary: dict[str, Any]) -> bool:
+    """Whether a run is to be trusted, but for what the pair left out on purpose."""
+    state: str = summary["status"]
+    of_effects_alone = state == DOUBTFUL and not doubts(summary | {"effects": {}})
+    return is_trusted(state) or of_effects_alone
 
 
 def _cheap(loaded: LoadedCase, effect: str, limit_s: float) -> tuple[str, tuple[str, ...]]:

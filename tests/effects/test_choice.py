@@ -175,12 +175,12 @@ def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> No
     said = [line for line in warnings(found) if "matters, and the case does not have it" in line]
     lacking = {line.split()[0] for line in said}
     of_panels = {"panel-deformation", "large-deflection", "panel-inertia", "particle-load"}
-    assert lacking == of_panels | {"feed", "removal", "run-up"}
+    assert lacking == of_panels | {"run-up"}
     assert found.case.panel.solver == "rigid"
 
 
 def test_auto_keeps_a_feed_that_is_all_there_is(tmp_path: Path) -> None:
-    given = ["effects=auto", FEED, "duration_s=0.05", "screen.inclination_deg=20"]
+    given = ["effects=auto", FEED, "duration_s=0.005", "screen.inclination_deg=20"]
     assert load(written(tmp_path, BARE), None, given).case.bed.feeds
     with_ball = load(written(tmp_path), None, given)
     assert not with_ball.case.bed.feeds

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from orchestrator.planning import frames_plan
+from orchestrator.results.seen_motion import angle_rad
 from orchestrator.scene.catalogue import EFFECTS, present
 from orchestrator.scene.scene import scene
+from orchestrator.scene.seen import Seen, Turned
+from orchestrator.tables.frames import Exciter
 from tests.case.cases import loaded, only_complaint
 from tests.effects.verdicts import verdict
 
@@ -71,3 +75,30 @@ def test_slip_that_is_not_named_takes_the_motor_away(tmp_path: Path) -> None:
     case = loaded(tmp_path, [MOTOR, PLANAR, f"effects={others}"])
     assert case.case.screen.exciters["shaft"].motor is None
     assert set(case.left_out) == {"motor-slip", "sideways-motion"}
+
+
+def test_a_shaft_that_runs_up_has_turned_half_as_far() -> None:
+    """Half a cosine: the mean speed of the run-up is half of the full one."""
+    exciter = Exciter(
+        frame="driving",
+        position_m=(0.0, 0.0, 0.0),
+        mass_moment_kg_m=1.0,
+        speed_rad_s=80.0,
+        run_up_s=0.2,
+        start_s=0.1,
+    )
+    turned = angle_rad(np.array([0.0, 0.1, 0.2, 0.3, 0.4]), exciter)
+    half_way = 80.0 * (0.1 / 2 - 0.2 / (2 * np.pi))
+    np.testing.assert_allclose(turned, [0.0, 0.0, half_way, 8.0, 16.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(("largest_N_m", "matters"), [(0.01, False), (5.0, None), (1e3, True)])
+def test_a_run_without_the_motor_says_whether_it_would_have_passed(
+    tmp_path: Path, largest_N_m: float, matters: bool | None
+) -> None:
+    """By the torque that the machine took on its way up, in place of the steady motion's there."""
+    estimated = scene(loaded(tmp_path, [MOTOR, DAMPED, PLANAR]).case)
+    seen = replace(estimated, seen=Seen(turned=Turned(power_W=0.01, largest_N_m=largest_N_m)))
+    found = EFFECTS["motor-slip"].judge(seen)
+    assert found is not None
+    assert found.matters is matters

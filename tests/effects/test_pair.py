@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.casefile.levels import load
 from orchestrator.results.scalars import SCALARS, Value, scalar
-from orchestrator.scene.pair import Pair, changed, key, remember, remembered
+from orchestrator.scene.pair import Pair, changed, key_of, remember, remembered
 from orchestrator.studies import paired
 from tests.case.cases import CASE, loaded, written
 
@@ -74,13 +74,13 @@ def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
 def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
     folder = written(tmp_path / "case", CASE)
     read = load(folder).origin.read()
-    assert remembered(key(read, "adhesion")) is None
-    remember(key(read, "adhesion"), Pair("adhesion", "draft", ("a=1",), "", 2.0))
-    assert remembered(key(read, "adhesion")) == Pair("adhesion", "draft", ("a=1",), "", 2.0)
+    assert remembered(key_of(read, "adhesion")) is None
+    remember(key_of(read, "adhesion"), Pair("adhesion", "draft", ("a=1",), "", 2.0))
+    assert remembered(key_of(read, "adhesion")) == Pair("adhesion", "draft", ("a=1",), "", 2.0)
     other = load(folder, None, ["duration_s=0.04"]).origin.read()
-    assert key(other, "adhesion") != key(read, "adhesion")
+    assert key_of(other, "adhesion") != key_of(read, "adhesion")
     asked = load(folder, None, ["effects=auto"]).origin.read()
-    assert key(asked, "adhesion") == key(read, "adhesion")
+    assert key_of(asked, "adhesion") == key_of(read, "adhesion")
 
 
 def test_the_run_with_everything_is_made_once(

@@ -131,14 +131,21 @@ def test_softened_too_much(tmp_path: Path) -> None:
     assert found.lacking
 
 
-def test_stiffness_counts_only_for_sizes_near_the_openings(tmp_path: Path) -> None:
-    """Openings of 12 mm: the ball of 20 mm is beyond 1.5 of them, one of 15 mm is not."""
-    ball = "bed.particles.ball.diameter_m="
+def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path) -> None:
+    """Openings of 12 mm let pass what is finer than 12 mm and, by an overlap of e radii on both
+    sides, than 12 (1 + e) mm: of sizes from 10 to 20 mm, by mass, (d^4 - 10^4) / (20^4 - 10^4)."""
     assert verdict(tmp_path, "stiffness-at-openings", APERTURES).verdict.value == 0.0
-    near = verdict(tmp_path, "stiffness-at-openings", APERTURES, f"{ball}0.015")
-    radius = verdict(tmp_path, "contact-stiffness", APERTURES, f"{ball}0.015")
-    assert near.verdict.value == pytest.approx(radius.verdict.value / 2, rel=1e-9)
-    assert near.verdict.matters
+    given = (APERTURES, BLOCK)
+    near = verdict(tmp_path, "stiffness-at-openings", *given)
+    radii = verdict(tmp_path, "contact-stiffness", *given).verdict.value
+    assert radii is not None
+    more = (1 + radii) ** 4 * 12**4 - 12**4
+    assert near.verdict.value == pytest.approx(more / (12**4 - 10**4), rel=1e-6)
+    assert near.verdict.matters is None, "only those that strike it overlap so much"
+    soft = verdict(
+        tmp_path, "stiffness-at-openings", *given, "particles.largest_youngs_modulus_Pa=1e3"
+    )
+    assert soft.verdict.matters is True, "they sink through by their weight"
 
 
 @pytest.mark.parametrize(

@@ -186,7 +186,7 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunData, figures: dict
     [
         ("size-distribution", Seen(products=Products(1.5, "so")), 1.5, True),
         ("size-distribution", Seen(products=Products(1.05, "so")), 1.05, False),
-        ("contact-stiffness", Seen(deepest=Deepest(0.08, 0.0)), 0.16, True),
+        ("contact-stiffness", Seen(deepest=Deepest(0.2, 0.0)), 0.4, True),
         ("contact-stiffness", Seen(deepest=Deepest(0.01, 0.0)), 0.02, False),
         ("panel-damping", Seen(loss_factor=0.02), 0.04 * math.pi, True),
         ("sliding-friction", Seen(bearing=Bearing(0.5, 0.01)), 0.005 / math.tan(DECK_RAD), False),

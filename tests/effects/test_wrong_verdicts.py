@@ -1,0 +1,239 @@
+"""Verdicts that brute force, the same run with and without the effect, has shown to be wrong: what
+was left out by them, and what closed forms say of it now."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.casefile.levels import load
+from orchestrator.results.scalars import SCALARS
+from orchestrator.scene.account import account
+from orchestrator.scene.catalogue import Judged, judged, needs_of, taken_along
+from orchestrator.scene.effect import Verdict
+from orchestrator.scene.pair import Pair, key_of, remember
+from orchestrator.scene.weighing import weighed
+from orchestrator.studies.paired import Pairs
+from tests.case.cases import loaded, only_complaint, written
+from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
+
+CASES = Path(__file__).parents[2] / "cases"
+TAUT = (
+    "screen.decks.deck.tension_m=0.008",
+    "screen.decks.deck.length_m=0.290",
+    "screen.decks.deck.apertures.margin_along_m=0.03",
+)
+ACROSS = (
+    "screen.decks.deck.apertures={length_m=0.003, width_m=0.020, pitch_along_m=0.018, "
+    "pitch_across_m=0.025}"
+)
+WEAK = "screen.exciters.shaft.motor.rated_power_W=200.0"
+ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
+    "screen.panels.deck.frames=['driving', 'driving']",
+    "screen.panels.deck.tension_m=0.003",
+    "screen.panels.deck.length_m=0.3",
+    "screen.frames.driving.drive.amplitude_m=[0.0, 0.0, 0.0015]",
+    "particles.solver=none",
+)
+
+
+def of(case: str, *sets: str, level: str | None = "draft") -> dict[str, Judged]:
+    """What is said of a shipped case, by effect."""
+    described = load(CASES / case, level, sets).described
+    return {one.effect: one for rows in weighed(described).values() for one in rows}
+
+
+def test_taut_mats_that_hold_the_frames_together_are_not_left_out() -> None:
+    """Brute force: a relative amplitude of 32.5 mm without panel-deformation instead of 3.43."""
+    found = of("ffs0827-empty", *TAUT)["panel-deformation"]
+    assert found.verdict.matters is True
+    assert found.verdict.value == pytest.approx(31.8 / 3.58 - 1, rel=0.01)
+    auto = load(CASES / "ffs0827-empty", "draft", [*TAUT, "effects=auto"])
+    assert auto.case.panel.solver == "strip"
+    assert "panel-deformation" not in auto.left_out
+
+
+def test_openings_that_soften_the_mats_are_not_left_out() -> None:
+    """Brute force: 3.61 mm without the slots across the pull instead of 7.88."""
+    found = of("ffs0827-empty", ACROSS)["apertures"]
+    assert found.verdict.matters is True
+    assert "change of the stroke" in found.verdict.number
+    auto = load(CASES / "ffs0827-empty", "draft", [ACROSS, "effects=auto"])
+    assert "apertures" not in auto.left_out
+
+
+@pytest.mark.parametrize("speed_share", [1.0, 0.9, 0.5])
+def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share: float) -> None:
+    """Brute force at resonance: 1.5 mm without panel-deformation instead of 11.8."""
+    case = load(written(tmp_path, DRIVEN_CASE), None, ONE_MAT).case
+    mat = {one.effect: one for rows in judged(case).values() for one in rows}["panel-inertia"]
+    assert mat.verdict.value is not None
+    own_rad_s = 80.0 / mat.verdict.value**0.5
+    turns = f"screen.frames.driving.drive.speed_rad_s={speed_share * own_rad_s}"
+    there = load(tmp_path, None, [*ONE_MAT, turns, "effects=auto"])
+    assert there.case.panel.solver == "sheet"
+    assert "panel-deformation" not in there.left_out
+
+
+def test_a_motor_that_a_resonance_may_catch_is_not_left_out() -> None:
+    """Brute force: caught at the resonance with 200 W; a strong one passes."""
+    assert of("motor-start", WEAK)["motor-slip"].verdict.matters is True
+    auto = load(CASES / "motor-start", "draft", [WEAK, "effects=auto"])
+    assert "motor-slip" not in auto.left_out
+    assert of("motor-start")["motor-slip"].verdict.matters is None, "900 W: 0.54 of the torque"
+    strong = WEAK.replace("200.0", "2000.0")
+    assert of("motor-start", strong)["motor-slip"].verdict.matters is False
+
+
+def test_removal_and_feed_stay_where_material_may_reach_the_exits() -> None:
+    """Measured: 1.1 to 1.9 m/s, where 0.34 was assumed."""
+    found = of("ffs0827-slice", "duration_s=0.7", level=None)
+    assert found["removal"].verdict.matters is None
+    assert found["feed"].verdict.matters is True
+    auto = load(CASES / "ffs0827-slice", None, ["duration_s=0.7", "effects=auto"])
+    assert not {"feed", "removal"} & set(auto.left_out)
+
+
+def test_what_passes_the_openings_leaves_in_the_shortest_run(tmp_path: Path) -> None:
+    """Closed mats keep what lies on them for as long as it takes to go over the deck."""
+    short = (TILTED, "duration_s=0.001")
+    ball = "bed.particles.ball.diameter_m=0.005"
+
+    def removal(*sets: str) -> Verdict:
+        case = loaded(tmp_path, [*short, *sets]).case
+        every = {one.effect: one for rows in weighed(case).values() for one in rows}
+        return every["removal"].verdict
+
+    assert removal().matters is False
+    assert removal(APERTURES, ball).matters is None
+
+
+@pytest.mark.parametrize("case", ["ffs0827-slice", "quickstart", "banana", "motor-start"])
+def test_softened_contacts_of_shipped_cases_are_no_false_alarms(case: str) -> None:
+    """Runs from 1e6 to 1e8 Pa differ by 0.3 %; a radius deep, particles fall through."""
+    found = of(case, level=None)
+    assert found["contact-stiffness"].verdict.matters is False
+    if "stiffness-at-openings" in found:
+        assert found["stiffness-at-openings"].verdict.matters is False
+    soft = of(case, "particles.largest_youngs_modulus_Pa=1e4", level=None)["contact-stiffness"]
+    assert soft.verdict.matters is True
+
+
+CONSISTENT = [
+    ("ffs0827-empty", "draft", ()),
+    ("ffs0827-empty", "draft", TAUT),
+    ("ffs0827-empty", "draft", (ACROSS,)),
+    ("motor-start", "draft", (WEAK,)),
+    ("quickstart", "draft", ()),
+    ("ball-on-panel", None, ()),
+    ("panel-cycle", None, ()),
+    ("banana", None, ()),
+]
+
+
+@pytest.mark.parametrize(("case", "level", "sets"), CONSISTENT)
+def test_nothing_is_left_out_that_something_needs(
+    case: str, level: str | None, sets: tuple[str, ...]
+) -> None:
+    found = of(case, *sets, level=level)
+    for one in found.values():
+        along = taken_along(load(CASES / case, level, sets).described, one.effect)
+        others = [
+            other
+            for other in found.values()
+            if one.effect in needs_of(other.effect) or other.effect in along
+        ]
+        if one.verdict.matters is False and one.present:
+            assert all(o.verdict.matters is False for o in others if o.present), one
+
+
+def test_an_estimate_near_its_threshold_does_not_decide() -> None:
+    near = Verdict("number", 0.05, "0.1", False, "why", limit=0.1)
+    far = Verdict("number", 0.03, "0.1", False, "why", limit=0.1)
+    assert (near.is_close, far.is_close) == (True, False)
+    other = Verdict("layers", 4.0, "5", False, "why")
+    assert not other.is_close, "a count is what it is"
+
+
+def test_names_of_results_are_in_the_manual() -> None:
+    text = (CASES.parent / "docs" / "theory" / "effects.md").read_text()
+    assert all(f"`{name}`" in text for name in SCALARS)
+
+
+def test_auto_takes_what_two_runs_said_and_asks_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A pair that is remembered lets "auto" leave out what no estimate can decide about, for the
+    results that the case is for; another case does not have it."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    sets = ["effects=auto", 'effects_for=["stroke"]']
+    name, before = "motor-slip", load(CASES / "motor-start", "draft", sets)
+    assert name not in before.left_out
+    assert name in before.choice.undecided
+    assert "panel-damping" not in before.choice.undecided, "an estimate says that it matters"
+
+    def run(stroke_m: float) -> dict[str, object]:
+        motion = {"frames": {"a": {"amplitude_m": [stroke_m, 0.0, 0.0]}}}
+        return {"results": {"motion": motion}}
+
+    pair = Pair(name, summary_with=run(0.006), summary_without=run(0.0061))
+    remember(key_of(before.origin.read(), name), pair)
+    after = load(CASES / "motor-start", "draft", sets)
+    assert name in after.left_out
+    assert name not in after.choice.undecided
+    entry = account(after.described, after.left_out, after.choice.pairs, after.choice.asked)[name]
+    assert entry.before is not None
+    assert entry.before.measured
+    other = load(CASES / "motor-start", "draft", [*sets, "duration_s=0.3"])
+    assert name not in other.left_out
+
+
+def test_results_that_there_are_not_are_refused(tmp_path: Path) -> None:
+    said = only_complaint(tmp_path, "effects=auto", 'effects_for=["eficiency"]')
+    assert 'no result "eficiency"; did you mean "efficiency"?' in said
+
+
+def test_two_runs_take_the_place_of_an_estimate() -> None:
+    """Panels whose deformation matters by an estimate, and 1 % of the stroke by two runs."""
+
+    def run(stroke_m: float) -> dict[str, object]:
+        motion = {"frames": {"a": {"amplitude_m": [stroke_m, 0.0, 0.0]}}}
+        return {"results": {"motion": motion}}
+
+    pair = Pair("sideways-motion", summary_with=run(0.006), summary_without=run(0.00606))
+    described = load(CASES / "ffs0827-empty", "draft").described
+    rows = weighed(described, {"sideways-motion": pair}, ("stroke",))
+    found = next(one for one in rows["frames"] if one.effect == "sideways-motion")
+    assert found.verdict.measured
+    assert found.verdict.value == pytest.approx(0.01)
+    assert found.verdict.matters is False
+    nothing = weighed(described, {"sideways-motion": pair}, ("efficiency",))
+    assert not next(o for o in nothing["frames"] if o.effect == "sideways-motion").verdict.measured
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("case", "effect", "sets", "with_it", "without"),
+    [
+        ("ffs0827-empty", "panel-deformation", TAUT, 3.43e-3, 32.5e-3),
+        ("ffs0827-empty", "apertures", (ACROSS,), 7.88e-3, 3.61e-3),
+    ],
+)
+def test_brute_force_of_the_stroke(
+    case: str,
+    effect: str,
+    sets: tuple[str, ...],
+    with_it: float,
+    without: float,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The same run with and without the effect, over all of the case's 1.6 s."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    found = Pairs(limit_s=600.0).of(load(CASES / case, "draft", sets), effect)
+    assert found.refused == ""
+    change = found.change("stroke")
+    assert change is not None
+    assert change.with_it == pytest.approx(with_it, rel=0.1)
+    assert change.without == pytest.approx(without, rel=0.1)
