@@ -18,7 +18,8 @@ from orchestrator.children import python
 from orchestrator.progress import Progress
 from orchestrator.records import summary, trust
 from orchestrator.records.run_folder import LOG, write_json
-from orchestrator.results.compute import results
+from orchestrator.results.compute import named_error, plain, results
+from orchestrator.results.probe_figures import probe_figures
 from orchestrator.results.seen import checked
 from orchestrator.results.store import store
 from orchestrator.scene.account import Entry, at_end
@@ -64,7 +65,7 @@ class Ending:
             **progress.figures,
         }
         if figures["sync_intervals"]:
-            figures["probes"] = summary.probes(folder / "history.h5", figures["cycle_s"])
+            figures["probes"] = plain(probe_figures(folder / "history.h5", case))
         write_json(folder / "summary.json", figures)
         if figures["sync_intervals"]:
             self._add_results(figures)
@@ -79,19 +80,34 @@ class Ending:
     def _add_results(self, figures: dict[str, Any]) -> None:
         """Adds the results to ``figures`` and to ``history.h5``.
 
-        Where they cannot be made, that is said on the console and in the log, and nothing else is
-        lost.
+        What could not be made is said on the console and in the log, and nothing else is lost.
         """
         try:
-            figures["results"] = results(self.folder)
-            store(self.folder / "history.h5", figures["results"])
-            self._check_effects(figures)
+            found = figures["results"] = results(self.folder)
         except OSError:
             raise
         except Exception as error:
             LOG.exception("no results: %s", error)
-            what = f"the results could not be made ({type(error).__name__}: {error})"
-            self.console.print(f"WARNING: {what}; run.log has the details")
+            self._say_failed(figures, {"all": named_error(error)})
+            return
+        try:
+            self._check_effects(figures)
+        except OSError:
+            raise
+        except Exception as error:
+            LOG.exception("effects not judged after the run: %s", error)
+            found["failed"]["effects"] = named_error(error)
+        store(self.folder / "history.h5", found)
+        self._say_failed(figures, found["failed"])
+
+    def _say_failed(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
+        """Says which results are missing because of a mistake in flipflow; the ``reason`` of a run
+        that came to its end is the same."""
+        for part, error in failed.items():
+            LOG.error("results not made: %s: %s", part, error)
+            self.console.print(f"WARNING: results not made: {part}: {error}")
+        if failed:
+            what = f"results could not be made: {', '.join(failed)}"
             figures["reason"] = figures["reason"] or what
 
     def _check_effects(self, figures: dict[str, Any]) -> None:

@@ -13,6 +13,7 @@ import pytest
 from orchestrator.ports import Load, Motion, PanelState
 from orchestrator.records.column import CHUNK_ROWS
 from orchestrator.records.history import History
+from orchestrator.records.panel_forces import PanelForces
 from orchestrator.records.time_series import TimeSeries
 
 REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))
@@ -40,10 +41,10 @@ def test_forces_are_means_since_the_last_row(tmp_path: Path) -> None:
     still = SimpleNamespace(names=(), at=lambda _: (np.empty((0, 3)), np.empty((0, 3))))
     machine: Any = SimpleNamespace(centres={}, probes=(), panels=panels, bushings=still)
     history = History(tmp_path / "history.h5")
-    series = TimeSeries(machine, state(0.0), history)
+    forces, series = PanelForces(machine, state(0.0)), TimeSeries(machine, state(0.0), history)
     for time_s, loads_N in ((0.0, [5.0]), (1.0, [1.0, 2.0, 6.0]), (2.0, [0.0, 3.0])):
         for load_N in loads_N:
-            series.sync_point(state(load_N))
+            series.sync_point(forces.at(state(load_N)))
         series.row(time_s, state(loads_N[-1]), None)
     history.close()
     with h5py.File(tmp_path / "history.h5") as file:

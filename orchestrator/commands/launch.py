@@ -27,6 +27,7 @@ from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import run_folder, summary, trust
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
+from orchestrator.report.headline import headline
 from orchestrator.run import Run
 from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
@@ -210,6 +211,8 @@ def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
         console.print(summary.closing_table(figures))
         for line in summary.closing_lines(figures):
             _say(line, console)
+        for tile in headline(figures.get("results") or {}):
+            _say(tile.line, console)
         for doubt in figures["doubts"]:
             LOG.warning("do not trust this run: %s", doubt)
             console.print(f"WARNING: do not trust this run: {doubt}")

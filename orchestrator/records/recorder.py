@@ -1,7 +1,8 @@
 """What a run writes while it goes on: time series, and snapshots for ParaView.
 
 Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
-``bushings/<name>`` every ``output.series_s``; ``shapes/<panel>`` every ``output.shapes_s``;
+``bushings/<name>`` every ``output.series_s``; ``point_cycles`` and ``panel_cycles`` at the end of
+every cycle of the machine; ``shapes/<panel>`` every ``output.shapes_s``;
 ``panels/<name>`` (centre line), ``energy``, ``bed`` and what deck_record.py adds at every output
 time; ``fed`` and ``removed``: a row for each particle that came or went.
 """
@@ -23,11 +24,13 @@ from orchestrator.machine import Machine
 from orchestrator.particle_records import Bed
 from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
 from orchestrator.ranks import is_first
+from orchestrator.records.cycle_record import CycleRecord
 from orchestrator.records.deck_record import deck_record
 from orchestrator.records.history import History
+from orchestrator.records.panel_forces import PanelForces
 from orchestrator.records.panel_watch import PanelWatch
 from orchestrator.records.snapshots import Series, particle_mesh, surface_mesh
-from orchestrator.records.summary import cycle_s
+from orchestrator.records.summary import counted_cycle_s, cycle_s
 from orchestrator.records.time_series import TimeSeries
 from orchestrator.records.wear_record import WearRecord
 
@@ -54,10 +57,15 @@ class Recorder:
         if self._writes:
             self._history = History(folder / "history.h5", goes_on)
             self._panel_watch = PanelWatch(case)
+            self._forces = PanelForces(machine, start)
             self._series = TimeSeries(machine, start, self._history)
+            rectangles = [panel.rectangle for panel in single_panels(case)]
+            cycle = counted_cycle_s(case)
+            self._cycles = CycleRecord(machine, start, rectangles, cycle, self._history)
             self._parts: dict[str, Restorable] = {
                 "panel_watch": self._panel_watch,
                 "series": self._series,
+                "cycles": self._cycles,
             }
             if len(machine.surface.triangles):
                 self._parts["surface"] = self._surface = Series(folder, "surface")
@@ -68,7 +76,6 @@ class Recorder:
                 self._history.describe("removed", "products", [one.product for one in exits])
             lines = [panel.centre_line for panel in machine.panels]
             if machine.wearing is not None:
-                rectangles = [panel.rectangle for panel in single_panels(case)]
                 self._wear = WearRecord(machine.surface, machine.panels, rectangles)
             self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
             if self._deck is not None:
@@ -77,7 +84,9 @@ class Recorder:
     def sync_point(self, done: int, time_s: float, state: State) -> None:
         """Every sync point; ``done`` counts them."""
         if self._writes:
-            self._series.sync_point(state)
+            forces_N = self._forces.at(state)
+            self._series.sync_point(forces_N)
+            self._cycles.sync_point(time_s, state, forces_N)
             if self._shapes_every and done % self._shapes_every == 0:
                 self._shapes(time_s, state.panel.surface)
         if done % self._every:
@@ -139,6 +148,7 @@ class Recorder:
 
     def close(self) -> None:
         if self._writes:
+            self._cycles.close()
             self._history.close()
 
     def _material(self, time_s: float) -> Bed | None:

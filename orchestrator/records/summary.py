@@ -6,17 +6,13 @@ The keys are documented in docs/run-folder.md; a test holds the two together.
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
-import h5py
-import numpy as np
 from rich.table import Table
 
 from orchestrator.casefile.case import Case
-from orchestrator.ports import Array
 
-FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_s")
+CYCLES_WITHOUT_DRIVE = 50
 PARTS = ("particles", "panel", "frames", "mapping", "output", "saves", "watch")
 
 
@@ -30,42 +26,21 @@ def cycle_s(case: Case) -> float:
     return 2 * math.pi / min(speeds) if speeds else case.duration_s
 
 
+def is_driven(case: Case) -> bool:
+    """Whether something gives the machine a cycle."""
+    return cycle_s(case) != case.duration_s
+
+
+def counted_cycle_s(case: Case) -> float:
+    """What results are counted by: the machine's cycle, or a part of the run where nothing drives
+    it."""
+    return cycle_s(case) if is_driven(case) else case.duration_s / CYCLES_WITHOUT_DRIVE
+
+
 def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
     """Every part, and ``rest`` so that they add up to the wall time."""
     table = {part: parts_s.get(part, 0.0) for part in PARTS}
     return table | {"rest": wall_s - sum(table.values())}
-
-
-def probes(history_file: Path, cycle_s: float) -> dict[str, dict[str, Any]]:
-    """Amplitude, mean and peak of every probe and every frame's centre of mass, each (3,).
-
-    ``amplitude_m``: half the range over the last two cycles (or all of a shorter run);
-    ``mean_m``: mean displacement over them; ``peak_m``: largest size of the displacement from
-    the place at t = 0 over the whole run; ``peak_speed_m_s`` likewise.  Of a particle the time
-    in which it is present is taken for the run; all are None if it never was.
-    """
-    with h5py.File(history_file) as history:
-        found = {}
-        for kind in ("frames", "probes"):
-            for name, group in history.get(kind, {}).items():
-                place = group["displacement_m" if kind == "frames" else "position_m"][:]
-                found[name] = _figures(group["time_s"][:], place, group["velocity_m_s"][:], cycle_s)
-        return found
-
-
-def _figures(time: Array, place: Array, velocity: Array, cycle_s: float) -> dict[str, Any]:
-    there = np.isfinite(place).all(axis=1)
-    if not there.any():  # a particle that never came
-        return dict.fromkeys(FIGURES)
-    moved, time = place[there] - place[there][0], time[there]
-    last = moved[time >= time[-1] - 2 * cycle_s]
-    values = (
-        ((last.max(axis=0) - last.min(axis=0)) / 2).tolist(),
-        last.mean(axis=0).tolist(),
-        float(np.linalg.norm(moved, axis=1).max()),
-        float(np.linalg.norm(velocity[there], axis=1).max()),
-    )
-    return dict(zip(FIGURES, values, strict=True))
 
 
 def closing_table(summary: dict[str, Any]) -> Table:

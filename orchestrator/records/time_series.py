@@ -3,20 +3,17 @@ bushings."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from orchestrator.coupling import State
 from orchestrator.machine import Machine, Probe
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+from orchestrator.ports import Array, Motion, ParticleSnapshot, Saved
 from orchestrator.records.frame_rotation import rotations
 from orchestrator.records.history import History
+from orchestrator.records.panel_forces import FORCES
 from orchestrator.state import put_back, taken
-
-FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
 
 
 class TimeSeries:
@@ -28,14 +25,10 @@ class TimeSeries:
         self._centres = np.fromiter(machine.centres.values(), np.int64)
         self._sum_N: Array = np.zeros((len(FORCES), len(machine.panels), 3))
         self._summed = 0
-        kinds = ("clamps", "first_clamp", "second_clamp", "stops")
-        held = [getattr(panel, kind) for kind in kinds for panel in machine.panels]
-        self._loads = _sums([panel.surface for panel in machine.panels], len(start.load))
-        self._reactions = _sums(held, len(start.panel.reaction))
 
-    def sync_point(self, state: State) -> None:
-        """Takes note of an interval's forces."""
-        self._sum_N += self._forces_N(state)
+    def sync_point(self, forces_N: Array) -> None:
+        """Takes note of an interval's forces, (5, panels, 3) in the order of FORCES."""
+        self._sum_N += forces_N
         self._summed += 1
 
     def row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
@@ -71,20 +64,6 @@ class TimeSeries:
         for frame, *row in zip(self._machine.centres, *rows, strict=True):
             values = dict(zip(names, row, strict=True))
             self._history.add(f"frames/{frame}", time_s, values)
-
-    def _forces_N(self, state: State) -> Array:
-        """(5, panels, 3), in the order of FORCES."""
-        load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
-        sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
-        return np.asarray(sums_N.reshape(self._sum_N.shape))
-
-
-def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
-    """(parts, points): sums over the points of each part, all in one product."""
-    numbers = [np.arange(points)[part] for part in parts]
-    starts = np.cumsum([0, *map(len, numbers)])
-    inside = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
-    return csr_array((np.ones(len(inside)), inside, starts), shape=(len(parts), points))
 
 
 def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:

@@ -8,7 +8,7 @@ A run ends with one of these states in ``summary.json``:
 ``doubtful``
     It came to its end, and its own figures say that it cannot be trusted; ``doubts`` says why.
 ``incomplete``
-    It came to its end, but its results could not be made.
+    It came to its end, but some of its results could not be made.
 ``interrupted``, ``failed``
     It did not come to its end.
 
@@ -39,7 +39,8 @@ def state_at_end(summary: Summary) -> str:
     """Returns the state of a run that came to its end, from its ``doubts`` and its results."""
     if summary.get("doubts"):
         return DOUBTFUL
-    return INCOMPLETE if summary.get("results") is None else DONE
+    results = summary.get("results")
+    return INCOMPLETE if results is None or results.get("failed") else DONE
 
 
 def came_to_its_end(state: str) -> bool:

@@ -23,6 +23,7 @@ _UNITS = {
     "_deg": "degree",
     "_rad": "rad",
     "_g": "9.80665 m/s2",
+    "_Hz": "Hz",
     "_N_s": "N s",
     "_m_s": "m/s",
     "_m_h": "m/h",

@@ -10,6 +10,8 @@ from orchestrator.deck.panels import single_panels
 from orchestrator.report.words import number
 from orchestrator.results.run_data import RunData, cut_size_m
 
+NO_CYCLE = "none: nothing drives the machine"
+
 
 def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
     """The machine and how it is driven."""
@@ -20,7 +22,8 @@ def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
         f"{1e3 * p.table.length_m:g} × {1e3 * p.table.width_m:g} × {1e3 * p.table.thickness_m:g} mm"
         for p in panels
     }
-    yield "panels, free length × width × thickness", "; ".join(sorted(sizes))
+    if panels:
+        yield "panels, free length × width × thickness", "; ".join(sorted(sizes))
     for pattern in dict.fromkeys(p.apertures for p in panels if p.apertures is not None):
         yield (
             f"openings ({pattern.shape}), length × width",
@@ -28,7 +31,8 @@ def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
             f"{1e3 * pattern.pitch_along_m:g} × {1e3 * pattern.pitch_across_m:g} mm",
         )
     tensions = sorted({1e3 * (p.rectangle.span_m - p.rectangle.length_m) for p in panels})
-    yield "tension amount δ", ", ".join(f"{t:.3g} mm" for t in tensions)
+    if panels:
+        yield "tension amount δ", ", ".join(f"{t:.3g} mm" for t in tensions)
     materials = dict.fromkeys(p.table.material for p in panels)
     yield "panel material", ", ".join(materials) or "none"
     frames = ", ".join(
@@ -43,7 +47,7 @@ def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
             f"{speed:g} rad/s = {speed / 2 / math.pi * 60:.0f} rpm, "
             f"{exciter.mass_moment_kg_m:g} kg m on {exciter.frame}",
         )
-    yield "machine cycle", f"{1e3 * data.cycle_s:.4g} ms"
+    yield "machine cycle", f"{1e3 * data.cycle_s:.4g} ms" if data.is_driven else NO_CYCLE
 
 
 def bed_facts(case: Case) -> Iterator[tuple[str, str]]:

@@ -14,7 +14,7 @@ from orchestrator.report.drawing import data_uri
 from orchestrator.report.effects import left_out_rows
 from orchestrator.report.filled import filled
 from orchestrator.report.film import Film
-from orchestrator.report.headline import headline
+from orchestrator.report.headline import NOT_STEADY, headline
 from orchestrator.report.quality import quality, warnings
 from orchestrator.report.wear_pictures import wear_map, wear_sheet
 from orchestrator.report.words import duration, interval, number
@@ -30,7 +30,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
     provenance = json.loads((folder / "provenance.json").read_text())
     with h5py.File(folder / "history.h5") as history:
         data = run_data(folder, history)
-        shown = film(folder, FILM_CYCLES * data.cycle_s)
+        shown = film(folder, FILM_CYCLES * data.cycle_s if data.is_driven else data.end_s)
         return filled(
             "report/template.html",
             case=data.case,
@@ -39,6 +39,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             results=found,
             facts=_facts(data, summary["stability"]["scheme"]),
             headline=headline(found),
+            not_steady=NOT_STEADY,
             warnings=warnings(folder, summary, found),
             sheets=_sheets(found),
             pictures=_pictures(data, found, summary),
@@ -70,11 +71,13 @@ def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
         sheets["bed"] = tables.bed_sheet(found, whole)
     if "wear" in found:
         sheets["wear"] = wear_sheet(found["wear"])
-    if "motion" in found:
-        sheets["frames"] = tables.frames_sheet(found["motion"])
-        sheets["panels"] = tables.panels_sheet(found["motion"], whole)
-        if found["motion"]["panel_points"]:
-            sheets["accelerations"] = tables.accelerations_sheet(found["motion"])
+    motion = found.get("motion", {})
+    if motion.get("frames"):
+        sheets["frames"] = tables.frames_sheet(motion)
+    if motion.get("panels"):
+        sheets["panels"] = tables.panels_sheet(motion, whole)
+    if motion.get("panel_points"):
+        sheets["accelerations"] = tables.accelerations_sheet(motion)
     return sheets
 
 
@@ -90,7 +93,7 @@ def _pictures(data: RunData, found: dict[str, Any], summary: dict[str, Any]) -> 
         drawn["along"] = bed_pictures.along_the_deck(found)
     if "wear" in found:
         drawn["wear"] = wear_map(found["wear"])
-    if "motion" in found:
+    if found.get("motion", {}).get("frames"):
         drawn["orbits"] = machine_pictures.orbits(
             data, found["motion"]["start_s"], found["motion"]["end_s"]
         )

@@ -60,7 +60,11 @@ def warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> li
     state = found.get("steady")
     if state and not state["is_steady"]:
         said.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")
+    motion = found.get("motion")
+    if motion and motion["cycles"] and not motion["is_settled"]:
+        said.append(f"The machine has not settled: {motion['reason']}.")
     said += [f"{name} has not settled to its periodic motion" for name in _unsettled(found)]
+    said += [f"Results not made: {part}: {error}" for part, error in found["failed"].items()]
     if "energy_ledger_J" in summary:
         said += [line for line in closing_lines(summary) if line.startswith("WARNING")]
     if lost := found.get("screening", {}).get("lost_particles"):

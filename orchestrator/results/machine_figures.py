@@ -11,15 +11,53 @@ import numpy as np
 from orchestrator.deck.panels import SinglePanel, single_panels
 from orchestrator.ports import Array, Indices
 from orchestrator.results.estimate import Estimate, mean
-from orchestrator.results.panel_load import line_length_m, stretch, tension_N
 from orchestrator.results.run_data import RunData
 from orchestrator.results.vibration import (
+    BAND_HZ,
+    LARGEST_BAND,
     STANDARD_GRAVITY_M_S2,
     Orbit,
     acceleration_m_s2,
+    band_hz,
     orbit,
     shaking,
 )
+
+LARGEST_DRIFT = 0.05  # of an amplitude, from the first half of the window to the second
+FEWEST_CYCLES = 4  # of a window whose halves are compared
+
+
+def not_settled(data: RunData, start_s: float, end_s: float) -> str:
+    """Why the frames' motion from ``start_s`` to ``end_s`` is no steady one; empty if it is."""
+    if not data.is_driven:
+        return "nothing drives the machine: it has no steady motion"
+    for name in data.names("frames"):
+        rows = data.cycles(f"point_cycles/{name}", start_s, end_s)
+        each_m = np.linalg.norm(rows["most_m"] - rows["least_m"], axis=1) / 2
+        count = len(each_m)
+        if count < FEWEST_CYCLES:
+            return f"averaged over {count} cycles; {FEWEST_CYCLES} are needed to see it settle"
+        early_m, late_m = each_m[: count // 2].mean(), each_m[-(count // 2) :].mean()
+        drift = float(abs(late_m - early_m) / early_m) if early_m > 0 else 0.0
+        if drift > LARGEST_DRIFT:
+            return (
+                f"the amplitude of {name} still changes: by {100 * drift:.2g} % from the first "
+                f"half of the {count} cycles to the second; up to {100 * LARGEST_DRIFT:g} % "
+                "counts as settled"
+            )
+    return ""
+
+
+def band_missed(data: RunData) -> str:
+    """Why the series tell no acceleration up to BAND_HZ, although sync points would; empty where
+    they do, or where sync points are no nearer to each other."""
+    step_s = float(np.diff(data.series_s()[:2])[0])
+    if band_hz(step_s) == BAND_HZ or step_s < 1.5 * data.case.coupling.sync_interval_s:
+        return ""
+    return (
+        f"the series have a row every {step_s:.2g} s: too seldom for accelerations up to "
+        f"{BAND_HZ:g} Hz (output.series_s of at most {LARGEST_BAND / (2 * BAND_HZ):.2g} s)"
+    )
 
 
 def frame_points(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
@@ -48,14 +86,8 @@ def relative_motion(data: RunData, start_s: float, end_s: float) -> dict[str, An
     return found
 
 
-def rows_in_cycle(data: RunData) -> float:
-    """How many times of the series there are in a cycle; 0 where there is one time at most."""
-    time = data.read(f"frames/{data.names('frames')[0]}/time_s")
-    return float(data.cycle_s * (len(time) - 1) / np.ptp(time)) if len(time) > 1 else 0.0
-
-
 def panel_points(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
-    """Accelerations, in g, of the probes on panels."""
+    """Accelerations, in g, of the probes on panels; ``band_Hz`` is how far they reach."""
     normals = {panel.name: _normal(panel) for panel in single_panels(data.case)}
     found = {}
     for name, probe in data.case.probes.items():
@@ -73,6 +105,7 @@ def panel_points(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
         found[name] = {
             "panel": probe.panel,
             "at": list(probe.at or ()),
+            "band_Hz": band_hz(step_s),
             "peak_g": shaken.peak,
             "rms_g": _root(square, shaken.rms),
             "peak_normal_g": shaken.peak_normal,
@@ -83,42 +116,22 @@ def panel_points(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
 
 
 def panel_loads(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
-    """Pull on the clamps, and stretch along the centre line, of every panel."""
+    """Pull on the clamps, load of the bed and stretch along the middle line, of every panel: from
+    every sync point of the cycles averaged over."""
     found = {}
-    for panel in single_panels(data.case):
-        time = data.read(f"forces/{panel.name}/time_s")
-        window = (time >= start_s) & (time <= end_s)
-        first, second = (
-            data.read(f"forces/{panel.name}/{end}_clamp_N")[window] for end in ("first", "second")
-        )
-        pull = tension_N(first, second, panel.rectangle.along)
-        lines = data.read(f"panels/{panel.name}/centre_line_m")
-        strain = stretch(lines, panel.rectangle.length_m, clamped_m(panel, lines[0]))
-        shown = data.read(f"panels/{panel.name}/time_s")
-        strain = strain[(shown >= start_s) & (shown <= end_s)]
-        found[panel.name] = {
-            "tension_mean_N": float(pull.mean()),
-            "tension_largest_N": float(pull.max()),
-            "tension_smallest_N": float(pull.min()),
-            "largest_clamp_force_N": float(np.linalg.norm([first, second], axis=2).max()),
-            "stretch_largest_percent": 100 * float(strain.max()),
-            "stretch_smallest_percent": 100 * float(strain.min()),
-            "load_N": _mean(data.read(f"forces/{panel.name}/load_N")[window] @ data.deck_axes),
+    for name in data.names("panel_cycles"):
+        rows = data.cycles(f"panel_cycles/{name}", start_s, end_s)
+        weight = rows["sync_points"] / rows["sync_points"].sum()
+        found[name] = {
+            "tension_mean_N": float(weight @ rows["pull_mean_N"]),
+            "tension_largest_N": float(rows["pull_most_N"].max()),
+            "tension_smallest_N": float(rows["pull_least_N"].min()),
+            "largest_clamp_force_N": float(rows["clamp_most_N"].max()),
+            "stretch_largest_percent": 100 * float(rows["stretch_most"].max()),
+            "stretch_smallest_percent": 100 * float(rows["stretch_least"].min()),
+            "load_N": (weight @ rows["load_mean_N"] @ data.deck_axes).tolist(),
         }
     return found
-
-
-def _mean(vectors: Array) -> list[float]:
-    return [float(value) for value in vectors.mean(axis=0)]
-
-
-def clamped_m(panel: SinglePanel, line_m: Array) -> float:
-    """How much of a centre line at t = 0 lies outside the free length, under the clamps."""
-    at = panel.rectangle
-    along = (line_m - at.corner_m) @ at.along
-    inside = (along > -0.5 * at.clamp_m - 1e-9) & (along < at.span_m + 0.5 * at.clamp_m + 1e-9)
-    whole, free = line_length_m(line_m[None]), line_length_m(line_m[inside][None])
-    return float(whole[0] - free[0])
 
 
 def _normal(panel: SinglePanel) -> Array:

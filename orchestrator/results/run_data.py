@@ -13,20 +13,19 @@ from orchestrator.casefile.levels import load
 from orchestrator.deck.opening_places import smaller_sides_m
 from orchestrator.deck.panels import axes
 from orchestrator.ports import Array
-from orchestrator.records.summary import cycle_s
-
-CYCLES_WITHOUT_DRIVE = 50
+from orchestrator.records.summary import counted_cycle_s, is_driven
 
 
 @dataclass(frozen=True)
 class RunData:
     """``history`` is the open file; ``end_s`` the simulated time; ``cycle_s`` the machine's cycle,
-    or a part of the run where nothing drives it."""
+    or a part of the run where nothing drives it (``is_driven``)."""
 
     case: Case
     history: Any
     end_s: float
     cycle_s: float
+    is_driven: bool
 
     @property
     def edges_s(self) -> Array:
@@ -43,6 +42,21 @@ class RunData:
         """A whole dataset."""
         return np.asarray(self.history[path][:])
 
+    def series_s(self) -> Array:
+        """Times of the rows of the series; none where nothing is recorded in them."""
+        for kind in ("frames", "forces", "probes"):
+            for name in self.names(kind):
+                return self.read(f"{kind}/{name}/time_s")
+        return np.empty(0)
+
+    def cycles(self, path: str, start_s: float, end_s: float) -> dict[str, Array]:
+        """Rows of ``point_cycles`` or ``panel_cycles``, by column, of the cycles between two of
+        ``edges_s``; at least one where the run lasted so long."""
+        rows = self.history[path]
+        ends_s = rows["time_s"][:]
+        inside = (ends_s > start_s + 1e-9) & (ends_s <= end_s + 1e-9)
+        return {name: column[:][inside] for name, column in rows.items()}
+
     def names(self, group: str) -> list[str]:
         """Groups in a group; none if it is not there."""
         return list(self.history.get(group, {}))
@@ -52,9 +66,7 @@ def run_data(folder: Path, history: Any) -> RunData:
     """Raises CaseError if the case in the folder cannot be read."""
     case = load(folder / "case.toml").case
     end_s = float(history["energy/time_s"][-1]) if "energy" in history else 0.0
-    cycle = cycle_s(case)
-    driven = cycle != case.duration_s
-    return RunData(case, history, end_s, cycle if driven else end_s / CYCLES_WITHOUT_DRIVE)
+    return RunData(case, history, end_s, counted_cycle_s(case), is_driven(case))
 
 
 def cut_size_m(case: Case) -> float | None:

@@ -25,7 +25,13 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
     out = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * count)
     out = out.reshape(-1, count, 2)
     lost = int((removed.exit == LOST).sum())
-    figures: dict[str, Any] = {"cut_size_m": cut_m, "lost_particles": lost}
+    counted = events.counted
+    figures: dict[str, Any] = {
+        "cut_size_m": cut_m,
+        "lost_particles": lost,
+        "particles": int(counted.sum()),
+        "fine_particles": int((counted & (fine == placement.FINE)).sum()),
+    }
     figures |= _flows(events, out)
     yields: dict[str, Callable[..., float]] = {"oversize_yield": placement.oversize_yield}
     if cut_m is not None:

@@ -11,6 +11,7 @@ import h5py
 
 from orchestrator.casefile.case import Case
 from orchestrator.results.run_data import RunData, run_data
+from orchestrator.results.sampling import rows_too_seldom
 from orchestrator.results.seen_bed import bearing, bed_kg_m2, deepest, products, transport_m_s
 from orchestrator.results.seen_motion import SeenMotion
 from orchestrator.scene.account import Entry
@@ -40,7 +41,7 @@ def checked(
 
 def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> Scene:
     """The scene with the numbers of the run: motion over the window of ``results``, bed over all
-    of it."""
+    of it.  Nothing is said of motion where the series do not show it."""
     bed = Seen(
         bed_kg_m2=bed_kg_m2(data),
         transport_m_s=transport_m_s(results),
@@ -49,7 +50,9 @@ def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> S
         closed=not present(data.case, "apertures"),
     )
     window = results.get("motion")
-    if window is None or not estimated.speed_rad_s > 0:
+    interval_s = data.case.coupling.sync_interval_s
+    seldom = rows_too_seldom(data.series_s(), data.cycle_s, interval_s)
+    if window is None or seldom or not estimated.speed_rad_s > 0:
         return replace(estimated, seen=bed)
     motion = SeenMotion(estimated, data, window["start_s"], window["end_s"])
     springs = motion.springs()

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from orchestrator.deck.panels import single_panels
-from orchestrator.ports import Array
 from orchestrator.results import events
+from orchestrator.results.deck_figures import averaged
 from orchestrator.results.run_data import RunData
 from orchestrator.scene.catalogue import present
 from orchestrator.scene.scene import Scene, deck_m2
@@ -39,28 +39,23 @@ def bearing(scene: Scene, data: RunData, start_s: float, end_s: float) -> Bearin
     """Means over a window of the force on all panels together; None where nothing lies on them."""
     if "bed" not in data.history or not scene.panels:
         return None
-    mass_kg = _mean(data, "bed/time_s", "bed/mass_kg", start_s, end_s)
+    mass_kg = data.read("bed/mass_kg")[averaged(data.read("bed/time_s"), start_s, end_s)]
+    if not len(mass_kg):
+        return None
     normal_N = downhill_N = normal_weight = 0.0
     panels = single_panels(data.case)
     for panel in panels:
-        load_N = _mean(
-            data, f"forces/{panel.name}/time_s", f"forces/{panel.name}/load_N", start_s, end_s
-        )
+        rows = data.cycles(f"panel_cycles/{panel.name}", start_s, end_s)
+        load_N = rows["sync_points"] @ rows["load_mean_N"] / rows["sync_points"].sum()
         at = panel.rectangle
         normal_N -= float(load_N @ at.normal)
         downhill_N += float(load_N @ at.along) * (-1.0 if at.along[2] > 0 else 1.0)
         normal_weight += float(abs(at.normal[2])) / len(panels)
-    weight_N = float(mass_kg) * scene.gravity_m_s2 * normal_weight
+    weight_N = float(mass_kg.mean()) * scene.gravity_m_s2 * normal_weight
     if not (normal_N > 0.0 and weight_N > 0.0):
         return None
     rubs = present(data.case, "sliding-friction")
     return Bearing(normal_N / weight_N, max(0.0, downhill_N / normal_N) if rubs else None)
-
-
-def _mean(data: RunData, times: str, values: str, start_s: float, end_s: float) -> Array:
-    time_s = data.read(times)
-    inside = (time_s >= start_s - 1e-12) & (time_s <= end_s + 1e-12)
-    return np.asarray(data.read(values)[inside].mean(axis=0)) if inside.any() else np.zeros(3)
 
 
 def deepest(data: RunData) -> Deepest | None:

@@ -18,6 +18,7 @@ from orchestrator.scene.moved_panel import MovedPanel
 def spring_N_m(time_s: Array, pull_N: Array, stretch_m: Array, speed_rad_s: float) -> float | None:
     """Stiffness of the spring with the first harmonic of a panel's pull (rows,) in phase with the
     stretch of its ends (rows,); None where nothing stretches it."""
+    stretch_m = np.broadcast_to(stretch_m, pull_N.shape)  # one row where both ends stand still
     pull, stretch = (_harmonic(time_s, one, speed_rad_s) for one in (pull_N, stretch_m))
     if abs(stretch) < 1e-9:
         return None

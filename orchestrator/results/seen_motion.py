@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.ports import Array
-from orchestrator.results.machine_figures import clamped_m
-from orchestrator.results.panel_load import stretch, tension_N
+from orchestrator.records.panel_lines import tension_N
 from orchestrator.results.run_data import RunData
 from orchestrator.results.seen_forces import loss_factor, spring_N_m
 from orchestrator.scene.catalogue import present
@@ -132,18 +131,12 @@ class SeenMotion:
         return self._moved(frame) + np.cross(self._read(frame, "rotation_rad"), arm_m)
 
     def _shape(self, panel: MovedPanel) -> Shape:
-        """From the centre lines of the output times in the window."""
-        group = f"panels/{panel.panel.name}"
-        inside = self._inside(self._data.read(f"{group}/time_s"))
-        every_m = self._data.read(f"{group}/centre_line_m")
-        lines_m = every_m[inside]
-        height_m = _height_m(lines_m)
-        strain = stretch(lines_m, panel.length_m, clamped_m(panel.panel, every_m[0]))
-        middle_m = height_m[:, height_m.shape[1] // 2]
+        """From every sync point of the cycles in the window."""
+        rows = self._data.cycles(f"panel_cycles/{panel.panel.name}", *self._window_s)
         return Shape(
-            sag_m=float(height_m.max()),
-            travel_m=float(np.ptp(middle_m)),
-            strain=max(0.0, float(strain.max())),
+            sag_m=float(rows["sag_most_m"].max()),
+            travel_m=float(rows["middle_most_m"].max() - rows["middle_least_m"].min()),
+            strain=max(0.0, float(rows["stretch_most"].max())),
         )
 
     def _moved(self, frame: str) -> Array:
@@ -167,15 +160,6 @@ def angle_rad(time_s: Array, exciter: Exciter) -> Array:
     lag_s = run_up_s / np.pi * np.sin(np.pi * rising_s / run_up_s) if run_up_s else 0.0
     turning_s = (rising_s - lag_s) / 2 + (since_s - rising_s)
     return np.asarray(exciter.speed_rad_s * turning_s)
-
-
-def _height_m(lines_m: Array) -> Array:
-    """(rows, points) distance of a line's points, (rows, points, 3), from the chord of its ends."""
-    chord = lines_m[:, -1:] - lines_m[:, :1]
-    chord /= np.linalg.norm(chord, axis=-1, keepdims=True)
-    from_end_m = lines_m - lines_m[:, :1]
-    along_m = (from_end_m * chord).sum(axis=-1, keepdims=True)
-    return np.asarray(np.linalg.norm(from_end_m - along_m * chord, axis=-1))
 
 
 def _half_range(rows: Array) -> Array:

@@ -10,6 +10,7 @@ from scipy.signal import butter, sosfiltfilt
 from orchestrator.ports import Array
 
 BAND_HZ = 500.0
+LARGEST_BAND = 0.9  # of half the rows' rate: up to there a filter can be made
 STANDARD_GRAVITY_M_S2 = 9.80665
 
 
@@ -44,9 +45,14 @@ def acceleration_m_s2(velocity_m_s: Array, step_s: float) -> Array:
     """(n, 3) from (n, 3) at equal steps: band-limited to ``BAND_HZ`` by a Butterworth filter of
     fourth order run to and fro (no phase shift), then central differences."""
     limit = 2 * BAND_HZ * step_s
-    if limit < 0.9:  # else the steps themselves are the limit
+    if limit < LARGEST_BAND:  # else the steps themselves are the limit
         velocity_m_s = sosfiltfilt(butter(4, limit, output="sos"), velocity_m_s, axis=0)
     return np.asarray(np.gradient(velocity_m_s, step_s, axis=0))
+
+
+def band_hz(step_s: float) -> float:
+    """Up to which frequency ``acceleration_m_s2`` tells something."""
+    return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
 
 
 def shaking(acceleration_m_s2: Array, normal: Array) -> Shaking:

@@ -54,6 +54,7 @@ def folder_of(place: Path, particles: bool = True, cycles: int = CYCLES) -> Path
     (place / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
     history = History(place / "history.h5")
     _machine(history, case, cycles)
+    _cycles(history, case, cycles)
     if particles:
         _bed(history, case, cycles)
     history.close()
@@ -69,7 +70,7 @@ def folder_of(place: Path, particles: bool = True, cycles: int = CYCLES) -> Path
 
 def _case(particles: bool, duration_s: float) -> Case:
     name = "quickstart" if particles else "empty-machine"
-    sets = [f"duration_s={duration_s}", "screen.surfaces={}"]
+    sets = [f"duration_s={duration_s}", "screen.surfaces={}", "coupling.sync_interval_s=1e-3"]
     sets += ["output.cut_size_m=0.003"] if particles else []
     return load(ROOT / "cases" / name, "draft", sets).case
 
@@ -105,6 +106,34 @@ def _machine(history: History, case: Case, cycles: int) -> None:
                 history.add(f"panels/{panel.name}", time, {"centre_line_m": line})
 
 
+def _cycles(history: History, case: Case, cycles: int) -> None:
+    """What every sync point of each cycle shows together: all cycles are alike."""
+    for number in range(cycles):
+        end_s = (number + 1) * CYCLE_S
+        for name, size in FRAMES_M.items():
+            along_m, normal_m = size
+            half_m = np.abs(axes(case)) @ np.array([along_m, 0.0, normal_m])
+            values = {"sync_points": 80.0, "least_m": -half_m, "mean_m": 0 * half_m}
+            values |= {"most_m": half_m, "farthest_m": max(size), "fastest_m_s": 78.5 * max(size)}
+            history.add(f"point_cycles/{name}", end_s, values)
+        for panel in single_panels(case):
+            least_m = panel.rectangle.span_m / panel.rectangle.length_m - 1.0
+            values = {
+                "sync_points": 80.0,
+                "pull_least_N": 150.0 - PULL_N,
+                "pull_mean_N": 150.0,
+                "pull_most_N": 150.0 + PULL_N,
+                "clamp_most_N": 150.0 + PULL_N,
+                "load_mean_N": np.array([0.0, 0.0, -3.0]),
+                "stretch_least": least_m,
+                "stretch_most": 1.02 * (1.0 + least_m) - 1.0,
+                "sag_most_m": 0.0,
+                "middle_least_m": 0.0,
+                "middle_most_m": 0.0,
+            }
+            history.add(f"panel_cycles/{panel.name}", end_s, values)
+
+
 def panel_line(case: Case, name: str, time_s: float) -> Array:
     """(21, 3): straight, in the plane of the deck, stretched by up to 2 % at its end."""
     at = next(panel.rectangle for panel in single_panels(case) if panel.name == name)
@@ -121,7 +150,8 @@ def _bed(history: History, case: Case, cycles: int) -> None:
         values = {"along_m": along, "mass_kg": mass, "velocity_m_s": np.full(bins, VELOCITY_M_S)}
         depth = np.full(bins, DEPTH_M) - 0.005 * np.arange(bins)
         history.add("profile", i * CYCLE_S / 10, values | {"depth_m": depth})
-        history.add("bed", i * CYCLE_S / 10, {"mass_kg": bins * BIN_KG})
+        values = {"mass_kg": bins * BIN_KG, "particles": 100.0}
+        history.add("bed", i * CYCLE_S / 10, values)
         history.add("overlaps", i * CYCLE_S / 10, OVERLAPS)
         for panel, rate in WEAR_M_H.items():
             history.add(f"wear/{panel}", i * CYCLE_S / 10, _worn(rate, i * CYCLE_S / 10))

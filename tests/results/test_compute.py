@@ -157,17 +157,114 @@ def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
     assert list(found["missing"]) == ["everything"]
 
 
-def test_a_series_too_coarse_for_motion_says_so(tmp_path: Path) -> None:
-    folder = folder_of(tmp_path / "coarse")
+def thinned(folder: Path, kinds: tuple[str, ...], every: int) -> Path:
+    """Keeps one row of so many in every group of these kinds."""
     with h5py.File(folder / "history.h5", "a") as history:
-        for frame in history["frames"].values():
-            times = frame["time_s"][::30]
-            del frame["time_s"]
-            frame["time_s"] = times
+        for kind in kinds:
+            groups = [history[kind]] if "time_s" in history[kind] else history[kind].values()
+            for group in groups:
+                for name in list(group):
+                    rows = group[name][::every]
+                    del group[name]
+                    group[name] = rows
+    return folder
+
+
+def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
+    tmp_path: Path, found: dict[str, Any]
+) -> None:
+    """Eight rows of a cycle: half the range of a sine would be short by up to 7.6 %."""
+    kinds = ("frames", "probes", "forces")
+    seldom = results(thinned(folder_of(tmp_path / "seldom"), kinds, 10))
+    for part in ("orbits", "panel acceleration"):
+        assert "8 rows in a cycle of 0.08 s; 20 are needed" in seldom["missing"][part]
+    assert seldom["motion"]["frames"] == seldom["motion"]["panel_points"] == {}
+    assert seldom["motion"]["panels"] == found["motion"]["panels"]
+    assert seldom["screening"] == found["screening"]
+    assert seldom["failed"] == {}
+
+
+def test_rows_too_seldom_for_the_band_of_accelerations(
+    tmp_path: Path, found: dict[str, Any]
+) -> None:
+    """A row every millisecond reaches to 500 Hz, one every 2 ms does not, at sync points that are
+    nearer to each other.  The orbits need no more."""
+    assert found["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(
+        39.25 * 40 / np.pi
+    )
+    fewer = results(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
+    assert "too seldom for accelerations up to 500 Hz" in fewer["missing"]["panel acceleration"]
+    assert fewer["motion"]["frames"]["driven"]["amplitude_m"][0] == pytest.approx(0.008)
+
+
+def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, found: dict[str, Any]) -> None:
+    """Ten in a cycle do, two do not: they see two phases of it again and again."""
+    kinds = ("profile", "held", "bed", "overlaps")
+    for every in (10, 5):
+        seldom = results(thinned(folder_of(tmp_path / f"every-{every}"), kinds, every))
+        assert "bed" not in seldom
+        assert "held" not in seldom
+        assert "of the machine's cycle of 0.08 s" in seldom["missing"]["bed"]
+        assert seldom["screening"] == found["screening"]
+    enough = results(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
+    assert enough["bed"]["velocity_m_s"]["value"] == pytest.approx(VELOCITY_M_S)
+
+
+def test_no_output_time_in_the_window(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "none", cycles=30)
+    with h5py.File(folder / "history.h5", "a") as history:
+        for group in (history["profile"], history["held"], *history["panels"].values()):
+            for name in list(group):
+                first = group[name][:1]
+                del group[name]
+                group[name] = first
     found = results(folder)
-    assert "motion" not in found
-    assert "rows in a cycle of" in found["missing"]["motion"]
-    assert "screening" in found
+    assert "no output time lies in" in found["missing"]["bed"]
+    assert found["failed"] == {}
+    assert found["motion"]["panels"]["deck-1"]["stretch_largest_percent"] > 1.9
+
+
+def test_times_at_which_a_bin_is_empty_count_as_no_depth(tmp_path: Path) -> None:
+    """The same in the headline and along the deck: half of the time there is nothing."""
+    folder = folder_of(tmp_path / "half-empty")
+    with h5py.File(folder / "history.h5", "a") as history:
+        profile = history["profile"]
+        for name, empty in (("mass_kg", 0.0), ("depth_m", np.nan), ("velocity_m_s", np.nan)):
+            values = profile[name][:]
+            values[1::2] = empty
+            profile[name][...] = values
+    bed = results(folder)["bed"]
+    assert bed["largest_depth_m"]["value"] == pytest.approx(DEPTH_M / 2)
+    assert max(bed["profile"]["depth_m"]) == pytest.approx(DEPTH_M / 2)
+    assert bed["velocity_m_s"]["value"] == pytest.approx(VELOCITY_M_S)
+    assert bed["profile"]["velocity_m_s"] == pytest.approx([VELOCITY_M_S] * 8)
+
+
+def test_the_velocity_is_weighted_with_mass_over_time_too(tmp_path: Path) -> None:
+    """Nine tenths of the mass go by at 0.3 m/s and the rest at 1.3: 0.4 m/s, not 0.8."""
+    folder = folder_of(tmp_path / "thrown")
+    with h5py.File(folder / "history.h5", "a") as history:
+        profile = history["profile"]
+        for name, factor, shift in (("mass_kg", 1 / 9, 0.0), ("velocity_m_s", 1.0, 1.0)):
+            values = profile[name][:]
+            values[1::2] = factor * values[1::2] + shift
+            profile[name][...] = values
+    bed = results(folder)["bed"]
+    assert value(bed["velocity_m_s"]) == pytest.approx(VELOCITY_M_S + 0.1)
+    assert bed["profile"]["velocity_m_s"] == pytest.approx([VELOCITY_M_S + 0.1] * 8)
+
+
+def test_a_part_that_fails_loses_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise IndexError("list index out of range")
+
+    folder = folder_of(tmp_path / "run")
+    monkeypatch.setattr("orchestrator.results.compute.bed_figures", broken)
+    found = results(folder)
+    assert set(found["failed"]) == {"bed"}
+    assert found["failed"]["bed"].startswith("IndexError: list index out of range (test_compute.py")
+    assert "bed" not in found
+    assert {"screening", "motion", "wear"} <= set(found)
 
 
 def test_wear(found: dict[str, Any]) -> None:

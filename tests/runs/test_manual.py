@@ -98,7 +98,7 @@ def test_the_files(folder: Path) -> None:
 def test_the_time_series(folder: Path) -> None:
     wanted: dict[str, set[str]] = {}
     section = MANUAL.split("## `history.h5`\n", 1)[1].split("\n## ", 1)[0]
-    for row in re.findall(r"^\| `([a-z]+)[^`]*` \| (.*?) \|", section, flags=re.M):
+    for row in re.findall(r"^\| `([a-z_]+)[^`]*` \| (.*?) \|", section, flags=re.M):
         wanted.setdefault(row[0], set()).update(re.findall(r"`([^`]+)`", row[1]))
     with h5py.File(folder / "history.h5") as history:
         assert set(history) == set(wanted) - {"feeds", "shapes"}  # it has none
