@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from resource import RUSAGE_SELF, getrusage
@@ -64,8 +65,6 @@ class Ending:
             "particle_steps_per_s": rate,
             **progress.figures,
         }
-        if figures["sync_intervals"]:
-            figures["probes"] = plain(probe_figures(folder / "history.h5", case))
         write_json(folder / "summary.json", figures)
         if figures["sync_intervals"]:
             self._add_results(figures)
@@ -82,23 +81,18 @@ class Ending:
 
         What could not be made is said on the console and in the log, and nothing else is lost.
         """
-        try:
-            found = figures["results"] = results(self.folder)
-        except OSError:
-            raise
-        except Exception as error:
-            LOG.exception("no results: %s", error)
-            self._say_failed(figures, {"all": named_error(error)})
-            return
-        try:
-            self._check_effects(figures)
-        except OSError:
-            raise
-        except Exception as error:
-            LOG.exception("effects not judged after the run: %s", error)
-            found["failed"]["effects"] = named_error(error)
-        store(self.folder / "history.h5", found)
-        self._say_failed(figures, found["failed"])
+        failed: dict[str, str] = {}
+        history = self.folder / "history.h5"
+        with _noted(failed, "probes"):
+            figures["probes"] = plain(probe_figures(history, self.loaded.case))
+        with _noted(failed, "everything"):
+            figures["results"] = results(self.folder)
+            failed |= figures["results"]["failed"]
+            with _noted(failed, "effects"):
+                self._check_effects(figures)
+            figures["results"]["failed"] = failed
+            store(history, figures["results"])
+        self._say_failed(figures, failed)
 
     def _say_failed(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
         """Says which results are missing because of a mistake in flipflow; the ``reason`` of a run
@@ -117,6 +111,19 @@ class Ending:
         for line in at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
             self.console.print(line)
+
+
+@contextmanager
+def _noted(failed: dict[str, str], part: str) -> Iterator[None]:
+    """Notes the error that prevents a part of the results, and goes on; the log has its traceback.
+    What the disk refuses is raised."""
+    try:
+        yield
+    except OSError:
+        raise
+    except Exception as error:
+        LOG.exception("no %s", part)
+        failed[part] = named_error(error)
 
 
 def _draw(folder: Path) -> None:

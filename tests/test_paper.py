@@ -77,8 +77,6 @@ def fake(point: sweep.Point) -> None:
     }
     (point.folder / "summary.json").write_text(json.dumps(summary))
     time_s = np.arange(4000) * 5e-4
-    s = np.linspace(0.0, 0.3, 31)
-    line_m = np.column_stack([s, np.full(31, 0.1), 0.02 * np.sin(np.pi * s / 0.3)])
     with h5py.File(point.folder / "history.h5", "w") as history:
         for name, size in (("driving", driving), ("driven", -driven)):
             place = np.outer(1e-3 * size * np.cos(speed * time_s), [1.0, 0.0, 0.0])
@@ -86,7 +84,8 @@ def fake(point: sweep.Point) -> None:
                 time_s,
                 place,
             )
-        history["panels/deck/centre_line_m"] = np.array([line_m, 0.5 * line_m, line_m])
+        history["panel_cycles/deck/time_s"] = [0.5, 1.0, 1.5, 2.0]
+        history["panel_cycles/deck/sag_most_m"] = [0.05, 0.03, 0.01, 0.02]
 
 
 def test_relative_amplitude(case: Path) -> None:

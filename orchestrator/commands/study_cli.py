@@ -42,8 +42,9 @@ def sweep(
 
     Each value has a run of its own in a folder of its own.  Called again, only what is missing is
     run.  sweep.csv has a row for each value: amplitudes of the first harmonic along (x) and normal
-    to the deck (z) of frames, probes on them, and of the frames against each other; drift says how
-    much they still changed.
+    to the deck (z) of frames, probes on them, and of the frames against each other, drift, how
+    much they still changed, and every single number of the results with its interval.  sweep.png
+    draws what has not settled open, and what is not to be trusted as a cross.
     """
     from orchestrator.records import folder_lock
     from orchestrator.studies import sweep as sweeps

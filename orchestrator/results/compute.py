@@ -159,7 +159,7 @@ def _add_machine(data: RunData, events: Events | None, found: dict[str, Any]) ->
         motion["relative"] = machine.relative_motion(data, start_s, end_s)
     if all(probe.panel is None for probe in data.case.probes.values()):
         missing["panel acceleration"] = "no probe is on a panel"
-    elif why := seldom or machine.band_missed(data):
+    elif why := (seldom if data.is_driven else "") or machine.band_missed(data):
         missing["panel acceleration"] = why
     else:
         motion["panel_points"] = machine.panel_points(data, start_s, end_s)

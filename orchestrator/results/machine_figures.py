@@ -36,7 +36,8 @@ def not_settled(data: RunData, start_s: float, end_s: float) -> str:
         each_m = np.linalg.norm(rows["most_m"] - rows["least_m"], axis=1) / 2
         count = len(each_m)
         if count < FEWEST_CYCLES:
-            return f"averaged over {count} cycles; {FEWEST_CYCLES} are needed to see it settle"
+            cycles = f"{count} cycle{'' if count == 1 else 's'}"
+            return f"averaged over {cycles}; {FEWEST_CYCLES} are needed to see it settle"
         early_m, late_m = each_m[: count // 2].mean(), each_m[-(count // 2) :].mean()
         drift = float(abs(late_m - early_m) / early_m) if early_m > 0 else 0.0
         if drift > LARGEST_DRIFT:
@@ -51,7 +52,10 @@ def not_settled(data: RunData, start_s: float, end_s: float) -> str:
 def band_missed(data: RunData) -> str:
     """Why the series tell no acceleration up to BAND_HZ, although sync points would; empty where
     they do, or where sync points are no nearer to each other."""
-    step_s = float(np.diff(data.series_s()[:2])[0])
+    time_s = data.series_s()
+    if len(time_s) < 2:
+        return "the series have one row only (output.series_s)"
+    step_s = float(time_s[1] - time_s[0])
     if band_hz(step_s) == BAND_HZ or step_s < 1.5 * data.case.coupling.sync_interval_s:
         return ""
     return (
@@ -154,10 +158,11 @@ def _within(data: RunData, path: str, start_s: float, end_s: float) -> tuple[Arr
 
 
 def _cycles(time_s: Array, cycle_s: float) -> list[Indices]:
-    """Rows of each whole cycle; the times span whole ones, up to a sync interval at the ends."""
+    """Rows of each whole cycle that has some; the times span whole ones, up to a sync interval at
+    the ends."""
     number = np.floor((time_s - time_s[0]) / cycle_s + 1e-6).astype(int)
     whole = round((time_s[-1] - time_s[0]) / cycle_s)
-    return [np.flatnonzero(number == cycle) for cycle in range(whole)]
+    return [np.flatnonzero(number == cycle) for cycle in range(whole) if (number == cycle).any()]
 
 
 def _root(square: Estimate, value: float) -> Estimate:

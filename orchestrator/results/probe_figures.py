@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.casefile.case import Case
 from orchestrator.ports import Array
-from orchestrator.records.summary import counted_cycle_s, cycle_s
+from orchestrator.records.summary import counted_cycle_s, cycle_s, is_driven
 from orchestrator.results.sampling import rows_too_seldom
 
 FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_s")
@@ -29,7 +29,8 @@ def probe_figures(history_file: Path, case: Case) -> dict[str, dict[str, Any]]:
     and ``reason`` says why.
     """
     with h5py.File(history_file) as history:
-        found = {name: _of_cycles(one, case) for name, one in history["point_cycles"].items()}
+        points = history.get("point_cycles", {})
+        found = {name: _of_cycles(one, case) for name, one in points.items()}
         for name, series in history.get("probes", {}).items():
             if name not in found:
                 found[name] = _of_a_particle(series, case)
@@ -66,8 +67,9 @@ def _of_a_particle(series: Any, case: Case) -> dict[str, Any]:
     there = np.isfinite(place_m).all(axis=1)
     if not there.any():
         return _unknown("it never was there")
+    span = "a cycle" if is_driven(case) else "a fiftieth of the run,"
     interval_s = case.coupling.sync_interval_s
-    if why := rows_too_seldom(time_s, counted_cycle_s(case), interval_s):
+    if why := rows_too_seldom(time_s, counted_cycle_s(case), interval_s, span):
         return _unknown(why)
     moved_m, time_s = place_m[there] - place_m[there][0], time_s[there]
     last = moved_m[time_s >= time_s[-1] - AVERAGED * cycle_s(case)]

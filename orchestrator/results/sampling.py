@@ -15,9 +15,12 @@ FEWEST_AT_ALL = 4  # where the sync points themselves are that far apart: four u
 FEWEST_PHASES = 4  # of a cycle: the mean of n even phases has none of the harmonics below the n-th
 
 
-def rows_too_seldom(time_s: Array, cycle_s: float, sync_interval_s: float) -> str:
+def rows_too_seldom(
+    time_s: Array, cycle_s: float, sync_interval_s: float, span: str = "a cycle"
+) -> str:
     """Why the rows of a series at ``time_s`` do not show how something moves within a cycle; empty
-    where they do.  Rows at every sync point show all that the coupling has seen."""
+    where they do.  Rows at every sync point show all that the coupling has seen.  ``span``: what
+    ``cycle_s`` is, in words."""
     if len(time_s) < 2:
         return "the series have one row only (output.series_s)"
     step_s = float(np.diff(time_s).max())
@@ -27,7 +30,7 @@ def rows_too_seldom(time_s: Array, cycle_s: float, sync_interval_s: float) -> st
         return ""
     key = "coupling.sync_interval_s" if wanted == FEWEST_AT_ALL else "output.series_s"
     return (
-        f"the series have {rows:.3g} rows in a cycle of {cycle_s:.3g} s; "
+        f"the series have {rows:.3g} rows in {span} of {cycle_s:.3g} s; "
         f"{wanted} are needed: {key} of at most {cycle_s / wanted:.2g} s"
     )
 

@@ -110,18 +110,15 @@ def lowest_at(runs: Sweep, point: str, axis: str) -> float:
 
 
 def arch(runs: Sweep, point: str, axis: str) -> float:
-    """Of a panel: the largest distance of its centre line from the straight line between its ends
-    in the run's second half, in m, on either side."""
+    """Of a panel: the largest distance of its middle line from the straight line between its ends
+    at the sync points of the cycles that end in the run's second half, in m, on either side."""
     (run,) = _done(runs)
     with h5py.File(run.folder / "history.h5") as history:
-        if f"panels/{point}" not in history:
+        if f"panel_cycles/{point}" not in history:
             raise Unknown(f'no panel "{point}"')
-        lines = history[f"panels/{point}/centre_line_m"][:]
-    lines = lines[len(lines) // 2 :]
-    start, chord = lines[:, :1], lines[:, -1:] - lines[:, :1]
-    along = chord / np.linalg.norm(chord, axis=2, keepdims=True)
-    away = lines - start - np.sum((lines - start) * along, axis=2, keepdims=True) * along
-    return float(np.linalg.norm(away, axis=2).max())
+        rows = history[f"panel_cycles/{point}"]
+        late = rows["time_s"][:] > 0.5 * rows["time_s"][-1]
+        return float(rows["sag_most_m"][:][late].max())
 
 
 def result(runs: Sweep, point: str, axis: str) -> float:

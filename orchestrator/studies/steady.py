@@ -18,7 +18,7 @@ CYCLES = 10
 
 
 class NotSteady(Exception):
-    """A run too short to have two whole cycles in its second half."""
+    """A run without frames, or too short to have two whole cycles in its second half."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,8 @@ def steady(folder: Path) -> Steady:
     case = load(folder).case
     turn, speed = axes(case), 2 * np.pi / cycle_s
     with h5py.File(folder / "history.h5") as history:
+        if "frames" not in history:
+            raise NotSteady("the case has no frames")
         frames = {
             name: group["displacement_m"][:] @ turn for name, group in history["frames"].items()
         }

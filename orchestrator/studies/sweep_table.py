@@ -3,72 +3,204 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+import json
+import math
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
+from orchestrator.records import trust
 from orchestrator.studies.points import Vary
 from orchestrator.studies.steady import NotSteady, Steady, steady
 from orchestrator.studies.sweep import Point
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
 
 AXES = {0: "x", 2: "z"}
+LARGEST_DRIFT = 0.05  # of the largest amplitude, between two windows: more has not settled
+SETTLED, NOT_SETTLED = "yes", "no"
+DRAWN = {
+    "screening.efficiency_percent": ("screening efficiency / %", 1.0),
+    "bed.velocity_m_s": ("material velocity / (m/s)", 1.0),
+    "bed.largest_depth_m": ("largest bed depth / mm", 1e3),
+    "bed.on_deck_kg": ("mass on the deck / kg", 1.0),
+}
+"""Results that are drawn beside the amplitudes, where a sweep has them: label and scale."""
+LOOKS: dict[str, dict[str, Any]] = {
+    "good": {"marker": "o", "ms": 4},
+    "open": {"marker": "o", "ms": 5, "mfc": "white"},
+    "cross": {"marker": "x", "ms": 6},
+}
+
 Row = dict[str, str | float]
 
 
 def rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
-    """Per point: the value, how the run ended, and amplitudes along (x) and normal to the deck (z)
-    of every frame, every probe on a frame, and of the frames against each other."""
-    found = []
-    for point in points:
-        row: Row = {vary.name: point.value, "status": point.status()}
-        if row["status"] == "done":
-            try:
-                row |= _figures(steady(point.folder))
-            except NotSteady as short:
-                row["status"] = f"done, but {short}"
-        found.append(row)
-    return found
+    """Returns a row for each point.
+
+    Its columns are the swept key as it is written after ``--vary``; ``status``, how the run ended;
+    ``settled``, whether its motion had; ``drift`` and the amplitudes of the first harmonic along
+    (x) and normal to the deck (z) of every frame, every probe on a frame, and of the frames against
+    each other; and every single number of the run's results, with the half width of its interval.
+    """
+    return [
+        {vary.key: point.value, "status": point.status()} | _measured(point) for point in points
+    ]
 
 
-def _figures(motion: Steady) -> Row:
+def _measured(point: Point) -> Row:
+    if not trust.came_to_its_end(point.status()):
+        return {}
+    results = json.loads((point.folder / "summary.json").read_text()).get("results") or {}
+    motion = results.get("motion", {})
+    try:
+        found = steady(point.folder)
+    except NotSteady as short:
+        row: Row = {"settled": f"unknown: {short}"}
+    else:
+        row = {"settled": SETTLED if found.drift <= LARGEST_DRIFT else NOT_SETTLED}
+        row |= _amplitudes(found)
+    if not motion.get("is_settled", True):
+        row["settled"] = row["settled"] if row["settled"] != SETTLED else NOT_SETTLED
+    return row | dict(scalars(results))
+
+
+def _amplitudes(motion: Steady) -> Row:
     figures: Row = {"speed_rad_s": motion.speed_rad_s, "drift": motion.drift}
     for name, amplitude in (motion.points | motion.relative).items():
         figures |= {f"{name}.{letter}_m": abs(amplitude[axis]) for axis, letter in AXES.items()}
     return figures
 
 
+def scalars(table: dict[str, Any], path: str = "") -> Iterator[tuple[str, float]]:
+    """Yields every single number of a run's results by its keys with dots between.
+
+    An estimate has its ``value`` under its own keys and its ``half_width``, where there is one,
+    under one more; a vector has x, y and z, and a list of tables their ``exit`` or their numbers.
+    Words, and what is known along the deck, by size or over time, are left out.
+    """
+    for key, value in table.items():
+        where = f"{path}{key}"
+        if isinstance(value, dict) and set(value) == {"value", "half_width", "batches"}:
+            yield from _number(where, value["value"])
+            yield from _number(f"{where}.half_width", value["half_width"])
+        elif isinstance(value, dict):
+            yield from scalars(value, f"{where}.")
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            for number, row in enumerate(value):
+                yield from scalars(row, f"{where}.{row.get('exit', number)}.")
+        elif isinstance(value, list) and len(value) == 3:
+            for axis, component in zip("xyz", value, strict=True):
+                yield from _number(f"{where}.{axis}", component)
+        else:
+            yield from _number(where, value)
+
+
+def _number(where: str, value: Any) -> Iterator[tuple[str, float]]:
+    if isinstance(value, int | float):
+        yield where, value
+
+
 def write(table: Sequence[Row], vary: Vary, folder: Path) -> list[Path]:
-    """Both files; the picture only where values are numbers and two or more were run."""
+    """Writes both files and returns them; the picture only where values are numbers and two or
+    more came to their end."""
     columns = list(dict.fromkeys(name for row in table for name in row))
     file = folder / "sweep.csv"
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, columns)
         writer.writeheader()
         writer.writerows(table)
-    done = [row for row in table if row["status"] == "done"]
+    ended = [row for row in table if trust.came_to_its_end(str(row["status"]))]
     try:
-        values = [float(row[vary.name]) for row in done]
+        values = [float(row[vary.key]) for row in ended]
     except ValueError:
         return [file]
-    if len(values) < 2:
+    drawn = _pictured(ended)
+    if len(values) < 2 or not drawn:
         return [file]
-    return [file, _plot(done, values, vary, folder / "sweep.png")]
+    return [file, _plot(ended, values, drawn, vary, folder / "sweep.png")]
 
 
-def _plot(done: Sequence[Row], values: Sequence[float], vary: Vary, path: Path) -> Path:
-    figure, axes = plt.subplots(1, 2, figsize=(11, 4.5), layout="constrained", sharex=True)
-    for axis, (letter, where) in zip(axes, (("x", "along"), ("z", "normal to")), strict=True):
-        for name in (name for name in done[0] if name.endswith(f".{letter}_m")):
-            heights = [1e3 * float(row[name]) for row in done]
-            axis.plot(values, heights, "o-", ms=3, lw=1, label=name.removesuffix(f".{letter}_m"))
-        axis.set_title(f"{where} the deck", loc="left")
-        axis.set(xlabel=vary.key, ylabel="amplitude / mm", ylim=(0, None))
-        axis.grid(alpha=0.3)
-        axis.legend(fontsize=8)
+def _pictured(table: Sequence[Row]) -> list[tuple[str, list[tuple[str, str]], float]]:
+    """What is drawn in each part of the picture: its label, the columns with their names, and the
+    scale."""
+    columns = list(dict.fromkeys(name for row in table for name in row if name.count(".") == 1))
+    found: list[tuple[str, list[tuple[str, str]], float]] = []
+    for letter, where in (("x", "along"), ("z", "normal to")):
+        ending = f".{letter}_m"
+        names = [(name, name.removesuffix(ending)) for name in columns if name.endswith(ending)]
+        if names:
+            found.append((f"amplitude {where} the deck / mm", names, 1e3))
+    found += [
+        (label, [(name, "")], scale) for name, (label, scale) in DRAWN.items() if name in columns
+    ]
+    return found
+
+
+def _plot(
+    ended: Sequence[Row],
+    values: Sequence[float],
+    drawn: Sequence[tuple[str, list[tuple[str, str]], float]],
+    vary: Vary,
+    path: Path,
+) -> Path:
+    lines = -(-len(drawn) // 2)
+    size = (11, 4.2 * lines + 0.5)
+    figure, grid = plt.subplots(lines, 2, figsize=size, layout="constrained", squeeze=False)
+    for axes, (label, names, scale) in zip(grid.flat, drawn, strict=False):
+        for number, (column, name) in enumerate(names):
+            _draw(axes, ended, values, column, name, scale, f"C{number}")
+        axes.set(xlabel=vary.key, ylabel=label, ylim=(0, 1.05 * axes.get_ylim()[1]))
+        axes.grid(alpha=0.3)
+        if any(name for _, name in names):
+            axes.legend(fontsize=8)
+    for axes in grid.flat[len(drawn) :]:
+        axes.axis("off")
+    figure.suptitle(
+        f"filled: settled; open: not settled (drift above {100 * LARGEST_DRIFT:g} %; no steady "
+        "state of the bed) or unknown; cross: the run is not to be trusted, or incomplete",
+        fontsize=9,
+        x=0.01,
+        ha="left",
+    )
     figure.savefig(path, dpi=110)
     plt.close(figure)
     return path
+
+
+def _draw(
+    axes: Axes,
+    ended: Sequence[Row],
+    values: Sequence[float],
+    column: str,
+    name: str,
+    scale: float,
+    colour: str,
+) -> None:
+    """One column over the swept value, with intervals.  A line joins good points that are
+    neighbours, and no others."""
+    axes.plot([], [], "o-", ms=4, lw=1, color=colour, label=name)
+    line: list[tuple[float, float]] = []
+    for value, row in sorted(zip(values, ended, strict=True), key=lambda pair: pair[0]):
+        if column not in row:
+            continue
+        height, width = (
+            scale * float(row.get(key, 0.0)) for key in (column, f"{column}.half_width")
+        )
+        kind = _kind(row, column)
+        line.append((value, height if kind == "good" else math.nan))
+        axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[kind])
+    if line:
+        axes.plot(*zip(*line, strict=True), lw=1, color=colour)
+
+
+def _kind(row: Row, column: str) -> str:
+    """How far a value may be taken as data: what is of the bed, by the steady state of the bed."""
+    if not trust.is_trusted(str(row["status"])):
+        return "cross"
+    steady = row.get("steady.is_steady") if column in DRAWN else row["settled"] == SETTLED
+    return "good" if steady else "open"

@@ -12,8 +12,10 @@ import pytest
 
 from orchestrator.hard import cases, verdicts
 from orchestrator.hard.expected import Criterion, read
+from orchestrator.records import trust
 from orchestrator.studies import sweep
 from orchestrator.studies.workers import Crew
+from tests.runs.outside import has_results
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "cases" / "hard"
@@ -52,3 +54,12 @@ def was_run(
 def test_it_is_met(was_run: Callable[[str], cases.HardCase], name: str, row: Criterion) -> None:
     line = verdicts.line(was_run(name), row)
     assert line.inside, f"{line.said}; asked for: {line.asked}"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_run_has_results(was_run: Callable[[str], cases.HardCase], name: str) -> None:
+    """Of those that came to their end: several of these cases have no frames, or nothing that
+    drives them."""
+    for point in was_run(name).points.values():
+        if trust.came_to_its_end(point.status()):
+            has_results(point.folder)

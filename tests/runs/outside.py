@@ -15,6 +15,11 @@ from typing import Any, TextIO
 import h5py
 import numpy as np
 import pytest
+from markupsafe import escape
+
+from orchestrator.report.film import Film
+from orchestrator.report.page import page
+from orchestrator.results.compute import results
 
 ROOT = Path(__file__).parents[2]
 HANG_S = 240  # nothing here takes so long; a guard against processes that wait for ever
@@ -115,6 +120,20 @@ def left_usable(folder: Path, status: str) -> dict[str, Any]:
                 steps = np.diff(group["time_s"][:])
                 assert (steps >= 0 if name in EVENTS else steps > 0).all()
     return said
+
+
+def has_results(folder: Path) -> dict[str, Any]:
+    """Asserts what every run that came to its end must have: results of which none failed, no
+    error in its log, and a report, which is made here without its film.  Returns the results."""
+    found: dict[str, Any] = summary(folder)["results"]
+    assert found["failed"] == {}
+    assert " ERROR " not in (folder / "run.log").read_text()
+    text = page(folder, results(folder), lambda *_: Film(b"", reason="left out by the test"))
+    assert "</html>" in text
+    for part, why in found["missing"].items():
+        assert part in text
+        assert str(escape(why)) in text
+    return found
 
 
 def said_plainly(done: subprocess.CompletedProcess[str]) -> None:

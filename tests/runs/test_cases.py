@@ -13,7 +13,16 @@ import meshio
 import numpy as np
 import pytest
 
-from tests.runs.outside import QUICK, ROOT, flipflow, left_usable, run_words, said_plainly, summary
+from tests.runs.outside import (
+    QUICK,
+    ROOT,
+    flipflow,
+    has_results,
+    left_usable,
+    run_words,
+    said_plainly,
+    summary,
+)
 
 CASES = sorted(file.parent.name for file in (ROOT / "cases").glob("*/case.toml"))
 DURATION_S = {
@@ -48,6 +57,17 @@ def test_it_ends_well_and_says_where_the_time_went(case: Done) -> None:
     for said in ("where the time went", "momentum residual", f"results in {folder}"):
         assert said in done.stderr
     assert left_usable(folder, "done")["reason"] == ""
+
+
+def test_results_are_made_and_shown(case: Done) -> None:
+    """What a run cannot have is no failure: a case without frames has no orbits."""
+    name, folder, _ = case
+    found = has_results(folder)
+    framed = name != "ball-on-panel"
+    assert ("orbits" in found["missing"]) is not framed or "everything" in found["missing"]
+    if name not in WITHOUT_PANELS and "motion" in found:
+        for panel in found["motion"]["panels"].values():
+            assert panel["stretch_largest_percent"] >= panel["stretch_smallest_percent"]
 
 
 def test_all_files_are_there(case: Done) -> None:
@@ -188,7 +208,31 @@ def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
     said = json.loads(text, parse_constant=pytest.fail)  # NaN is no JSON
     assert said["particles"] == 0
     assert 0.15 < said["probes"]["ball"]["peak_m"] < 0.2
-    assert set(said["probes"]["nobody"].values()) == {None}
+    nobody = said["probes"]["nobody"]
+    assert nobody.pop("reason") == "it never was there"
+    assert set(nobody.values()) == {None}
+    has_results(tmp_path / "run")
+
+
+def test_a_mistake_in_the_results_is_said_and_has_its_exit_code(tmp_path: Path) -> None:
+    """The rest of the results is made, and the report says what is not."""
+    broken = (
+        "import orchestrator.results.compute as compute\ncompute.bed_figures = lambda *_: [][0]\n"
+    )
+    words = run_words("quickstart", tmp_path / "run", [*QUICK, "duration_s=0.1"])
+    done = flipflow(*words, before=broken)
+    assert done.returncode == 6, done.stderr
+    said_plainly(done)
+    assert "WARNING: results not made: bed: IndexError: list index out of range" in done.stderr
+    said = left_usable(tmp_path / "run", "incomplete")
+    assert said["reason"] == "results could not be made: bed"
+    assert list(said["results"]["failed"]) == ["bed"]
+    assert said["results"]["motion"]["panels"]
+    made = flipflow("report", str(tmp_path / "run"), before=broken)
+    assert made.returncode == 0, made.stderr
+    text = (tmp_path / "run/report.html").read_text()
+    assert "The run is incomplete: results could not be made: bed" in text
+    assert "Results not made: bed: IndexError" in text
 
 
 def test_surfaces_from_elsewhere_are_copied_into_the_folder(tmp_path: Path) -> None:

@@ -1,0 +1,115 @@
+"""The table and the picture of a sweep: what each column says, and what is drawn as data."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+from orchestrator.studies import sweep_table
+from orchestrator.studies.points import Vary
+from orchestrator.studies.steady import NotSteady, Steady
+
+VARY = Vary("screen.exciters.shaft.speed_rad_s", ("58", "78", "98", "118"))
+RESULTS: dict[str, Any] = {
+    "missing": {},
+    "failed": {},
+    "steady": {"is_steady": True, "reason": ""},
+    "screening": {
+        "efficiency_percent": {"value": 80.0, "half_width": 1.5, "batches": 20},
+        "recovered_percent": {"value": None, "half_width": None, "batches": 0},
+        "particles": 22,
+        "sections": [
+            {"exit": "one", "yield_percent": {"value": 7.0, "half_width": None, "batches": 3}}
+        ],
+        "in_time": {"time_s": [0.1, 0.2]},
+    },
+    "bed": {"velocity_m_s": {"value": 0.4, "half_width": 0.1, "batches": 20}},
+    "motion": {"is_settled": True, "frames": {"a": {"amplitude_m": [0.1, 0.2, 0.3]}}},
+}
+
+
+def point(place: Path, value: str, status: str, results: Any = RESULTS) -> Any:
+    folder = place / value
+    folder.mkdir()
+    (folder / "summary.json").write_text(json.dumps({"status": status, "results": results}))
+    return SimpleNamespace(value=value, folder=folder, status=lambda: status)
+
+
+@pytest.fixture
+def points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """One that is good, one that still drifts by 43 %, one not to be trusted, and a failed one."""
+
+    def steady(folder: Path) -> Steady:
+        amplitude_m = np.array([1e-3, 0.0, 2e-3]) * complex(1.0)
+        drift = 0.43 if folder.name == "78" else 0.01
+        return Steady(78.5, {"a": amplitude_m, "b": 2 * amplitude_m}, {"b-a": amplitude_m}, drift)
+
+    monkeypatch.setattr(sweep_table, "steady", steady)
+    states = ("done", "done", "doubtful", "failed")
+    return [point(tmp_path, *pair) for pair in zip(VARY.values, states, strict=True)]
+
+
+def test_a_measured_figure_does_not_overwrite_the_swept_value(points: list[Any]) -> None:
+    """Both end with speed_rad_s."""
+    table = sweep_table.rows(VARY, points)
+    assert [row[VARY.key] for row in table] == ["58", "78", "98", "118"]
+    assert table[0]["speed_rad_s"] == 78.5
+    assert table[3] == {VARY.key: "118", "status": "failed"}
+
+
+def test_every_single_result_is_there_with_its_interval(points: list[Any], tmp_path: Path) -> None:
+    table = sweep_table.rows(VARY, points)
+    file = sweep_table.write(table, VARY, tmp_path)[0]
+    row = next(csv.DictReader(file.read_text().splitlines()))
+    assert float(row["screening.efficiency_percent"]) == 80.0
+    assert float(row["screening.efficiency_percent.half_width"]) == 1.5
+    assert float(row["screening.particles"]) == 22
+    assert float(row["screening.sections.one.yield_percent"]) == 7.0
+    assert float(row["motion.frames.a.amplitude_m.z"]) == 0.3
+    assert "screening.recovered_percent" not in row, "a value that is not known is none"
+    assert not [name for name in row if "in_time" in name]
+
+
+def test_what_has_not_settled_says_so(points: list[Any], tmp_path: Path) -> None:
+    assert [row.get("settled") for row in sweep_table.rows(VARY, points)] == [
+        "yes",
+        "no",
+        "yes",
+        None,
+    ]
+    moving = RESULTS | {"motion": {"is_settled": False}}
+    (tmp_path / "more").mkdir()
+    (row,) = sweep_table.rows(VARY, [point(tmp_path / "more", "58", "done", moving)])
+    assert row["settled"] == "no"
+
+
+def test_without_frames_there_are_the_results(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def steady(folder: Path) -> Steady:
+        raise NotSteady("the case has no frames")
+
+    monkeypatch.setattr(sweep_table, "steady", steady)
+    found = sweep_table.rows(VARY, [point(tmp_path, value, "done") for value in VARY.values])
+    assert {row["settled"] for row in found} == {"unknown: the case has no frames"}
+    files = sweep_table.write(found, VARY, tmp_path)
+    assert [file.name for file in files] == ["sweep.csv", "sweep.png"]
+
+
+def test_only_good_points_are_drawn_as_data(points: list[Any], tmp_path: Path) -> None:
+    table = sweep_table.rows(VARY, points)
+    for column, kinds in (
+        ("a.x_m", ["good", "open", "cross"]),
+        ("bed.velocity_m_s", ["good", "good", "cross"]),
+    ):
+        assert [sweep_table._kind(row, column) for row in table[:3]] == kinds
+    picture = sweep_table.write(table, VARY, tmp_path)[1]
+    pixels = matplotlib.image.imread(picture)[..., :3]
+    assert 0.01 < (np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1).mean() < 0.9
