@@ -47,7 +47,8 @@ def motion(data: RunData) -> str:
 
 
 def shapes(data: RunData) -> str:
-    """Centre lines of the panels at moments of the last cycle, over the line between their ends."""
+    """Centre lines of the panels at moments of the last cycle (of the whole run where nothing
+    drives it), over the line between their ends."""
     panels = single_panels(data.case)
     columns = min(COLUMNS, len(panels))
     rows = -(-len(panels) // columns)
@@ -56,9 +57,12 @@ def shapes(data: RunData) -> str:
         time = data.read(f"panels/{panel.name}/time_s")
         lines = data.read(f"panels/{panel.name}/centre_line_m") - panel.rectangle.corner_m
         normal = np.cross(panel.rectangle.along, panel.rectangle.across)
-        last = np.flatnonzero(time > time[-1] - 15 / 16 * data.cycle_s)
+        span_s = 15 / 16 * data.cycle_s if data.is_driven else np.inf
+        last = np.flatnonzero(time > time[-1] - span_s)
         for number in last[np.linspace(0, len(last) - 1, min(MOMENTS, len(last))).astype(int)]:
-            phase = (time[number] / data.cycle_s) % 1.0
+            phase = (
+                (time[number] / data.cycle_s) % 1.0 if data.is_driven else time[number] / time[-1]
+            )
             line = 1e3 * lines[number]
             ax.plot(line @ panel.rectangle.along, line @ normal, lw=1.1, color=_phase(phase))
         ax.set_title(panel.name)

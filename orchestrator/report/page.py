@@ -40,6 +40,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             facts=_facts(data, summary["stability"]["scheme"]),
             headline=headline(found),
             not_steady=NOT_STEADY,
+            driven=data.is_driven,
             warnings=warnings(folder, summary, found),
             sheets=_sheets(found),
             pictures=_pictures(data, found, summary),

@@ -47,9 +47,12 @@ def rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
     (x) and normal to the deck (z) of every frame, every probe on a frame, and of the frames against
     each other; and every single number of the run's results, with the half width of its interval.
     """
-    return [
-        {vary.key: point.value, "status": point.status()} | _measured(point) for point in points
-    ]
+    return [_row(vary, point) for point in points]
+
+
+def _row(vary: Vary, point: Point) -> Row:
+    row: Row = {vary.key: point.value, "status": point.status()}
+    return row | _measured(point)
 
 
 def _measured(point: Point) -> Row:

@@ -13,6 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
+from orchestrator.report.headline import headline
 from tests.runs.outside import (
     QUICK,
     ROOT,
@@ -61,8 +62,11 @@ def test_it_ends_well_and_says_where_the_time_went(case: Done) -> None:
 
 def test_results_are_made_and_shown(case: Done) -> None:
     """What a run cannot have is no failure: a case without frames has no orbits."""
-    name, folder, _ = case
+    name, folder, done = case
     found = has_results(folder)
+    for tile in headline(found):
+        assert tile.line in done.stderr
+        assert " over " in tile.line.replace("(", " "), "from how much it is"
     framed = name != "ball-on-panel"
     assert ("orbits" in found["missing"]) is not framed or "everything" in found["missing"]
     if name not in WITHOUT_PANELS and "motion" in found:

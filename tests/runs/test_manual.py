@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
+import numpy as np
 import pytest
 
 from orchestrator.schemes import scheme
@@ -80,10 +82,8 @@ def test_the_keys_of_the_results(folder: Path) -> None:
         assert set(found[name]) == documented(f"### `results.{name}`")
     with h5py.File(cycles / "history.h5") as history:
         assert set(history["results"]) == set(found)
-    assert set(summary(folder)["results"]) == {
-        "missing",
-        "share_of_width",
-    }  # it lasts less than a cycle
+    few = {"missing", "failed", "share_of_width"}
+    assert set(summary(folder)["results"]) == few, "it lasts less than a cycle"
 
 
 def test_the_files(folder: Path) -> None:
@@ -112,6 +112,23 @@ def test_the_time_series(folder: Path) -> None:
                     assert {name.removesuffix("_J") for name in names} <= LEDGER
                 else:
                     assert names == wanted[kind] - {"time_s"}
+
+
+def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
+    """Of the line as it is printed: every frame is made of one array of floats with a column for
+    each component, which pandas takes as it is.  (A list of rows would become objects.)"""
+    (line,) = re.findall(r"^pandas\.concat.*$", MANUAL, flags=re.M)
+    try:
+        import pandas
+    except ImportError:  # not installed by the set-up
+        pandas = SimpleNamespace(DataFrame=np.asarray, concat=lambda frames, axis: frames)
+    line = line.replace("probes/middle", "probes/middle-1")
+    found = eval(line, {"pandas": pandas, "h5py": h5py, "f": folder / "history.h5"})
+    assert set(found["position_m"].shape[1:]) == {3}
+    for name in ("time_s", "position_m", "velocity_m_s"):
+        columns = np.asarray(found[name])
+        assert columns.dtype == float
+        assert len(columns) == len(found["time_s"]) > 1
 
 
 def test_the_terms_of_the_cheap_solvers(tmp_path: Path) -> None:
