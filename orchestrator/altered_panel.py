@@ -6,15 +6,26 @@ from collections.abc import Callable
 
 from orchestrator.clock import Interval
 from orchestrator.inertia import inertia_of
-from orchestrator.ports import Account, Inertia, Load, Motion, Mount, Panel, PanelState, Saved
+from orchestrator.ports import (
+    Account,
+    Inertia,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Saved,
+)
+from orchestrator.schedule import Ahead, ahead_of
 from orchestrator.state import restorable
 
 Advance = Callable[[Interval, Motion, Load], PanelState]
 
 
 class AlteredPanel:
-    """``panel`` with another ``advance`` and, where given, another ``initial`` and ``inertia``;
-    everything else is its own.  Again a panel."""
+    """``panel`` with another ``advance`` and, where given, another ``initial``, ``inertia`` and
+    ``ahead``; everything else is its own.  Again a panel."""
 
     def __init__(
         self,
@@ -22,10 +33,12 @@ class AlteredPanel:
         advance: Advance,
         initial: Callable[[], PanelState] | None = None,
         inertia: Callable[[], Inertia] | None = None,
+        ahead: Ahead | None = None,
     ) -> None:
         self._panel, self._advance = panel, advance
         self._initial = initial or panel.initial
         self._inertia = inertia or (lambda: inertia_of(panel))
+        self._ahead = ahead or ahead_of(panel)
         self.mount: Mount = panel.mount
 
     def initial(self) -> PanelState:
@@ -33,6 +46,9 @@ class AlteredPanel:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return self._advance(interval, clamps, load)
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        return self._ahead(interval, clamps)
 
     def inertia(self) -> Inertia:
         return self._inertia()

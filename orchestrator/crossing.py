@@ -61,6 +61,44 @@ class Motion:
 
 
 @dataclass(frozen=True)
+class Known:
+    """Where some of the points are going to be at the end of an interval, whatever pushes them.
+
+    ``which`` (points,), bool: the points of which this is known.  ``motion`` has a row for every
+    point; the rows of the others mean nothing.
+    """
+
+    motion: Motion
+    which: npt.NDArray[np.bool_]
+
+    @staticmethod
+    def nothing(points: int) -> Known:
+        """Of that many points, none is known."""
+        return Known(Motion(*np.zeros((2, points, 3))), np.zeros(points, dtype=np.bool_))
+
+    def part(self, points: slice | Indices) -> Known:
+        """What is known of some of the points."""
+        return Known(self.motion.part(points), self.which[points])
+
+    def among(self, points: int, at: Indices) -> Known:
+        """These points as the numbers ``at`` among so many, of the others of which nothing is
+        known."""
+        found = Known.nothing(points)
+        found.which[at] = self.which
+        found.motion.position_m[at] = self.motion.position_m
+        found.motion.velocity_m_s[at] = self.motion.velocity_m_s
+        return found
+
+    def over(self, otherwise: Motion) -> Motion:
+        """The motion of all points: ``otherwise`` where it is not known."""
+        which = self.which[:, None]
+        return Motion(
+            np.where(which, self.motion.position_m, otherwise.position_m),
+            np.where(which, self.motion.velocity_m_s, otherwise.velocity_m_s),
+        )
+
+
+@dataclass(frozen=True)
 class Load:
     """A force at each point, float64 of shape (points, 3): the mean over a sync interval."""
 

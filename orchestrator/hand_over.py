@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
+import numpy as np
+
 from orchestrator.altered_panel import AlteredPanel
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
@@ -17,6 +19,7 @@ from orchestrator.ports import (
     Account,
     Frames,
     Inertia,
+    Known,
     Load,
     Motion,
     Overlaps,
@@ -29,6 +32,7 @@ from orchestrator.ports import (
     Response,
     Saved,
 )
+from orchestrator.schedule import ahead_of, carried_ahead
 from orchestrator.state import restorable
 
 
@@ -43,6 +47,9 @@ class UnpushedFrames:
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         return self._frames.advance(interval, Load.zero(len(reaction)))
+
+    def ahead(self, interval: Interval) -> Known | None:
+        return carried_ahead(self._frames, interval)
 
     def account(self) -> Account:
         return self._frames.account()
@@ -72,11 +79,16 @@ def unloaded(panel: Panel) -> AlteredPanel:
 def still_clamped(panel: Panel) -> AlteredPanel:
     """A panel whose clamps stay where they were at t = 0."""
     still = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
+    known = Known(still, np.ones(len(still), dtype=np.bool_))
+    follow = ahead_of(panel)
 
     def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return panel.advance(interval, still, load)
 
-    return AlteredPanel(panel, advance)
+    def ahead(interval: Interval, clamps: Known) -> Known:
+        return follow(interval, known)
+
+    return AlteredPanel(panel, advance, ahead=ahead)
 
 
 class ParticlesOnStillSurface:

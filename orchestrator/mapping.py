@@ -15,7 +15,8 @@ from orchestrator.altered_panel import AlteredPanel
 from orchestrator.clock import Interval
 from orchestrator.geometry import Rectangle
 from orchestrator.inertia import inertia_of
-from orchestrator.ports import Array, Indices, Inertia, Load, Motion, Panel, PanelState
+from orchestrator.ports import Array, Indices, Inertia, Known, Load, Motion, Panel, PanelState
+from orchestrator.schedule import ahead_of
 
 
 @dataclass(frozen=True)
@@ -56,17 +57,25 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
 def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
     """The panel seen through other points of its surface; ``H`` (new points, panel's surface
     points), from ``MeshedPanel.interpolation``."""
-    HT = csr_array(H.T)
+    HT, sizes = csr_array(H.T), abs(H)
+    follow = ahead_of(panel)
+
+    def moved(surface: Motion) -> Motion:
+        return Motion(H @ surface.position_m, H @ surface.velocity_m_s)
 
     def seen(state: PanelState) -> PanelState:
-        surface = state.surface
-        return PanelState(Motion(H @ surface.position_m, H @ surface.velocity_m_s), state.reaction)
+        return PanelState(moved(state.surface), state.reaction)
 
     def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return seen(panel.advance(interval, clamps, Load(HT @ load.force_N)))
+
+    def ahead(interval: Interval, clamps: Known) -> Known:
+        """Of the points that hang on nothing that is not known."""
+        own = follow(interval, clamps)
+        return Known(moved(own.motion), sizes @ np.where(own.which, 0.0, 1.0) == 0.0)
 
     def inertia() -> Inertia:
         own = inertia_of(panel)
         return replace(own, shapes=csr_array(H @ own.shapes))
 
-    return AlteredPanel(panel, advance, lambda: seen(panel.initial()), inertia)
+    return AlteredPanel(panel, advance, lambda: seen(panel.initial()), inertia, ahead)

@@ -18,6 +18,7 @@ from orchestrator.ports import (
     Array,
     Frames,
     Inertia,
+    Known,
     Load,
     Motion,
     Mount,
@@ -32,6 +33,7 @@ from orchestrator.ports import (
     Restorable,
     Saved,
 )
+from orchestrator.schedule import carried_ahead
 from orchestrator.state import put_back, restorable, taken
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.timed_panel import timed
@@ -62,6 +64,10 @@ class MeteredFrames:
             motion = self._frames.advance(interval, reaction)
         self.last = reaction, motion
         return motion
+
+    def ahead(self, interval: Interval) -> Known | None:
+        with self._stopwatch("frames"), named(self._name, interval):
+            return carried_ahead(self._frames, interval)
 
     def account(self) -> Account:
         return self._frames.account()
@@ -98,6 +104,9 @@ class MeteredPanel:
         self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
         self.last = clamps, load, state
         return state
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        return self._panel.ahead(interval, clamps)
 
     def inertia(self) -> Inertia:
         return inertia_of(self._panel)

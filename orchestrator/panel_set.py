@@ -16,7 +16,18 @@ import numpy as np
 from orchestrator.clock import Interval
 from orchestrator.inertia import inertia_of
 from orchestrator.inertia import joined as joined_inertia
-from orchestrator.ports import Account, Inertia, Load, Motion, Mount, Panel, PanelState, Saved
+from orchestrator.ports import (
+    Account,
+    Inertia,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Saved,
+)
+from orchestrator.schedule import ahead_of
 from orchestrator.state import restorable
 
 
@@ -33,6 +44,7 @@ class PanelSet:
         self._communicator = communicator
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
         self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
+        self._follow = {i: ahead_of(panel) for i, panel in self._own.items()}
         states = self._exchanged({i: panel.initial() for i, panel in self._own.items()})
         mounts = self._exchanged({i: panel.mount for i, panel in self._own.items()})
         self.surface = slices([len(state.surface) for state in states])
@@ -54,6 +66,12 @@ class PanelSet:
             for i, panel in self._own.items()
         }
         return joined(self._exchanged(own))
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        own = {i: ahead(interval, clamps.part(self.clamps[i])) for i, ahead in self._follow.items()}
+        parts = self._exchanged(own)
+        motion = joined_motion([part.motion for part in parts])
+        return Known(motion, np.concatenate([part.which for part in parts]))
 
     def inertia(self) -> Inertia:
         return joined_inertia(
@@ -91,11 +109,16 @@ def slices(lengths: Sequence[int]) -> tuple[slice, ...]:
 def joined(states: Sequence[PanelState]) -> PanelState:
     """One state with the points of all."""
     return PanelState(
-        Motion(
-            np.concatenate([s.surface.position_m for s in states]),
-            np.concatenate([s.surface.velocity_m_s for s in states]),
-        ),
+        joined_motion([s.surface for s in states]),
         Load(np.concatenate([s.reaction.force_N for s in states])),
+    )
+
+
+def joined_motion(motions: Sequence[Motion]) -> Motion:
+    """The points of all, one after the other."""
+    return Motion(
+        np.concatenate([motion.position_m for motion in motions]),
+        np.concatenate([motion.velocity_m_s for motion in motions]),
     )
 
 

@@ -23,6 +23,7 @@ from orchestrator.crossing import (
     BrokenRecord,
     Indices,
     Inertia,
+    Known,
     Load,
     Motion,
     Mount,
@@ -39,10 +40,12 @@ __all__ = [
     "Account",
     "Array",
     "BrokenRecord",
+    "Following",
     "Frames",
     "Indices",
     "Inert",
     "Inertia",
+    "Known",
     "Load",
     "MeshedPanel",
     "Motion",
@@ -57,6 +60,7 @@ __all__ = [
     "Response",
     "Restorable",
     "Saved",
+    "Scheduled",
     "Wearing",
     "counted",
     "in_order",
@@ -124,8 +128,9 @@ class Particles(Protocol):
     def advance(self, interval: Interval, path: Path) -> Load:
         """Mean force on the surface points over the interval, during which they follow ``path``.
 
-        The path's start may differ from the last path's end by the coupling's correction of
-        what was extrapolated; the work of that small jump is booked as received, too.
+        Where the surface's motion was extrapolated, the path's start may differ from the last
+        path's end by the coupling's correction of that; the work of this small jump is booked as
+        received, too.
         """
         ...
 
@@ -160,6 +165,26 @@ class Responding(Protocol):
     def response(self, length_s: float) -> Response:
         """Over the next interval of ``length_s``; at a sync point, alike on every rank (collective
         under MPI).  Changes nothing."""
+        ...
+
+
+@runtime_checkable
+class Scheduled(Protocol):
+    """Frames that move some of their points by a schedule, which no reaction changes: a drive."""
+
+    def ahead(self, interval: Interval) -> Known | None:
+        """Where those points are at the interval's end, exactly; changes nothing.  None where
+        nothing is driven: what stands still needs no schedule."""
+        ...
+
+
+@runtime_checkable
+class Following(Protocol):
+    """A panel with surface points that its clamps alone move, whatever loads them."""
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Where those of them are at the interval's end whose clamps are known; what ``advance``
+        with such clamps will say of them.  Changes nothing."""
         ...
 
 

@@ -14,7 +14,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from orchestrator.clock import Interval
-from orchestrator.ports import Account, Frames, Load, Motion, Saved
+from orchestrator.ports import Account, Frames, Known, Load, Motion, Saved
+from orchestrator.schedule import carried_ahead
 from orchestrator.state import restorable
 
 Shared = TypeVar("Shared")
@@ -80,6 +81,9 @@ class FramesOnFirstRank:
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         return self._shared(lambda frames: frames.advance(interval, reaction))
+
+    def ahead(self, interval: Interval) -> Known | None:
+        return self._shared(lambda frames: carried_ahead(frames, interval))
 
     def account(self) -> Account:
         return self._shared(lambda frames: frames.account())

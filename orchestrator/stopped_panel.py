@@ -26,6 +26,7 @@ from orchestrator.ports import (
     Account,
     Array,
     Inertia,
+    Known,
     Load,
     MeshedPanel,
     Motion,
@@ -34,6 +35,7 @@ from orchestrator.ports import (
     Saved,
     counted,
 )
+from orchestrator.schedule import ahead_of
 from orchestrator.state import put_back, restorable, taken
 from orchestrator.stop_tops import Through, corners_m, tops
 
@@ -50,6 +52,7 @@ class StoppedPanel:
         rest of a panel on beams."""
         at = plan.rectangle
         self._panel, self._stops = panel, len(plan.stops)
+        self._follow = ahead_of(panel)
         cell_m = np.divide((at.length_m, at.width_m), plan.cells)
         self._tops = tops(plan.stops, at, cell_m / POINTS_PER_CELL)
         self._H = panel.interpolation(self._tops.coordinates_m)
@@ -67,6 +70,10 @@ class StoppedPanel:
 
     def inertia(self) -> Inertia:
         return inertia_of(self._panel)
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Of the panel's own clamps; the tops carry nothing that particles touch."""
+        return self._follow(interval, clamps.part(slice(self._clamps)))
 
     def initial(self) -> PanelState:
         return self._with(self._panel.initial(), np.zeros((3 * self._stops, 3)))

@@ -5,12 +5,14 @@ from __future__ import annotations
 from orchestrator.altered_panel import AlteredPanel
 from orchestrator.clock import Interval
 from orchestrator.naming import named
-from orchestrator.ports import Load, Motion, Panel, PanelState
+from orchestrator.ports import Known, Load, Motion, Panel, PanelState
+from orchestrator.schedule import ahead_of
 from orchestrator.stopwatch import Stopwatch
 
 
 def timed(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPanel:
     """The panel says its ``name`` when it fails; its time is booked under ``part``."""
+    follow = ahead_of(panel)
 
     def initial() -> PanelState:
         with named(name, None):
@@ -20,4 +22,8 @@ def timed(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPa
         with stopwatch(part), named(name, interval):
             return panel.advance(interval, clamps, load)
 
-    return AlteredPanel(panel, advance, initial)
+    def ahead(interval: Interval, clamps: Known) -> Known:
+        with stopwatch(part), named(name, interval):
+            return follow(interval, clamps)
+
+    return AlteredPanel(panel, advance, initial, ahead=ahead)

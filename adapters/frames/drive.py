@@ -12,8 +12,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from adapters.frames.poses import cross
-from orchestrator.plans import Drive
-from orchestrator.ports import Array
+from orchestrator.clock import Interval
+from orchestrator.plans import Drive, FramesPlan
+from orchestrator.ports import Array, Known, Motion
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,31 @@ def driving(drive: Drive, time_s: float) -> Driving:
 def moved(drive: Drive, points_m: Array, time_s: float) -> tuple[Array, Array]:
     """Position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
+
+
+class DrivenPoints:
+    """The carried points of a plan where its drives have them at a time; all others stay where they
+    were drawn."""
+
+    def __init__(self, plan: FramesPlan) -> None:
+        self._points_m, carrier = plan.points_m, np.array(plan.carrier, dtype=str)
+        self._driven = [(drive, np.flatnonzero(carrier == drive.body)) for drive in plan.drives]
+        self.still_or_driven = np.isin(carrier, ["ground", *(d.body for d in plan.drives)])
+
+    def at(self, time_s: float) -> Motion:
+        """Exact."""
+        position_m = self._points_m.copy()
+        velocity_m_s = np.zeros_like(position_m)
+        for drive, points in self._driven:
+            position_m[points], velocity_m_s[points] = moved(drive, self._points_m[points], time_s)
+        return Motion(position_m, velocity_m_s)
+
+    def ahead(self, interval: Interval) -> Known | None:
+        """At the interval's end, of the points on driven bodies and on the ground; None without
+        drives."""
+        if not self._driven:
+            return None
+        return Known(self.at(interval.end_s), self.still_or_driven)
 
 
 def shifted(drive: Drive, time_s: Array) -> tuple[Array, Array]:

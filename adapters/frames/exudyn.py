@@ -22,11 +22,12 @@ import numpy as np
 
 from adapters.frames import linear, trapezoidal
 from adapters.frames.books import Books
+from adapters.frames.drive import DrivenPoints
 from adapters.frames.poses import Attached, Poses, cross
 from adapters.frames.spatial_shaft import shafts
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan, SolverFailed, SolverMissing
-from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
 from orchestrator.state import put_back, taken
 
 try:
@@ -58,6 +59,7 @@ class ExudynFrames:
             Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
             for number, drive in zip(linear.driven(plan), plan.drives, strict=True)
         )
+        self._driven_points = DrivenPoints(plan)
         self._free = linear.free(plan)
         free = [plan.bodies[number] for number in self._free]
         self._mass_kg = np.array([body.mass_kg for body in free])
@@ -104,6 +106,9 @@ class ExudynFrames:
         moved_m = self._points.position_m - before.position_m
         self._books.interval(reaction.force_N, moved_m, interval.length_s)
         return self._points
+
+    def ahead(self, interval: Interval) -> Known | None:
+        return self._driven_points.ahead(interval)
 
     def account(self) -> Account:
         return self._books.account(self._instant, self._shafts)

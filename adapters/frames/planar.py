@@ -20,6 +20,7 @@ import numpy as np
 
 from adapters.frames import linear
 from adapters.frames.collocation import STAGES, Gauss, gauss, onward
+from adapters.frames.drive import DrivenPoints
 from adapters.frames.planar_books import Books, Step
 from adapters.frames.planar_drive import planar_drives
 from adapters.frames.planar_forces import Bushings, Forces, Pulls
@@ -28,7 +29,7 @@ from adapters.frames.rounds import Rounds
 from adapters.frames.shaft import shafts
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan, SolverFailed
-from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
 from orchestrator.state import put_back, taken
 
 _STATE = ("_coordinates", "_poses", "_added")
@@ -61,7 +62,7 @@ class PlanarFrames:
 
     def __init__(self, plan: FramesPlan) -> None:
         self._plan = plan = linear.free_first(plan)
-        self._drives = planar_drives(plan)
+        self._drives, self._driven_points = planar_drives(plan), DrivenPoints(plan)
         self._free = slice(0, len(linear.free(plan)))
         machine = linear.linearised(plan, linear.PLANE)
         self._mass, self._damping = machine.mass, machine.damping
@@ -98,6 +99,9 @@ class PlanarFrames:
         moved = self._poses.place[0] - before
         self._books.interval(reaction.force_N, on_bodies, moved, interval.length_s)
         return self._moved()
+
+    def ahead(self, interval: Interval) -> Known | None:
+        return self._driven_points.ahead(interval)
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))

@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from adapters.frames import linear
-from adapters.frames.drive import moved
+from adapters.frames.drive import DrivenPoints
 from orchestrator.clock import Interval
 from orchestrator.plans import FramesPlan
-from orchestrator.ports import Account, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Known, Load, Motion, Saved, counted
 from orchestrator.state import put_back, taken
 
 _STATE = ("_now", "_impulse_N_s", "_received_J")
@@ -28,10 +28,8 @@ class PrescribedFrames:
     """``Frames`` moved by drives only."""
 
     def __init__(self, plan: FramesPlan) -> None:
-        self._points_m = plan.points_m
-        carrier = np.array(plan.carrier, dtype=str)
-        self._driven = [(drive, np.flatnonzero(carrier == drive.body)) for drive in plan.drives]
-        self._now = self._motion(0.0)
+        self._points, self._drives = DrivenPoints(plan), len(plan.drives)
+        self._now = self._points.at(0.0)
         self._impulse_N_s = np.zeros(3)
         self._received_J = 0.0
 
@@ -39,12 +37,18 @@ class PrescribedFrames:
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        counted("frames' reaction", reaction, len(self._points_m))
-        before, self._now = self._now, self._motion(interval.end_s)
+        counted("frames' reaction", reaction, len(self._now))
+        before, self._now = self._now, self._points.at(interval.end_s)
         moved_m = self._now.position_m - before.position_m
         self._received_J += float(np.sum(reaction.force_N * moved_m))
         self._impulse_N_s += interval.length_s * reaction.force_N.sum(axis=0)
         return self._now
+
+    def ahead(self, interval: Interval) -> Known | None:
+        """Of all points: what no drive moves stands still here."""
+        if not self._drives:
+            return None
+        return Known(self._points.at(interval.end_s), np.ones(len(self._now), dtype=np.bool_))
 
     def account(self) -> Account:
         """Massless bodies: the drives return at once the impulse and the work they receive."""
@@ -63,13 +67,6 @@ class PrescribedFrames:
 
     def close(self) -> None:
         pass
-
-    def _motion(self, time_s: float) -> Motion:
-        position_m = self._points_m.copy()
-        velocity_m_s = np.zeros_like(position_m)
-        for drive, points in self._driven:
-            position_m[points], velocity_m_s[points] = moved(drive, self._points_m[points], time_s)
-        return Motion(position_m, velocity_m_s)
 
 
 def _check(plan: FramesPlan) -> None:

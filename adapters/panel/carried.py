@@ -10,7 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.clock import Interval
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    counted,
+)
 from orchestrator.state import put_back, taken
 
 _STATE = ("_position_m", "_received_J")
@@ -40,6 +50,9 @@ class CarriedSurface:
         self._received_J += float(np.sum(load.force_N * moved_m))
         self._position_m = clamps.position_m
         return PanelState(clamps, load)
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        return clamps
 
     def account(self) -> Account:
         received_J = {"load": self._received_J, "clamps": -self._received_J}

@@ -17,6 +17,7 @@ from orchestrator.ports import (
     Array,
     Indices,
     Inertia,
+    Known,
     Load,
     Motion,
     Mount,
@@ -120,6 +121,11 @@ class ElasticPanel:
         )
         reaction = on_clamps_N - (gained_N_s + on_held.impulse_N_s) / interval.length_s
         return PanelState(self._surface_motion(), Load(reaction))
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Of the held nodes on the surface."""
+        nodes = len(self._body.mass_kg)
+        return clamps.among(nodes, self._body.held).part(np.arange(nodes)[self._surface])
 
     def account(self) -> Account:
         state, mass = self._state, self._body.mass_kg[:, None]

@@ -22,7 +22,17 @@ from scipy.sparse import csr_array
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import PanelPlan
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    counted,
+)
 from orchestrator.recording import Playback, RecordedGrid, both_ways, hats
 from orchestrator.state import put_back, taken
 
@@ -76,6 +86,11 @@ class RecordedPanel:
         self._clamps, self._surface = clamps, surface
         self._elapsed_s += interval.length_s
         return PanelState(surface, Load(reaction_N))
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Of the points that hang on clamps which are all known."""
+        which = np.abs(self._carried) @ np.where(clamps.which, 0.0, 1.0) == 0.0
+        return Known(self._placed(clamps.motion, interval.end_s), which)
 
     def account(self) -> Account:
         mass_kg, now = self._mass_kg, self._surface

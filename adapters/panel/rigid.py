@@ -19,7 +19,17 @@ from scipy.sparse import csr_array
 from adapters.panel import bilinear
 from orchestrator.clock import Interval
 from orchestrator.plans import PanelPlan
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    counted,
+)
 from orchestrator.state import put_back, taken
 
 _STATE = ("_now", "_elapsed_s", "_received_J")
@@ -65,6 +75,9 @@ class RigidPanel:
         self._book(load, before)
         self._elapsed_s += interval.length_s
         return PanelState(clamps, Load(reaction))
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        return clamps
 
     def account(self) -> Account:
         mass_kg, now = self._mass_kg, self._now

@@ -27,6 +27,7 @@ from orchestrator.ports import (
     Account,
     Array,
     Inertia,
+    Known,
     Load,
     Motion,
     Mount,
@@ -145,6 +146,11 @@ class Strip:
         self._book(clamps, load, turning_N, work_J)
         self._elapsed_s += interval.length_s
         return PanelState(self._surface, Load(bilinear.joined(middle_N / 2, turning_N / 2)))
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Of the held rows."""
+        held = (2 * self._motion.held[:, None] + np.arange(2)).ravel()
+        return clamps.among(len(self._surface), held)
 
     def account(self) -> Account:
         motion, mass_kg = self._motion, self._mass_kg

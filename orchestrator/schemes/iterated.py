@@ -2,7 +2,8 @@
 
 The particles move on the chord of the surface's motion, the straight path from where it is to
 where the panel ends, and the panel ends there under their mean load.  Then that load does the same
-work on both sides: no energy is created.  Unknown is the load F, sought as the fixed point of
+work on both sides: no energy is created.  (Where a drive carries the surface, its true path is
+known and takes the chord's place.)  Unknown is the load F, sought as the fixed point of
 
     F -> load of the particles on the chord which the panel moves along under F,
 
@@ -22,7 +23,7 @@ from orchestrator.coupling import Scheme, Solvers, State
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.schemes.effort import Effort
 from orchestrator.schemes.relaxation import Aitken, LeastSquares
-from orchestrator.schemes.steps import chord, ended, panel_moved
+from orchestrator.schemes.steps import Ahead, ahead, chord, ended
 from orchestrator.state import put_back, restorable, taken
 
 LOG = logging.getLogger("flipflow")
@@ -61,25 +62,28 @@ class Iterated:
         self._worst = 0.0
 
     def advance(self, solvers: Solvers, interval: Interval, now: State) -> State:
+        known = ahead(solvers, interval, now)
         if solvers.particles is None:
-            return ended(
-                solvers, interval, now, panel_moved(solvers, interval, now, now.load), now.load
-            )
-        panel, load = self._solved(solvers, interval, now)
+            panel, load = solvers.panel.advance(interval, known.clamps, now.load), now.load
+        else:
+            panel, load = self._solved(solvers, interval, now, known)
         return ended(solvers, interval, now, panel, load)
 
-    def _solved(self, solvers: Solvers, interval: Interval, now: State) -> tuple[PanelState, Load]:
+    def _solved(
+        self, solvers: Solvers, interval: Interval, now: State, known: Ahead
+    ) -> tuple[PanelState, Load]:
         assert solvers.particles is not None
         particles, panel = restorable(solvers.particles), restorable(solvers.panel)
         particles_before, panel_before = particles.save(), panel.save()
         self._relaxation.begin()
         tried = now.load
         for run in range(1, self._effort.most + 1):
-            moved = panel_moved(solvers, interval, now, tried)
-            path = chord(now.panel.surface, moved.surface, interval.length_s)
+            moved = solvers.panel.advance(interval, known.clamps, tried)
+            path = known.path(chord(now.panel.surface, moved.surface, interval.length_s))
             load = solvers.particles.advance(interval, path)
             off_N = size(load.force_N - tried.force_N)
             solved = off_N <= max(self._effort.tolerance * size(load.force_N), self._effort.floor_N)
+            solved = solved or known.settled  # any other load would be answered alike
             if solved or run == self._effort.most:
                 break
             tried = Load(self._relaxation.next(tried.force_N, load.force_N))
@@ -88,7 +92,7 @@ class Iterated:
         self._count(run, solved, off_N, load, interval)
         if off_N > 0:
             panel.restore(panel_before)
-            moved = panel_moved(solvers, interval, now, load)
+            moved = solvers.panel.advance(interval, known.clamps, load)
         return moved, load
 
     def figures(self) -> dict[str, Any]:

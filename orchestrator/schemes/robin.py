@@ -13,8 +13,8 @@ the particles last saw the surface, so that their path has no jumps.  The name i
 condition, which ties force to velocity (for fluids: Badia, S., Nobile, F. and Vergara, C., Journal
 of Computational Physics 227, 2008, 7027-7051, doi 10.1016/j.jcp.2008.04.006).
 
-Where nothing is known of a surface's masses it goes on as with ``particles_first``; where
-nothing is known of any (rigid panels), that is the scheme.
+Where nothing is known of a surface's masses it goes on as with ``particles_first``: where a drive
+has it, or else at its velocity.  Where nothing is known of any (rigid panels), that is the scheme.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from orchestrator.coupling import Scheme, Solvers, State
 from orchestrator.hermite import Path
 from orchestrator.ports import Array, Load, Motion, Responding, Response, Saved
 from orchestrator.schemes.staggered import particles_first
-from orchestrator.schemes.steps import ended, panel_moved
+from orchestrator.schemes.steps import Ahead, ahead, ended
 from orchestrator.schemes.yielding import Yielding, against
 from orchestrator.state import put_back, restorable, taken
 
@@ -54,10 +54,11 @@ class Robin:
         if not yielding.known.any():
             return particles_first(solvers, interval, now)
         response = cast(Responding, solvers.particles).response(interval.length_s)
-        trial = tried(solvers, interval, now)
-        path = self._foreseen(yielding, response, trial, interval, now)
+        known = ahead(solvers, interval, now)
+        trial = tried(solvers, interval, now, known)
+        path = known.path(self._foreseen(yielding, response, trial, interval, now))
         load = solvers.particles.advance(interval, path)
-        panel = panel_moved(solvers, interval, now, load)
+        panel = solvers.panel.advance(interval, known.clamps, load)
         self._seen_m = path.end.position_m
         more = Load(load.force_N - now.load.force_N)
         gave_m_s = (panel.surface.position_m - trial.position_m) / interval.length_s
@@ -92,10 +93,10 @@ class Robin:
         self._seen_m = np.array(saved["seen_m"]) if "seen_m" in saved else None
 
 
-def tried(solvers: Solvers, interval: Interval, now: State) -> Motion:
+def tried(solvers: Solvers, interval: Interval, now: State, known: Ahead) -> Motion:
     """The surface at the interval's end, were the load the last one's; the panel stays as it is."""
     panel = restorable(solvers.panel)
     before = panel.save()
-    moved = panel_moved(solvers, interval, now, now.load)
+    moved = solvers.panel.advance(interval, known.clamps, now.load)
     panel.restore(before)
     return moved.surface

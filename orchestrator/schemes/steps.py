@@ -1,17 +1,52 @@
-"""What schemes are made of: one member moved over an interval."""
+"""What schemes are made of: what is known of an interval's end, and one member moved over it."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 from orchestrator.clock import Interval
 from orchestrator.coupling import Solvers, State
 from orchestrator.hermite import Path
-from orchestrator.ports import Array, Load, Motion, PanelState
+from orchestrator.ports import Array, Following, Known, Load, Motion, PanelState
+from orchestrator.schedule import carried_ahead
 
 
-def panel_moved(solvers: Solvers, interval: Interval, now: State, load: Load) -> PanelState:
-    """The panel under a load, between clamps that go on as in the last interval."""
-    ahead = extrapolated(now.clamps, now.clamps_acceleration_m_s2, interval.length_s)
-    return solvers.panel.advance(interval, ahead, load)
+@dataclass(frozen=True)
+class Ahead:
+    """The end of an interval as it can be told before anything moves.
+
+    ``clamps``: where their drives have them, and those without a drive as their last acceleration
+    takes them on.  ``surface``: the points whose motion follows from driven clamps alone; None
+    where nothing is driven.  ``start``: the surface now.
+    """
+
+    clamps: Motion
+    surface: Known | None
+    start: Motion
+
+    @property
+    def settled(self) -> bool:
+        """Whether no load can change the surface's motion."""
+        return self.surface is not None and bool(self.surface.which.all())
+
+    def path(self, otherwise: Path) -> Path:
+        """The surface's: the true one (cubic Hermite) where it is known."""
+        if self.surface is None:
+            return otherwise
+        start = Known(self.start, self.surface.which).over(otherwise.start)
+        return Path(start, self.surface.over(otherwise.end), otherwise.length_s)
+
+
+def ahead(solvers: Solvers, interval: Interval, now: State) -> Ahead:
+    """Of the interval that begins ``now``; nothing moves."""
+    clamps = extrapolated(now.clamps, now.clamps_acceleration_m_s2, interval.length_s)
+    known = carried_ahead(solvers.frames, interval)
+    if known is None:
+        return Ahead(clamps, None, now.panel.surface)
+    surface = None
+    if isinstance(solvers.panel, Following):
+        surface = solvers.panel.ahead(interval, known)
+    return Ahead(known.over(clamps), surface, now.panel.surface)
 
 
 def ended(solvers: Solvers, interval: Interval, now: State, panel: PanelState, load: Load) -> State:

@@ -10,6 +10,7 @@ import pytest
 
 from orchestrator.clock import Interval
 from orchestrator.ports import BrokenRecord, Load
+from orchestrator.schedule import carried_ahead
 from orchestrator.state import as_arrays
 from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
 from tests.frames.machines import POINTS_M
@@ -135,3 +136,33 @@ def test_closing_twice_is_harmless(case: Case) -> None:
     frames = case.open(case.still())
     frames.close()
     frames.close()
+
+
+@every_adapter
+def test_what_drives_move_is_known_ahead(case: Case) -> None:
+    """Of driven bodies and the ground, to rounding; without a drive nothing is.  Asking changes
+    nothing."""
+    plan = case.moving(0.0)
+    plan = replace(plan, carrier=(*plan.carrier[:3], "ground"))
+    frames, unasked = case.open(plan), case.open(plan)
+    bodies = {drive.body for drive in plan.drives} | {"ground"}
+    others_stand_still = case.solver == "prescribed"
+    for index, force_N in enumerate(loads(80)):
+        interval = Interval(index, INTERVAL_S)
+        known = carried_ahead(frames, interval)
+        motion = frames.advance(interval, Load(force_N))
+        assert (
+            differences(as_arrays(motion), as_arrays(unasked.advance(interval, Load(force_N))))
+            == []
+        )
+        if not plan.drives:
+            assert known is None
+            continue
+        assert known is not None
+        assert known.which.tolist() == [others_stand_still or c in bodies for c in plan.carrier]
+        which = known.which
+        assert known.motion.position_m[which] == pytest.approx(motion.position_m[which], abs=1e-13)
+        assert known.motion.velocity_m_s[which] == pytest.approx(
+            motion.velocity_m_s[which], abs=1e-11
+        )
+    assert differences(frames.save(), unasked.save()) == []

@@ -1,0 +1,160 @@
+"""What schemes tell of an interval's end: clamps by their drives, or by their last acceleration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from orchestrator.clock import Interval
+from orchestrator.coupling import Solvers, State, initial
+from orchestrator.hermite import Path
+from orchestrator.ports import Known, Load, Motion, PanelState
+from orchestrator.schemes import SCHEMES, scheme
+from orchestrator.schemes.steps import ahead, extrapolated
+from tests.coupling.line import FreeFrame, HungPlate, Sphere, point, push
+
+LENGTH_S = 0.1
+EXTRAPOLATING = [name for name in SCHEMES if name != "serial-staggered"]
+every_scheme = pytest.mark.parametrize("name", EXTRAPOLATING)
+
+
+@dataclass
+class Told(HungPlate):
+    """Keeps what it was told of its clamp last."""
+
+    told: list[Motion] = field(default_factory=list)
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        self.told.append(clamps)
+        return super().advance(interval, clamps, load)
+
+
+@dataclass
+class PushedFrame(FreeFrame):
+    """A free mass with a constant force on it besides."""
+
+    force_N: float = 0.0
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        return super().advance(interval, Load(reaction.force_N + push(self.force_N).force_N))
+
+
+@dataclass
+class DrivenFrame(FreeFrame):
+    """Carries its point as x = sin(t), whatever pushes it."""
+
+    def initial(self) -> Motion:
+        return at(0.0)
+
+    def ahead(self, interval: Interval) -> Known:
+        return Known(at(interval.end_s), np.array([True]))
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        return at(interval.end_s)
+
+
+def at(time_s: float) -> Motion:
+    return point(float(np.sin(time_s)), float(np.cos(time_s)))
+
+
+class DrivenPlate(Told):
+    """A plate that is its clamp."""
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        return clamps
+
+    def initial(self) -> PanelState:
+        return PanelState(at(0.0), push(0.0))
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        self.told.append(clamps)
+        return PanelState(clamps, load)
+
+
+@dataclass
+class Seeing(Sphere):
+    """Keeps the paths that it was shown."""
+
+    paths: list[Path] = field(default_factory=list)
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        self.paths.append(path)
+        return super().advance(interval, path)
+
+
+def run(name: str, solvers: Solvers, intervals: int) -> list[State]:
+    state, way = initial(solvers), scheme(name)
+    states = [state]
+    for index in range(intervals):
+        state = way.advance(solvers, Interval(index, LENGTH_S), state)
+        states.append(state)
+    return states
+
+
+def test_extrapolated_clamps_are_exact_at_constant_acceleration() -> None:
+    """x = 2 + 3 t - 5 t^2 / 2."""
+    found = extrapolated(point(2.0, 3.0), np.array([[-5.0, 0.0, 0.0]]), 0.2)
+    assert found.position_m[0] == pytest.approx([2.0 + 0.6 - 0.1, 0.0, 0.0], rel=1e-14)
+    assert found.velocity_m_s[0] == pytest.approx([2.0, 0.0, 0.0], rel=1e-14)
+
+
+@every_scheme
+def test_a_panel_on_a_frame_that_speeds_up_evenly_is_told_where_it_will_be(name: str) -> None:
+    """A frame of 2 kg under 3 N, a panel that does not push it; from the second interval on, when
+    an acceleration has been seen."""
+    panel = Told(1.0, 0.0)
+    states = run(name, Solvers(PushedFrame(2.0, force_N=3.0), panel, None), 4)
+    for told, state in zip(panel.told[1:], states[2:], strict=True):
+        assert told.position_m == pytest.approx(state.clamps.position_m, rel=1e-13)
+        assert told.velocity_m_s == pytest.approx(state.clamps.velocity_m_s, rel=1e-13)
+    first = extrapolated(states[0].clamps, np.zeros((1, 3)), LENGTH_S)
+    assert panel.told[0].position_m == pytest.approx(first.position_m, abs=1e-15)
+
+
+@every_scheme
+def test_a_panel_on_a_driven_frame_is_told_where_the_drive_has_it(name: str) -> None:
+    """Of the first interval on, bit for bit; the plate itself is free to swing."""
+    panel, sphere = Told(1.0, 4.0), Sphere(1.0, 5.0, -0.01, 0.0)
+    states = run(name, Solvers(DrivenFrame(1.0), panel, sphere), 4)
+    last_told = panel.told[-1]
+    assert (last_told.position_m == states[-1].clamps.position_m).all()
+    assert (last_told.velocity_m_s == at(4 * LENGTH_S).velocity_m_s).all()
+
+
+@every_scheme
+def test_particles_see_the_true_path_of_what_is_driven(name: str) -> None:
+    """Cubic Hermite between exact ends: off by no more than H^4 / 384 of the fourth derivative, in
+    velocity by H^3 sqrt(3) / 216 of it; on the way, nothing is run twice."""
+    sphere = Seeing(1.0, 5.0, -0.01, 0.0)
+    run(name, Solvers(DrivenFrame(1.0), DrivenPlate(1.0, 0.0), sphere), 4)
+    assert len(sphere.paths) == 4
+    for index, path in enumerate(sphere.paths):
+        for fraction in np.linspace(0.0, 1.0, 9):
+            time_s = (index + fraction) * LENGTH_S
+            off = path.position_m(fraction)[0, 0] - np.sin(time_s)
+            assert abs(off) <= LENGTH_S**4 / 384 * np.sin((index + 1) * LENGTH_S) + 1e-15
+            off = path.velocity_m_s(fraction)[0, 0] - np.cos(time_s)
+            assert abs(off) <= 3**0.5 / 216 * LENGTH_S**3 * np.sin((index + 1) * LENGTH_S) + 1e-15
+
+
+def test_what_is_not_driven_is_not_known() -> None:
+    """Nor is the surface of a panel that says nothing of it."""
+    free = Solvers(FreeFrame(1.0, v=0.5), HungPlate(1.0, 0.0), None)
+    found = ahead(free, Interval(0, LENGTH_S), initial(free))
+    assert found.surface is None
+    assert not found.settled
+    assert found.clamps.position_m[0, 0] == pytest.approx(0.05)
+    driven = Solvers(DrivenFrame(1.0), HungPlate(1.0, 0.0), None)
+    assert ahead(driven, Interval(0, LENGTH_S), initial(driven)).surface is None
+
+
+def test_known_points_among_others() -> None:
+    known = Known(point(1.0, 2.0), np.array([True])).among(3, np.array([1]))
+    assert known.which.tolist() == [False, True, False]
+    rest = Motion(np.full((3, 3), 7.0), np.full((3, 3), 8.0))
+    over = known.over(rest)
+    assert over.position_m[:, 0].tolist() == [7.0, 1.0, 7.0]
+    assert over.velocity_m_s[:, 0].tolist() == [8.0, 2.0, 8.0]
+    assert known.part(slice(1, 3)).which.tolist() == [True, False]
