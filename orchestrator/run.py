@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -29,6 +30,7 @@ from orchestrator.saves.files import Save
 from orchestrator.saves.keeper import Keeper, Schedule
 from orchestrator.saves.origin import origin
 from orchestrator.scene.account import Entry
+from orchestrator.stability import plain
 from orchestrator.stability.bound import Card
 from orchestrator.stability.choice import with_scheme
 from orchestrator.time_left import Say
@@ -53,7 +55,7 @@ class Run:
         save: Save | None = None,
     ) -> None:
         self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
-        self._case, self.resumes = loaded.case, save
+        self._case, self._stability, self.resumes = loaded.case, stability, save
         self._coupled_as = replace(loaded, case=with_scheme(loaded.case, stability.scheme))
         self._ending = Ending(loaded, effects, stability, folder, console)
         self._progress = Progress()
@@ -131,18 +133,29 @@ class Run:
         with Say(first, self._intervals, self._interval_s, self._console) as say:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs = machine.particle_runs
-                with named("the coupling", interval):
+                with self._advised(), named("the coupling", interval):
                     state, seen = guard.advance(interval, state)
-                check_stable(seen, interval.end_s)
+                check_stable(seen, interval.end_s, plain.advice(self._stability))
                 steps = steps_in(guard.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, guard, seen, interval.index + 1, steps)
-                guard.act(interval, state)
+                with self._advised():
+                    guard.act(interval, state)
                 say.done(interval.index + 1)
                 stop.check(self._world, state)
                 if self._schedule.due(interval.index + 1):
                     self._save(keeper, state)
         self._save(keeper, state)
         return state
+
+    @contextmanager
+    def _advised(self) -> Iterator[None]:
+        """A failure inside says what helps, where the case is beyond what is sure to be stable."""
+        try:
+            yield
+        except SolverFailed as error:
+            if plain.beyond(self._stability):
+                error.add_note(plain.advice(self._stability))
+            raise
 
     def _save(self, keeper: Keeper, state: State) -> None:
         time_s = self._progress.figures["simulated_s"]

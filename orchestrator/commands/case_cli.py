@@ -16,14 +16,21 @@ if TYPE_CHECKING:
     from orchestrator.studies.trials import Asked
 
 
-def check(case: CasePath, level: Level = None, overrides: Overrides = None) -> None:
+def check(
+    case: CasePath,
+    level: Level = None,
+    detail: Annotated[
+        bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
+    ] = False,
+    overrides: Overrides = None,
+) -> None:
     """Check a case without running it, and say what is in it.
 
     Exit code 0: it can be run; 2: it cannot, with every mistake in one message.
     """
     from orchestrator.commands.overview import overview
 
-    for line in overview(checked(case, level, overrides)):
+    for line in overview(checked(case, level, overrides), detail):
         CONSOLE.print(line)
 
 

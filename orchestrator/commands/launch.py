@@ -33,7 +33,7 @@ from orchestrator.saves.files import Save
 from orchestrator.scene.account import Entry, account, at_start
 from orchestrator.scene.catalogue import EFFECTS
 from orchestrator.scene.pair import agree, key_of
-from orchestrator.stability import words
+from orchestrator.stability import plain, words
 from orchestrator.stability.choice import settled_card
 from orchestrator.studies.trials import before
 
@@ -120,7 +120,7 @@ def carried_out(
         stability = settled_card(loaded.case)
         for line in words.lines(stability):
             LOG.info(line)
-        before = [*said, *warnings(loaded), *words.warnings(stability), *at_start(entries)]
+        before = [*said, *warnings(loaded), *plain.warnings(stability), *at_start(entries)]
         for line in before:
             LOG.warning(line)
             console.print(f"warning: {line}")

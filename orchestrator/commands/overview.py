@@ -27,13 +27,14 @@ from orchestrator.deck.surface_grids import surface_grids
 from orchestrator.planning import material_numbers
 from orchestrator.plans import SolverMissing
 from orchestrator.scene.account import account, at_start
-from orchestrator.stability import words
+from orchestrator.stability import plain, words
 from orchestrator.stability.choice import settled_card
 from orchestrator.studies.trials import wanted_before
 
 
-def overview(loaded: LoadedCase) -> Iterator[str]:
-    """Lines about a case without mistakes."""
+def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
+    """Lines about a case without mistakes; with ``detail`` all that limits its sync interval, in
+    the theory's terms."""
     case = loaded.case
     level = f"level {loaded.level}" if loaded.level else "no level"
     yield f"{loaded.name}, {level}: {case.title}"
@@ -53,8 +54,8 @@ def overview(loaded: LoadedCase) -> Iterator[str]:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
     stability = settled_card(case)
     yield "stability:"
-    yield from words.lines(stability)
-    for warning in [*warnings(loaded), *words.warnings(stability), *missing_solvers(case)]:
+    yield from words.lines(stability) if detail else plain.lines(stability)
+    for warning in [*warnings(loaded), *plain.warnings(stability), *missing_solvers(case)]:
         yield f"warning: {warning}"
     yield "the case can be run"
 

@@ -57,9 +57,10 @@ def _energy_created(summary: Summary) -> Iterator[str]:
     """The coupling must not make more than a small share of the energy that goes through it."""
     share = share_created(summary.get("energy_ledger_J", {}))
     if abs(share) > LARGEST_SHARE_CREATED:
+        advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
         yield (
             f"The coupling created {100 * share:+.2g} % of the energy supplied and lost, more than "
-            f"{100 * LARGEST_SHARE_CREATED:g} %; shorten coupling.sync_interval_s."
+            f"{100 * LARGEST_SHARE_CREATED:g} %. {advice}"
         )
 
 

@@ -15,7 +15,7 @@ class Bound:
     "stability": beyond it something grows without end.  "accuracy": beyond it the answer is
     worse than the project's own rule, but bounded.  ``interval_s`` is infinite where the effect
     sets no limit and 0 where no interval is short enough; ``source`` is where the formula comes
-    from, ``why`` the case's own numbers in it.
+    from, ``why`` the case's own numbers in it, ``where`` the particles and the surface that set it.
     """
 
     name: str
@@ -23,6 +23,7 @@ class Bound:
     source: str
     why: str
     kind: Literal["stability", "accuracy"] = "stability"
+    where: str = ""
 
 
 @dataclass(frozen=True)

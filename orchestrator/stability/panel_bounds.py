@@ -108,7 +108,8 @@ def _worst(
         f"{seat.touch} on {seat.panel}: {touching.stiffness_N_m:.3g} N/m and "
         f"{touching.damping_N_s_m:.3g} N s/m on {1e3 * seat.mass_kg:.3g} g"
     )
-    return Bound(name, allows_s(seat), SOURCE + name, why)
+    where = f"{seat.touch} on {seat.panel}"
+    return Bound(name, allows_s(seat), SOURCE + name, why, where=where)
 
 
 def _seats(

@@ -30,7 +30,8 @@ class Contact:
 @dataclass(frozen=True)
 class Touch:
     """Spheres of one size on a panel.  ``deepest``: in an impact or under the bed, whichever goes
-    deeper; ``resting``: under the bed.  ``impact_s`` is the duration of an impact, ``area_m2`` what
+    deeper; ``resting``: under the bed as it is thrown; ``resting_m``: how deep one lies under the
+    bed's weight or, where that is more, its own.  ``impact_s`` is the duration of an impact, ``area_m2`` what
     each takes of the surface where they lie side by side, ``most`` how many there can be."""
 
     material: str
@@ -38,6 +39,7 @@ class Touch:
     mass_kg: float
     deepest: Contact
     resting: Contact
+    resting_m: float
     impact_s: float
     area_m2: float
     most: float
@@ -65,7 +67,7 @@ def _touch(scene: Scene, name: str, diameter_m: float, panel_material: str) -> T
     mass_kg, radius_m = math.pi / 6 * diameter_m**3 * grain.density_kg_m3, diameter_m / 2
     area_m2 = HEXAGONAL * diameter_m**2
     pressed_N = _pressure_Pa(scene) * area_m2
-    pressed_m = (3 * pressed_N / (4 * reduced_Pa * math.sqrt(radius_m))) ** (2 / 3)
+    pressed_m = _pressed_m(pressed_N, reduced_Pa, radius_m)
     depth_m = max(pressed_m, hertz_overlap_m(mass_kg, radius_m, reduced_Pa, speed_m_s))
     restitution = _restitution(case, name, panel_material)
     deepest, resting = (
@@ -74,7 +76,14 @@ def _touch(scene: Scene, name: str, diameter_m: float, panel_material: str) -> T
     )
     impact_s = hertz_s(mass_kg, radius_m, reduced_Pa, speed_m_s)
     most = max(1.0, bed_kg(case) / mass_kg)
-    return Touch(name, diameter_m, mass_kg, deepest, resting, impact_s, area_m2, most)
+    lying_N = max(scene.bed_kg_m2 * area_m2, mass_kg) * scene.gravity_m_s2
+    resting_m = _pressed_m(lying_N, reduced_Pa, radius_m)
+    return Touch(name, diameter_m, mass_kg, deepest, resting, resting_m, impact_s, area_m2, most)
+
+
+def _pressed_m(force_N: float, reduced_Pa: float, radius_m: float) -> float:
+    """Hertz's overlap under a force."""
+    return float((3 * force_N / (4 * reduced_Pa * math.sqrt(radius_m))) ** (2 / 3))
 
 
 def _contact(stiffness_N_m: float, mass_kg: float, restitution: float) -> Contact:

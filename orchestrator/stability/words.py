@@ -1,4 +1,5 @@
-"""A card in words: for ``flipflow check``, a run's log and its summary."""
+"""A card in the theory's words and numbers: for ``flipflow check --detail``, a run's log and its
+summary; in a designer's: ``plain.py``."""
 
 from __future__ import annotations
 
@@ -6,7 +7,8 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from orchestrator.stability.bound import Bound, Card
+from orchestrator.stability import plain
+from orchestrator.stability.bound import Card
 
 
 def lines(card: Card) -> Iterator[str]:
@@ -18,7 +20,8 @@ def lines(card: Card) -> Iterator[str]:
     for step in card.steps:
         yield f"  {step.name}: {step.step_s:.3g} s, at most {step.limit_s:.3g} s ({step.why})"
     for bound in sorted(card.bounds, key=lambda bound: bound.interval_s):
-        yield f"  {_shown(bound.interval_s)} for {bound.kind}, {bound.name}: {bound.why}"
+        said = f"{bound.why} ({bound.source})"
+        yield f"  {_shown(bound.interval_s)} for {bound.kind}, {bound.name}: {said}"
     yield f"  {verdict(card)}"
 
 
@@ -35,34 +38,15 @@ def verdict(card: Card) -> str:
     )
 
 
-def warnings(card: Card) -> Iterator[str]:
-    """Where the case is beyond a bound: one line for stability, one for accuracy."""
-    interval_s, stable, accurate = card.interval_s, card.stable, card.accurate
-    if stable is not None and interval_s > stable.interval_s:
-        yield f"coupling.sync_interval_s = {interval_s:.3g} s: {_too_long(card, stable)}"
-    if accurate is not None and interval_s > accurate.interval_s:
-        yield (
-            f"coupling.sync_interval_s = {interval_s:.3g} s: the {accurate.name} wants "
-            f"{accurate.interval_s:.2g} s for accuracy ({accurate.why})"
-        )
-
-
-def _too_long(card: Card, stable: Bound) -> str:
-    if stable.interval_s == 0:
-        return f"no interval is short enough for {card.scheme} ({stable.name}: {stable.why})"
-    return (
-        f"{card.interval_s / stable.interval_s:.2g} times what is sure to be stable, "
-        f"{stable.interval_s:.2g} s ({stable.name}: {stable.why}; {stable.source})"
-    )
-
-
 def figures(card: Card) -> dict[str, Any]:
-    """For ``summary.json``: bounds in s (None: no limit), and the one that limits."""
+    """For ``summary.json``: bounds in s (None: no limit), the one that limits, and what to do where
+    the case is beyond it."""
     return {
         "scheme": card.scheme,
         "taken_because": card.why or None,
         "safe_interval_s": card.safe_s if math.isfinite(card.safe_s) else None,
         "limited_by": card.stable.name if card.stable else None,
+        "advice": plain.advice(card) if plain.beyond(card) else None,
         "bounds_s": {
             bound.name: bound.interval_s if math.isfinite(bound.interval_s) else None
             for bound in card.bounds

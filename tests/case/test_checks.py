@@ -9,7 +9,7 @@ import pytest
 from orchestrator.casefile.levels import load
 from orchestrator.checks import drives, mistakes, warnings
 from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.stability import words
+from orchestrator.stability import plain
 from orchestrator.stability.choice import settled_card
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
@@ -227,10 +227,10 @@ def test_overlapping_particles_are_named(tmp_path: Path) -> None:
 
 def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Path) -> None:
     slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
-    (said,) = [line for line in words.warnings(settled_card(slow.case)) if "accuracy" in line]
-    assert "10 intervals" in said
+    (said,) = [line for line in plain.warnings(settled_card(slow.case)) if "accurate" in line]
+    assert "should last ten exchanges" in said
     fast = loaded(tmp_path, ["coupling.sync_interval_s=2e-5"])
-    assert list(words.warnings(settled_card(fast.case))) == []
+    assert list(plain.warnings(settled_card(fast.case))) == []
 
 
 def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:

@@ -141,7 +141,8 @@ def test_particles_that_outrun_their_step(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     done = flipflow(*run_words("quickstart", folder, [*FAR_TOO_LONG, "watch.created_energy=warn"]))
     failed(folder, done, "failed between t = ")
-    assert "warning: coupling.sync_interval_s = 0.005 s: the shortest impact" in done.stderr
+    assert "warning: coupling.sync_interval_s = 0.005 s: accurate by the usual" in done.stderr
+    assert "sure to be stable: coal of" in done.stderr
 
 
 def test_a_frame_too_light_for_its_panels(tmp_path: Path) -> None:
@@ -154,6 +155,12 @@ def test_a_frame_too_light_for_its_panels(tmp_path: Path) -> None:
     sets = [*QUICK, "screen.frames.driven.mass_kg=0.1", *watch]
     done = flipflow(*run_words("empty-machine", folder, sets))
     failed(folder, done, "became unstable at t = ", "a point moves at ", "(limit 300 m/s)")
+    why = "the panels are too heavy for a frame that carries them; make that frame heavier"
+    assert f"warning: coupling.sync_interval_s = 0.0001 s: no interval is short enough: {why}" in (
+        done.stderr
+    )
+    assert f"No shorter interval helps: {why} or its panels lighter." in done.stderr
+    assert "smaller coupling.sync_interval_s" not in done.stderr
 
 
 def test_a_folder_that_vanishes(tmp_path: Path) -> None:

@@ -11,11 +11,12 @@ import pytest
 from orchestrator.casefile.levels import load
 from orchestrator.commands.launch import run
 from orchestrator.scene.scene import scene
-from orchestrator.stability import words
+from orchestrator.schemes import SCHEMES
+from orchestrator.stability import plain, words
 from orchestrator.stability.bound import Bound, Card
 from orchestrator.stability.choice import settled_card
 from orchestrator.stability.panel_masses import lightest_point_kg
-from tests.case.cases import BLOCK, loaded
+from tests.case.cases import BLOCK, CASE, loaded
 from tests.effects.verdicts import BARE, written
 
 CASES = Path("cases")
@@ -71,14 +72,16 @@ def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
     found = settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
     assert set(by_name(found)) >= {"late contacts", "late reaction", "carried mass"}
     assert found.safe_s == 0.0
-    (said, *_) = words.warnings(found)
-    assert "no interval is short enough for serial-staggered (late reaction" in said
+    (said, *_) = plain.warnings(found)
+    assert "no interval is short enough: the panels' pull on the frames comes an exchange" in said
+    assert plain.advice(found).endswith('set coupling.scheme = "auto".')
 
 
 @pytest.mark.parametrize("scheme", ["aitken", "quasi-newton"])
 def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: str) -> None:
     found = settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
-    assert set(by_name(found)) == {"shortest impact", "carried mass", "extrapolated clamps"}
+    wanted = {"shortest impact", "moving surface", "carried mass", "extrapolated clamps"}
+    assert set(by_name(found)) == wanted
     assert found.stable is not None
     assert found.stable.name == "extrapolated clamps"
 
@@ -120,7 +123,7 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load(written(tmp_path, BARE), None, STRIP)
     assert set(by_name(settled_card(bare.case))) == {"carried mass", "extrapolated clamps"}
-    assert not list(words.warnings(settled_card(bare.case)))
+    assert not list(plain.warnings(settled_card(bare.case)))
 
 
 def test_in_words_and_in_numbers() -> None:
@@ -131,24 +134,108 @@ def test_in_words_and_in_numbers() -> None:
         Bound("d", 5e-5, "there", "four", "accuracy"),
     )
     found = Card("particles-first", 1.5e-4, bounds, (), {})
-    stability, accuracy = words.warnings(found)
-    assert "1.5 times what is sure to be stable, 0.0001 s (b: two; there)" in stability
-    assert "the d wants 5e-05 s for accuracy (four)" in accuracy
+    stability, accuracy = plain.warnings(found)
+    assert "1.5 times what is sure to be stable, 0.0001 s: b (two)" in stability
+    assert "accurate by the usual rules is at most 5e-05 s: d (four)" in accuracy
     assert words.figures(found) == {
         "scheme": "particles-first",
         "taken_because": None,
         "safe_interval_s": 1e-4,
         "limited_by": "b",
+        "advice": "At most coupling.sync_interval_s = 0.0001 s is sure to be stable: b (two).",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
     }
     assert "takes 0.00015 s, 1.5 of it" in words.verdict(found)
+
+
+RIGID = ["panel.solver=rigid", "coupling.scheme=particles-first"]
+WALL = [
+    "screen.surfaces.wall={corner_m=[0, 0, 0.3], edges_m=[[0.1, 0, 0], [0, 0.1, 0]], "
+    'frame="driving", material="steel"}',
+    "materials.steel={density_kg_m3=7800, youngs_modulus_Pa=2e11, poisson_ratio=0.3}",
+    'contacts=[{between=["coal", "PU"], restitution=0.34, sliding_friction=0.47, '
+    'rolling_friction=0}, {between=["coal", "coal"], restitution=0.13, sliding_friction=0.36, '
+    'rolling_friction=0}, {between=["coal", "steel"], restitution=0.5, sliding_friction=0.4, '
+    "rolling_friction=0}]",
+]
+DRIVEN = CASE[: CASE.index("[screen.frames.driving]")] + (
+    "[screen.frames.driving.drive]\nspeed_rad_s = 60.0\namplitude_m = [0.0, 0.0, 0.002]\n"
+    "run_up_s = 0.1\n" + CASE[CASE.index("[screen.panels.deck]") :]
+)
+PU, STEEL = (1 - 0.49825**2) / 20.963e6, (1 - 0.3**2) / 2e11  # (1 - nu^2) / E
+
+
+def lying_m(other_1_Pa: float) -> float:
+    """Hertz's overlap of the ball of 20 mm under its weight, on PU or STEEL."""
+    weight_N = 9.81 * math.pi / 6 * 0.02**3 * 1430
+    modulus_Pa = 1 / ((1 - 0.3**2) / 1e7 + other_1_Pa)
+    return float((3 * weight_N / (4 * modulus_Pa * math.sqrt(0.01))) ** (2 / 3))
+
+
+def test_a_surface_on_a_free_frame_is_off_by_what_it_speeds_up_by(tmp_path: Path) -> None:
+    """A tenth of the ball's overlap is a H^2 / 2, at the frame's acceleration; on the chord of
+    aitken, a H^2 / 8.  A wall of steel counts as a panel does, for that and for impacts."""
+    case = loaded(tmp_path, RIGID).case
+    acceleration_m_s2 = scene(case).frames_throw * 9.81
+    assert acceleration_m_s2 > 1.0
+
+    def allowed_s(overlap_m: float) -> float:
+        return math.sqrt(2 * 0.1 * overlap_m / acceleration_m_s2)
+
+    panel = by_name(settled_card(case))
+    wall = by_name(settled_card(loaded(tmp_path, [*RIGID, *WALL]).case))
+    assert panel["moving surface"].interval_s == pytest.approx(allowed_s(lying_m(PU)), rel=1e-3)
+    assert wall["moving surface"].interval_s == pytest.approx(allowed_s(lying_m(STEEL)), rel=1e-3)
+    assert "coal of 20 mm on wall" in plain.because(wall["moving surface"])
+    # an impact's duration goes with E*^(-2/5)
+    stiffer = ((1 - 0.3**2) / 1e7 + PU) / ((1 - 0.3**2) / 1e7 + STEEL)
+    impacts = wall["shortest impact"].interval_s / panel["shortest impact"].interval_s
+    assert impacts == pytest.approx(stiffer**-0.4, rel=1e-3)
+    chord = by_name(settled_card(loaded(tmp_path, [*RIGID, "coupling.scheme=aitken"]).case))
+    assert chord["moving surface"].interval_s == pytest.approx(2 * allowed_s(lying_m(PU)), rel=1e-3)
+
+
+def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> None:
+    """H^4 / 384 of A w^4; nothing else limits what only drives move."""
+
+    def bounds(*sets: str) -> dict[str, Bound]:
+        every = [*sets, "frames.solver=prescribed"]
+        return by_name(settled_card(load(written(tmp_path, DRIVEN), None, every).case))
+
+    found = bounds(*RIGID)
+    assert set(found) == {"driven surface"}
+    limit_s = (384 * 0.1 * lying_m(PU) / (0.002 * 60.0**4)) ** 0.25
+    assert found["driven surface"].interval_s == pytest.approx(limit_s, rel=1e-3)
+    assert {"moving surface", "shortest impact"} <= set(bounds(*STRIP))
+    assert not bounds(*RIGID, "hand_over.frame_motion=false")
+
+
+def test_in_a_designers_words(tmp_path: Path) -> None:
+    """Without the theory's terms; the numbers behind it are in the detail."""
+    found = settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case)
+    short, long = "\n".join(plain.lines(found)), "\n".join(words.lines(found))
+    for term in ("light points", "lasting contacts", "extrapolated clamps", "N s/m"):
+        assert term not in short
+        assert term in long
+    assert f"every {found.interval_s:.3g} s (coupling.sync_interval_s; scheme particles-" in short
+    assert f"sure to be stable up to {found.safe_s:.3g} s: " in short
+    assert "coal of 20 mm on deck" in short
+    assert set(plain.REMEDIES) < set(plain.BECAUSE)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_bound_has_a_designers_words(tmp_path: Path, scheme: str) -> None:
+    for panel in (STRIP, ["panel.solver=rigid"]):
+        found = settled_card(loaded(tmp_path, [*panel, *WALL, f"coupling.scheme={scheme}"]).case)
+        assert {bound.name for bound in found.bounds} <= set(plain.BECAUSE)
+        assert not any("{" in plain.because(bound) for bound in found.bounds)
 
 
 @pytest.mark.solver
 @pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
     found = settled_card(load(CASES / "ball-on-panel", "default", overrides).case)
-    assert bool(list(words.warnings(found))) is warned
+    assert bool(list(plain.warnings(found))) is warned
     assert found.stable is not None
     assert found.stable.name == "light points"
 
