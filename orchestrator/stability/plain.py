@@ -69,8 +69,8 @@ def warnings(card: Card) -> Iterator[str]:
         yield f"coupling.sync_interval_s = {interval_s:.3g} s: {_too_long(card, stable)}"
     if accurate is not None and interval_s > accurate.interval_s:
         yield (
-            f"coupling.sync_interval_s = {interval_s:.3g} s: accurate by the usual rules is at most "
-            f"{accurate.interval_s:.2g} s: {because(accurate)}"
+            f"coupling.sync_interval_s = {interval_s:.3g} s: accurate by the usual rules is at "
+            f"most {accurate.interval_s:.2g} s: {because(accurate)}"
         )
 
 

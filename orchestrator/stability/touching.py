@@ -31,8 +31,9 @@ class Contact:
 class Touch:
     """Spheres of one size on a panel.  ``deepest``: in an impact or under the bed, whichever goes
     deeper; ``resting``: under the bed as it is thrown; ``resting_m``: how deep one lies under the
-    bed's weight or, where that is more, its own.  ``impact_s`` is the duration of an impact, ``area_m2`` what
-    each takes of the surface where they lie side by side, ``most`` how many there can be."""
+    bed's weight or, where that is more, its own.  ``impact_s`` is the duration of an impact,
+    ``area_m2`` what each takes of the surface where they lie side by side, ``most`` how many there
+    can be."""
 
     material: str
     diameter_m: float
