@@ -8,14 +8,15 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.coupled.screen import CASE
+from tests.coupled.screen import BED, CASE, MACHINE
+from tests.coupled.test_driven_frame import ROCKING
 from tests.runs.outside import flipflow, left_usable, needs_mpirun, run_words
 
 SETTINGS = ["output.pictures=false", "output.interval_s=0.001", "probes.crosser.particle=4"]
 
 
-def ran(case: Path, out: Path, scheme: str, ranks: int) -> h5py.File:
-    words = run_words(str(case), out, [*SETTINGS, f"coupling.scheme={scheme}"])
+def ran(case: Path, out: Path, scheme: str, ranks: int, *more: str) -> h5py.File:
+    words = run_words(str(case), out, [*SETTINGS, f"coupling.scheme={scheme}", *more])
     done = flipflow(*words, ranks=ranks)
     assert done.returncode == 0, done.stderr
     assert left_usable(out, "done")["momentum_residual_relative"] < 1e-12
@@ -55,9 +56,29 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
         assert "2 by 1 by 1 MPI processor grid" in (tmp_path / "two/log.liggghts").read_text()
         x_m = one["probes/crosser/position_m"][:, 0]
         assert x_m[0] < 0.25 < x_m[-1]
-        names = datasets(one)
-        assert names == datasets(two)
-        for name in names:
-            wanted, found = one[name][:], two[name][:]
-            scale = float(np.abs(wanted).max(initial=1e-4))  # in J: defects are small differences
-            np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * scale, err_msg=name)
+        compare(one, two)
+
+
+@pytest.mark.solver
+@pytest.mark.slow
+@needs_mpirun
+def test_two_ranks_know_what_is_driven_as_one_does(tmp_path: Path) -> None:
+    """5 ms on a frame that a drive rocks; rigid panels, one end of which is free."""
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "case.toml").write_text(MACHINE + BED)
+    driven = (ROCKING, "duration_s=5e-3", "panel.solver=rigid")
+    with (
+        ran(tmp_path / "case", tmp_path / "one", "particles-first", 1, *driven) as one,
+        ran(tmp_path / "case", tmp_path / "two", "particles-first", 2, *driven) as two,
+    ):
+        compare(one, two)
+
+
+def compare(one: h5py.File, two: h5py.File) -> None:
+    """Every series, relative to its largest value."""
+    names = datasets(one)
+    assert names == datasets(two)
+    for name in names:
+        wanted, found = one[name][:], two[name][:]
+        scale = float(np.abs(wanted).max(initial=1e-4))  # in J: defects are small differences
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-10 * scale, err_msg=name)
