@@ -6,13 +6,22 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from orchestrator.clock import Interval
 from orchestrator.coupling import Solvers, State, initial
+from orchestrator.hand_over import UnpushedFrames, still_clamped, unloaded
 from orchestrator.hermite import Path
-from orchestrator.ports import Known, Load, Motion, PanelState
+from orchestrator.mapping import mapped
+from orchestrator.metered import MeteredFrames, MeteredPanel
+from orchestrator.panel_set import PanelSet
+from orchestrator.ports import Frames, Known, Load, Motion, Panel, PanelState
+from orchestrator.ranks import FramesOnFirstRank
+from orchestrator.schedule import ahead_of, carried_ahead
 from orchestrator.schemes import SCHEMES, scheme
 from orchestrator.schemes.steps import ahead, extrapolated
+from orchestrator.stopwatch import Stopwatch
+from orchestrator.timed_panel import timed
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, point, push
 
 LENGTH_S = 0.1
@@ -158,3 +167,66 @@ def test_known_points_among_others() -> None:
     assert over.position_m[:, 0].tolist() == [7.0, 1.0, 7.0]
     assert over.velocity_m_s[:, 0].tolist() == [8.0, 2.0, 8.0]
     assert known.part(slice(1, 3)).which.tolist() == [True, False]
+
+
+class OneRank:
+    """A communicator of one process."""
+
+    rank, size = 0, 1
+
+    def bcast(self, value: object) -> object:
+        return value
+
+    def allgather(self, value: object) -> list[object]:
+        return [value]
+
+
+def frames_around(inner: Frames) -> list[Frames]:
+    return [
+        UnpushedFrames(inner),
+        MeteredFrames(inner, "frames", Stopwatch()),
+        FramesOnFirstRank(OneRank(), lambda: inner),
+    ]
+
+
+@pytest.mark.parametrize("which", range(3))
+def test_what_stands_around_frames_passes_on_what_is_known(which: int) -> None:
+    interval = Interval(3, LENGTH_S)
+    known = carried_ahead(frames_around(DrivenFrame(1.0))[which], interval)
+    assert known is not None
+    assert known.motion.position_m[0, 0] == np.sin(0.4)
+    assert carried_ahead(frames_around(FreeFrame(1.0))[which], interval) is None
+
+
+def panels_around(inner: Panel) -> list[Panel]:
+    twice = csr_array(np.ones((2, 1)))
+    return [
+        unloaded(inner),
+        timed(inner, "panel", "panel", Stopwatch()),
+        MeteredPanel(inner, "panels", "mapping", Stopwatch()),
+        mapped(inner, twice),
+        PanelSet(2, lambda i: inner),
+        PanelSet(2, lambda i: inner, OneRank()),
+    ]
+
+
+@pytest.mark.parametrize("which", range(6))
+def test_what_stands_around_panels_passes_on_what_is_known(which: int) -> None:
+    interval, panels = Interval(3, LENGTH_S), panels_around(DrivenPlate(1.0, 0.0))
+    clamps = len(panels[which].mount.frame)
+    end = Motion(np.full((clamps, 3), 7.0), np.full((clamps, 3), 8.0))
+    found = ahead_of(panels[which])(interval, Known(end, np.ones(clamps, dtype=np.bool_)))
+    assert found.which.all()
+    assert found.motion.position_m.tolist() == np.full((len(found.which), 3), 7.0).tolist()
+    assert found.motion.velocity_m_s.tolist() == np.full((len(found.which), 3), 8.0).tolist()
+    silent = panels_around(HungPlate(1.0, 0.0))[which]
+    assert not ahead_of(silent)(interval, Known(end, np.ones(clamps, dtype=np.bool_))).which.any()
+
+
+def test_a_panel_whose_clamps_are_held_is_known_to_stand_still() -> None:
+    panel = still_clamped(DrivenPlate(1.0, 0.0))
+    end = Known(point(7.0, 8.0), np.array([False]))
+    found = panel.ahead(Interval(3, LENGTH_S), end)
+    assert found.which.all()
+    assert not found.motion.position_m.any()
+    assert not found.motion.velocity_m_s.any()

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from orchestrator.clock import Interval
 from orchestrator.plans import PanelPlan, Stop
-from orchestrator.ports import Account, Array, Load, Motion, Mount, PanelState
+from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState
 from orchestrator.stopped_panel import StoppedPanel
 from tests.panel.elastic_plans import plan
 from tests.saved_states import differences
@@ -288,3 +288,15 @@ def test_it_goes_on_bit_for_bit() -> None:
         moved(panel, range(80, 120))
     assert differences(panels[0].save(), panels[1].save()) == []
     assert panels[0].account().received_J["clamps"] > 1e-4  # the stop has pushed it
+
+
+def test_what_a_panel_knows_of_its_clamps_it_knows_on_stops_too() -> None:
+    """The tops do not matter: nothing that particles touch hangs on them."""
+    panel = stopped("strip", (stop(0.5),))
+    end = mount(panel, np.array([1e-4, 0.0, 0.0]), np.zeros(3), ~tops(panel))
+    known = panel.ahead(Interval(0, INTERVAL_S), Known(end, ~tops(panel)))
+    surface = panel.advance(Interval(0, INTERVAL_S), end, Load.zero(len(known.which))).surface
+    which = known.which
+    assert which.sum() == len(panel.mount.frame) - 3
+    assert known.motion.position_m[which] == pytest.approx(surface.position_m[which], abs=1e-15)
+    assert not panel.ahead(Interval(1, INTERVAL_S), Known(end, tops(panel))).which.any()
