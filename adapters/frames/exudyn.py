@@ -69,7 +69,7 @@ class ExudynFrames:
         self._largest_step_s = newmark.largest_step_s(plan, machine)
         sag = np.zeros(6 * len(self._free))
         if plan.drawn_at_rest:
-            sag = machine.sag(linear.resting_load(plan).ravel())
+            sag = machine.sag(linear.resting_load(plan).ravel(), linear.in_play_N(plan))
         sag_m = (machine.stretch @ sag).reshape(-1, 3)
         self._carried = Attached.at(
             plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m

@@ -17,6 +17,7 @@ import scipy.linalg
 from orchestrator.plans import Body, FramesPlan
 from orchestrator.ports import Array, Indices
 
+IN_BALANCE = 1e-6  # of the forces in play: ten times what panels at rest are out of balance by
 TRANSLATIONS = (0, 1, 2)
 PLANE = (2, 0, 4)
 """Up, along and about the cross axis: all that stays in the plane normal to y."""
@@ -48,16 +49,25 @@ class LinearMachine:
         highest = scipy.linalg.eigh(self.stiffness, self.mass, eigvals_only=True)[-1]
         return float(np.sqrt(max(highest, 0.0)))
 
-    def sag(self, load: Array) -> Array:
-        """Static coordinates (coordinates,) under a constant load.
+    def sag(self, load: Array, in_play_N: float) -> Array:
+        """Static coordinates (coordinates,) under a constant load, the sum of forces of which the
+        sizes add up to ``in_play_N``.
+
+        What those leave by rounding, and the panels by the tolerance of their resting shapes, need
+        not be held: a body that nothing loads may float freely in zero gravity.
 
         Raises ValueError if the bushings cannot hold the load.
         """
         if not load.any():
             return np.zeros_like(load)
         found: Array = np.linalg.lstsq(self.stiffness, load, rcond=1e-12)[0]
-        if np.abs(self.stiffness @ found - load).max() > 1e-8 * np.abs(load).max():
-            raise ValueError("the bushings cannot hold the bodies' weight: one moves freely")
+        unheld = np.abs(self.stiffness @ found - load).max()
+        if unheld > 1e-8 * np.abs(load).max() + IN_BALANCE * in_play_N:
+            raise ValueError(
+                f"the bushings cannot hold {unheld:.3g} N or N m of the bodies' weight and of the "
+                "panels' pull: one moves freely; add bushings that hold it, or let the machine "
+                "start from the places in which it is drawn, unloaded: screen.drawn_at_rest = false"
+            )
         return found
 
 
@@ -92,6 +102,12 @@ def resting_load(plan: FramesPlan) -> Array:
         load[number, :3] = body.mass_kg * plan.gravity_m_s2 + force_N.sum(axis=0)
         load[number, 3:] = np.cross(arms_m, force_N).sum(axis=0)
     return load[free(plan)]
+
+
+def in_play_N(plan: FramesPlan) -> float:
+    """The sum of the sizes of all forces that ``resting_load`` adds up."""
+    weight_N = sum(body.mass_kg for body in plan.bodies) * np.linalg.norm(plan.gravity_m_s2)
+    return float(weight_N + np.linalg.norm(plan.reaction_N, axis=1).sum())
 
 
 def displacement(body: Body, place_m: Array) -> Array:

@@ -71,7 +71,8 @@ class PlanarFrames:
         self._step_s, self._rounds = 0.0, Rounds(TOLERANCE)
         sag = np.zeros(len(machine.mass))
         if plan.drawn_at_rest:
-            sag = machine.sag(linear.resting_load(plan)[:, linear.PLANE].ravel())
+            load = linear.resting_load(plan)[:, linear.PLANE].ravel()
+            sag = machine.sag(load, linear.in_play_N(plan))
         drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         carrier = linear.numbers(plan, plan.carrier)
         self._carried = carrying(carrier, plan.points_m, drawn_m)

@@ -55,7 +55,8 @@ class TwoMassFrames:
         self._weight_N = np.outer(self._mass_kg, plan.gravity_m_s2)
         load = linear.resting_load(plan)[:, :3].ravel()
         held = load if plan.drawn_at_rest else np.zeros_like(load)
-        self._sag_m, self._held_N = machine.sag(held), held.reshape(-1, 3)
+        self._sag_m = machine.sag(held, linear.in_play_N(plan))
+        self._held_N = held.reshape(-1, 3)
         self._displacement_m, self._velocity_m_s = np.zeros_like(load), np.zeros_like(load)
         self._largest_step_s = _largest_step_s(plan, machine)
         self._step_s = 0.0

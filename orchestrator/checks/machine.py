@@ -76,7 +76,8 @@ def held_frames(case: Case) -> Iterator[Mistake]:
     for name, left_N in zip(names, unmet.reshape(-1, 3), strict=True):
         if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():
             what = "no bushing holds its weight"
-            yield Mistake(("screen", "frames", name), what, "add bushings to the ground")
+            hint = "add bushings to the ground, or let it drop: screen.drawn_at_rest = false"
+            yield Mistake(("screen", "frames", name), what, hint)
 
 
 def bushings_and_exciters(case: Case) -> Iterator[Mistake]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from importlib import import_module
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +14,7 @@ from orchestrator.ports import BrokenRecord, Load
 from orchestrator.schedule import carried_ahead
 from orchestrator.state import as_arrays
 from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
-from tests.frames.machines import POINTS_M
+from tests.frames.machines import POINTS_M, body, two_bodies
 from tests.saved_states import differences
 
 marked = [
@@ -46,6 +47,31 @@ def test_initial_reaction_is_held_by_the_preload(case: Case) -> None:
     for index in range(100):
         motion = frames.advance(Interval(index, INTERVAL_S), Load(reaction))
     assert motion.position_m == pytest.approx(POINTS_M, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    "solver", ["two_mass", "planar", pytest.param("exudyn", marks=pytest.mark.solver)]
+)
+def test_a_body_without_bushings_floats_in_zero_gravity(solver: str) -> None:
+    """A taut panel pulls it together with 1000 N, out of balance by what its resting shape is found
+    to.  It stays where it is drawn but for  F t^2 / (2 m) = 3e-10 m  of that; a pull that nothing
+    holds is refused with what helps."""
+    build = import_module(f"adapters.frames.{solver}").build
+    floating = replace(
+        two_bodies(),
+        bodies=(body("driving"),),
+        bushings=(),
+        carrier=("driving",) * 4,
+        gravity_m_s2=np.zeros(3),
+    )
+    pull_N = np.outer([1.0, -1.0 - 1e-7, 0.0, 0.0], [1000.0, 0.0, 0.0])
+    frames = build(replace(floating, reaction_N=pull_N, points_m=POINTS_M * [1.0, 0.0, 0.0]))
+    for index in range(100):
+        motion = frames.advance(Interval(index, INTERVAL_S), Load(pull_N))
+    assert motion.position_m == pytest.approx(POINTS_M * [1.0, 0.0, 0.0], abs=1e-9)
+    pull_N[1] = 0.0
+    with pytest.raises(ValueError, match=r"cannot hold 1e\+03 N .* screen.drawn_at_rest = false"):
+        build(replace(floating, reaction_N=pull_N))
 
 
 @every_adapter
