@@ -13,11 +13,13 @@ from orchestrator import adapter
 from orchestrator.bed.feed import Feeds
 from orchestrator.bed.material_book import CountedFeed, MaterialBook
 from orchestrator.bed.material_watch import MaterialWatch
+from orchestrator.bed.particle_lists import nobody
 from orchestrator.casefile.case import Case
+from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase
+from orchestrator.checks import mistakes_at_rest
 from orchestrator.coupling import Solvers
 from orchestrator.deck.opening_places import smaller_sides_m
-from orchestrator.geometry import TriangleSurface
 from orchestrator.hand_over import (
     ParticlesOnStillSurface,
     UnpushedFrames,
@@ -27,11 +29,17 @@ from orchestrator.hand_over import (
 from orchestrator.ledger import Members
 from orchestrator.machine import Machine
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.numbering import panel_of_triangle, panel_points, probes, touched_surface
+from orchestrator.numbering import (
+    panel_of_triangle,
+    panel_points,
+    penetrations,
+    probes,
+    touched_surface,
+)
 from orchestrator.panel_set import PanelSet
 from orchestrator.pieces import frame_pieces, panel_pieces, wall_pieces
 from orchestrator.planning import bushings, frames_plan, particles_plan
-from orchestrator.plans import FramesPlan
+from orchestrator.plans import FramesPlan, ParticlesPlan
 from orchestrator.ports import Frames, Panel, Particles, Wearing
 from orchestrator.ranks import FramesOnFirstRank
 from orchestrator.records.bushing_forces import BushingForces
@@ -64,19 +72,27 @@ def _built(
     opened.callback(together.close)
     start = together.initial()
     surface = touched_surface(case, [*panels, *walls], together, start.surface.position_m)
+    triangle_panels = panel_of_triangle([*panels, *walls], len(panels))
+    gone_through = penetrations(case, pieces, len(panels), together)
+    particles_wanted = particles_plan(case, surface, world, folder)
+    start_list = particles_wanted.particles if particles_wanted is not None else nobody()
+    found = mistakes_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
+    if found:
+        raise CaseError(found)
     held_N = start.reaction.force_N
     if not case.hand_over.panel_reaction:  # frames at rest do not hold what they do not feel
         held_N = np.zeros_like(held_N)
-    plan = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
+    frames_wanted = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
     centres = {
         piece.name: together.clamps[len(panels) + len(walls) + number].start
         for number, piece in enumerate(frames)
     }
-    material, particles, wearing = _particles(case, surface, folder, world, stopwatch)
+    material, particles, wearing = _particles(case, particles_wanted, stopwatch)
     if particles is not None:
         opened.callback(particles.close)
+    opened_frames = _frames(case, frames_wanted, world)
     members = Members(
-        MeteredFrames(_frames(case, plan, world), f"frames ({case.frames.solver})", stopwatch),
+        MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(together, "panels", "mapping", stopwatch),
         particles,
     )
@@ -86,8 +102,9 @@ def _built(
         scheme=scheme(case.coupling.scheme, effort(case)),
         stopwatch=stopwatch,
         surface=surface,
-        panel_of_triangle=panel_of_triangle([*panels, *walls], len(panels)),
+        panel_of_triangle=triangle_panels,
         panels=panel_points(case, panels, together),
+        penetrations=gone_through,
         centres=centres,
         probes=probes(case, pieces, together),
         bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
@@ -104,9 +121,8 @@ def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
 
 
 def _particles(
-    case: Case, surface: TriangleSurface, folder: Path, world: Any, stopwatch: Stopwatch
+    case: Case, plan: ParticlesPlan | None, stopwatch: Stopwatch
 ) -> tuple[MaterialBook | None, MeteredParticles | None, Wearing | None]:
-    plan = particles_plan(case, surface, world, folder)
     if plan is None:
         return None, None, None
     feed = CountedFeed(plan.particles, cast(Feeds | None, plan.feed))

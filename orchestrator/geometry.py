@@ -154,6 +154,73 @@ class TriangleSurface:
 
 
 @dataclass(frozen=True)
+class Foot:
+    """Where perpendiculars from points (n,) meet the planes of triangles: ``height_m`` (n,) of the
+    points on the side of the triangles' normals, which are ``normal`` (n, 3), and ``share`` (n, 3)
+    of the three corners in the foot.  The shares add up to one; none is negative inside."""
+
+    height_m: Array
+    normal: Array
+    share: Array
+
+
+def foot_on_triangle(corners_m: Array, place_m: Array) -> Foot:
+    """Of each point (n, 3) on its own triangle (n, 3, 3)."""
+    first, second, third = (corners_m[:, k] for k in range(3))
+    edges_m = np.stack([second - first, third - first], axis=1)
+    normal = np.cross(edges_m[:, 0], edges_m[:, 1])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    from_first_m = place_m - first
+    squares_m2 = np.einsum("nek,nfk->nef", edges_m, edges_m)
+    along_edges_m2 = np.einsum("nek,nk->ne", edges_m, from_first_m)
+    moved = np.linalg.solve(squares_m2, along_edges_m2[:, :, None])[:, :, 0]
+    share = np.column_stack([1.0 - moved.sum(axis=1), moved])
+    return Foot(np.einsum("nk,nk->n", normal, from_first_m), normal, share)
+
+
+def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
+    """Barycentric weights (n, 3) of the point of triangle i closest to ``point_m`` i.
+
+    ``point_m`` (n, 3), ``corners_m`` (n, 3, 3).  Ericson, C., Real-Time Collision Detection,
+    Morgan Kaufmann 2005, section 5.1.5: the seven regions of a triangle, all points at once.
+    """
+    a = corners_m[:, 0]
+    ab, ac, ap = corners_m[:, 1] - a, corners_m[:, 2] - a, point_m - a
+    abab, abac, acac = _products(ab, ab), _products(ab, ac), _products(ac, ac)
+    d1, d2 = _products(ab, ap), _products(ac, ap)
+    d3, d4, d5, d6 = d1 - abab, d2 - abac, d1 - abac, d2 - acac
+    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
+    inside = va + vb + vc  # four times the squared area
+    on_ab, on_ac = d1 / abab, d2 / acac
+    on_bc = (d4 - d3) / (abab - 2.0 * abac + acac)
+    regions = [
+        (d1 <= 0) & (d2 <= 0),  # corner a
+        (d3 >= 0) & (d4 <= d3),  # corner b
+        (d6 >= 0) & (d5 <= d6),  # corner c
+        (vc <= 0) & (d1 >= 0) & (d3 <= 0),  # edge ab
+        (vb <= 0) & (d2 >= 0) & (d6 <= 0),  # edge ac
+        (va <= 0) & (d4 >= d3) & (d5 >= d6),  # edge bc
+    ]
+    weights = np.stack([va, vb, vc]) / inside
+    places = [
+        (1.0, 0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (0.0, 0.0, 1.0),
+        (1.0 - on_ab, on_ab, 0.0),
+        (1.0 - on_ac, 0.0, on_ac),
+        (0.0, 1.0 - on_bc, on_bc),
+    ]
+    for region, place in zip(reversed(regions), reversed(places), strict=True):
+        for weight, value in zip(weights, place, strict=True):
+            np.copyto(weight, value, where=region)
+    return np.asarray(weights.T)
+
+
+def _products(a: Array, b: Array) -> Array:
+    return np.asarray(np.einsum("ij,ij->i", a, b))
+
+
+@dataclass(frozen=True)
 class Edges:
     """Pairs of points (n, 2), and how far apart they are, (n,)."""
 

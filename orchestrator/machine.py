@@ -8,6 +8,7 @@ from orchestrator.bed.material_book import MaterialBook
 from orchestrator.coupling import Scheme, Solvers
 from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
+from orchestrator.penetration import Penetrations
 from orchestrator.ports import Array, Indices, Wearing
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
@@ -62,6 +63,7 @@ class Machine:
     surface: TriangleSurface
     panel_of_triangle: Indices
     panels: tuple[PanelPoints, ...]
+    penetrations: Penetrations
     centres: dict[str, int]
     probes: tuple[Probe, ...]
     bushings: BushingForces

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.casefile.case import Case
-from orchestrator.deck.panels import single_panels
+from orchestrator.deck.panels import SinglePanel, single_panels
 from orchestrator.geometry import TriangleSurface
 from orchestrator.machine import PanelPoints, Probe
 from orchestrator.panel_set import PanelSet
+from orchestrator.penetration import Body, Penetrations, ProbedPanel
 from orchestrator.pieces import Piece
 from orchestrator.planning import material_numbers
 from orchestrator.ports import Array, Indices
@@ -77,6 +78,34 @@ def panel_of_triangle(touched: list[Piece], panels: int) -> Indices:
             ),
         ]
     )
+
+
+def penetrations(case: Case, pieces: list[Piece], panels: int, together: PanelSet) -> Penetrations:
+    """Who may go through whom: the first ``panels`` of the pieces, where no clamp and no stop holds
+    them, through all that have triangles."""
+    bodies = [
+        Body(piece.name, piece.triangles + points.start)
+        for piece, points in zip(pieces, together.surface, strict=True)
+    ]
+    singles = zip(single_panels(case), pieces[:panels], together.surface, strict=False)
+    probed = [
+        ProbedPanel(number, points.start + _free_pairs(single, piece), single.table.thickness_m)
+        for number, (single, piece, points) in enumerate(singles)
+    ]
+    return Penetrations(np.concatenate([piece.drawn_m for piece in pieces]), bodies, probed)
+
+
+def _free_pairs(single: SinglePanel, piece: Piece) -> Indices:
+    """(k, 2): the points of a panel's triangles, as pairs of equal ones, and its edges that are
+    longer than it is thick, where their middles are held neither by a clamp nor by a stop."""
+    at, points = single.rectangle, np.unique(piece.triangles)
+    long = piece.edges.points[piece.edges.length_m > single.table.thickness_m]
+    pairs = np.concatenate([np.column_stack([points, points]), long])
+    along = (piece.drawn_m[pairs].mean(axis=1) - at.corner_m) @ at.along / at.span_m
+    free = (along > 1e-9) & (along < 1.0 - 1e-9)
+    for stop in single.table.stops.values():
+        free &= (along < stop.from_m / at.length_m) | (along > stop.to_m / at.length_m)
+    return np.asarray(pairs[free])
 
 
 def probes(case: Case, pieces: list[Piece], together: PanelSet) -> tuple[Probe, ...]:

@@ -39,14 +39,16 @@ def _nothing(*shape: int) -> Callable[[], Indices]:
 class Piece:
     """How to open one piece, and what is known of its points before.
 
-    ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the points of
-    its ``RecordedGrid``, where it is recorded) hold the piece's own point numbers; ``points`` maps
-    the names of points looked at (probes, centres of mass) to their numbers.  The last three times
-    ``stops`` of its clamps are points of beams below it.
+    ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its
+    clamps.  ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the
+    points of its ``RecordedGrid``, where it is recorded) hold the piece's own point numbers;
+    ``points`` maps the names of points looked at (probes, centres of mass) to their numbers.  The
+    last three times ``stops`` of its clamps are points of beams below it.
     """
 
     name: str
     open: Callable[[], Panel]
+    drawn_m: Array
     points: dict[str, int]
     triangles: Indices = field(default_factory=_nothing(0, 3))
     edges: Edges = field(default_factory=lambda: Edges.of(np.empty((0, 2)), _nothing(0, 3)()))
@@ -94,6 +96,7 @@ def _panel(
     return Piece(
         name=plan.name,
         open=opened,
+        drawn_m=plan.rectangle.mounted(coordinates),
         points={name: first + number for number, name in enumerate(at)},
         stops=len(plan.stops),
         triangles=touched.triangles,
@@ -119,7 +122,8 @@ def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:
 
     def piece(wall: Wall) -> Piece:
         opened = carried(wall.position_m, wall.frame)
-        return Piece(wall.name, opened, {}, wall.triangles, material=wall.material)
+        place_m = wall.position_m
+        return Piece(wall.name, opened, place_m, {}, wall.triangles, material=wall.material)
 
     return [piece(wall) for wall in walls(case, case_folder)]
 
@@ -140,7 +144,7 @@ def _looked_at(case: Case, frame: str) -> Piece:
     probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
     position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
     points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}
-    return Piece(frame, carried(position_m, frame), points)
+    return Piece(frame, carried(position_m, frame), position_m, points)
 
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:

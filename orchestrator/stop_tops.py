@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.geometry import Rectangle
+from orchestrator.geometry import Rectangle, foot_on_triangle
 from orchestrator.plans import Stop
 from orchestrator.ports import Array, Indices
 
@@ -34,16 +34,8 @@ class Tops:
     def through(self, corners_m: Array, place_m: Array) -> Through:
         """Points at ``place_m`` (n, 3), tops with ``corners_m`` (stops, 3, 3): the first, one along
         from it, one across from it."""
-        first, along, across = (corners_m[self.stop, k] for k in range(3))
-        edges_m = np.stack([along - first, across - first], axis=1)
-        normal = np.cross(edges_m[:, 0], edges_m[:, 1])
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        from_first_m = place_m - first
-        squares_m2 = np.einsum("nek,nfk->nef", edges_m, edges_m)
-        along_edges_m2 = np.einsum("nek,nk->ne", edges_m, from_first_m)
-        moved = np.linalg.solve(squares_m2, along_edges_m2[:, :, None])[:, :, 0]
-        share = np.column_stack([1.0 - moved.sum(axis=1), moved])
-        return Through(-np.einsum("nk,nk->n", normal, from_first_m), normal, share)
+        foot = foot_on_triangle(corners_m[self.stop], place_m)
+        return Through(-foot.height_m, foot.normal, foot.share)
 
     def onto_corners(self, share: Array, force_N: Array, stops: int) -> Array:
         """(stops, 3, 3) of forces (n, 3) at the points' feet."""

@@ -21,6 +21,17 @@ def test_a_run_whose_coupling_created_energy_is_doubtful(created_J: float, doubt
     assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")
 
 
+@pytest.mark.parametrize(("times", "doubtful"), [(0, False), (3, True)])
+def test_a_run_in_which_a_panel_went_through_a_surface_is_doubtful(
+    times: int, doubtful: bool
+) -> None:
+    figure = {"worst": 4.7, "limit": 0.5, "times": times, "first_s": 0.02 if times else None}
+    summary = {"energy_ledger_J": {}, "watch": {"figures": {"penetrated_surfaces": figure}}}
+    said = trust.doubts(summary)
+    assert bool(said) is doubtful
+    assert all("t = 0.02 s on a panel went through a surface, by up to 4.7" in one for one in said)
+
+
 @pytest.mark.parametrize(
     ("left_out", "crossed", "matters", "doubtful"),
     [

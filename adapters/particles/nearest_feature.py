@@ -19,44 +19,6 @@ SAME_CONTACT = 0.5  # cosine between a contact's normals at two instants
 SAME_PATCH = math.cos(math.radians(30.0))  # a new contact takes over the spring of a present one
 
 
-def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
-    """Barycentric weights (n, 3) of the point of triangle i closest to ``point_m`` i.
-
-    ``point_m`` (n, 3), ``corners_m`` (n, 3, 3).  Ericson, C., Real-Time Collision Detection,
-    Morgan Kaufmann 2005, section 5.1.5: the seven regions of a triangle, all points at once.
-    """
-    a = corners_m[:, 0]
-    ab, ac, ap = corners_m[:, 1] - a, corners_m[:, 2] - a, point_m - a
-    abab, abac, acac = _dot(ab, ab), _dot(ab, ac), _dot(ac, ac)
-    d1, d2 = _dot(ab, ap), _dot(ac, ap)
-    d3, d4, d5, d6 = d1 - abab, d2 - abac, d1 - abac, d2 - acac
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    inside = va + vb + vc  # four times the squared area
-    on_ab, on_ac = d1 / abab, d2 / acac
-    on_bc = (d4 - d3) / (abab - 2.0 * abac + acac)
-    regions = [
-        (d1 <= 0) & (d2 <= 0),  # corner a
-        (d3 >= 0) & (d4 <= d3),  # corner b
-        (d6 >= 0) & (d5 <= d6),  # corner c
-        (vc <= 0) & (d1 >= 0) & (d3 <= 0),  # edge ab
-        (vb <= 0) & (d2 >= 0) & (d6 <= 0),  # edge ac
-        (va <= 0) & (d4 >= d3) & (d5 >= d6),  # edge bc
-    ]
-    weights = np.stack([va, vb, vc]) / inside
-    places = [
-        (1.0, 0.0, 0.0),
-        (0.0, 1.0, 0.0),
-        (0.0, 0.0, 1.0),
-        (1.0 - on_ab, on_ab, 0.0),
-        (1.0 - on_ac, 0.0, on_ac),
-        (0.0, 1.0 - on_bc, on_bc),
-    ]
-    for region, place in zip(reversed(regions), reversed(places), strict=True):
-        for weight, value in zip(weights, place, strict=True):
-            np.copyto(weight, value, where=region)
-    return np.asarray(weights.T)
-
-
 def minima(sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Array) -> Indices:
     """Rows of the candidates that are minima of the distance to the surface, deepest first.
 

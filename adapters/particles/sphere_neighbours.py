@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from adapters.particles.nearest_feature import closest_on_triangle
 from adapters.particles.sphere_state import Spheres
-from orchestrator.geometry import TriangleSurface
+from orchestrator.geometry import TriangleSurface, closest_on_triangle
 from orchestrator.ports import Array, Indices
 
 SKIN = 0.2  # of the largest radius

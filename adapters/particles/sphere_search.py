@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from adapters.particles.nearest_feature import closest_on_triangle, match_by_normal, minima
+from adapters.particles.nearest_feature import match_by_normal, minima
 from adapters.particles.smooth_patches import Places, shared
 from adapters.particles.sphere_adhesion import NormalLaw
 from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching
-from orchestrator.geometry import TriangleSurface
+from orchestrator.geometry import TriangleSurface, closest_on_triangle
 from orchestrator.ports import Array, Indices
 
 

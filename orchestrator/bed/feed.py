@@ -95,6 +95,11 @@ class RateFeed:
         self.due_kg = self.fed_kg = 0.0
 
     @property
+    def next_kg(self) -> float:
+        """Mass of the particle that is drawn next; it comes when half of it is due."""
+        return float(mass_kg(self._next_m, self.inlet.density_kg_m3))
+
+    @property
     def backlog_kg(self) -> float:
         """Mass that was due at the interval last asked for and is not fed: it grows without
         bound if the rate is larger than the inlet can take."""
@@ -127,7 +132,7 @@ class RateFeed:
     def _draw(self) -> None:
         drawn_m = []
         while True:
-            next_kg = float(mass_kg(self._next_m, self.inlet.density_kg_m3))
+            next_kg = self.next_kg
             if self._drawn_kg.sum() + next_kg / 2.0 > self.due_kg:
                 break
             drawn_m.append(float(self._next_m))

@@ -1,6 +1,9 @@
 """Values of the wrong size: in SI no machine has them, in another unit one would.
 
-Not a physical limit but a guard against millimetres, tonnes and degrees: the ranges are wide.
+Not a physical limit but a guard against millimetres, tonnes and degrees: the ranges are wide.  A
+value out of its range is refused where it looks like another unit, where it is beyond all
+proportion (``ABSURD`` times out of the range), and where no such value exists (``IMPOSSIBLE``).
+Else it may be meant, as a panel of steel is, and is a warning.
 """
 
 from __future__ import annotations
@@ -9,8 +12,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from orchestrator.casefile.case import Case
-from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.casefile.errors import Key, Mistake, dotted
 
+ABSURD = 1e3
+IMPOSSIBLE = ("inclination_deg", "rayleigh_fraction")  # outside of their ranges
 DIRECTION = (0.0, 1e3)  # of any length; nobody writes a huge one
 # key: (smallest, largest) size of a value that is not zero
 RANGES: dict[str, tuple[float, float]] = {
@@ -117,28 +122,45 @@ MISTAKEN: dict[str, dict[str, float]] = {
     "_rad": {"degrees": 0.0174533},
     "_s": {"ms": 1e-3, "us": 1e-6},
     "_m_s": {"mm/s": 1e-3},
+    "_m_s2": {"cm/s2": 1e-2, "mm/s2": 1e-3},
     "_kg_s": {"t/h": 0.277778},
 }
 
 
 def wrong_sizes(case: Case) -> Iterator[Mistake]:
-    """Every value outside the range of its key, with the unit that it looks like."""
-    yield from _walk(case.model_dump(), ())
+    """Values out of their key's range that must be mistakes, with the unit that they look like."""
+    for key, name, value, limits in _outside(case.model_dump(), ()):
+        hint = _hint(name, value, limits)
+        if hint or name in IMPOSSIBLE or not _inside(value, _widened(limits)):
+            yield Mistake(key, f"{value:g} is out of the range {_range(limits)}", hint)
 
 
-def _walk(value: Any, key: Key) -> Iterator[Mistake]:
+def unusual_sizes(case: Case) -> Iterator[str]:
+    """Every other value out of its key's range, in words."""
+    for key, name, value, limits in _outside(case.model_dump(), ()):
+        hint = _hint(name, value, limits)
+        if not hint and name not in IMPOSSIBLE and _inside(value, _widened(limits)):
+            what = f"{value:g} is out of the usual range {_range(limits)}; taken as meant"
+            yield f"{dotted(key)}: {what}"
+
+
+def _outside(value: Any, key: Key) -> Iterator[tuple[Key, str, float, tuple[float, float]]]:
+    """Key, its last name, value and range of every value that is out of its range."""
     if isinstance(value, dict):
         for name, inner in value.items():
-            yield from _walk(inner, (*key, name))
+            yield from _outside(inner, (*key, name))
     elif isinstance(value, tuple):
         for number, inner in enumerate(value):
-            yield from _walk(inner, (*key, number))
+            yield from _outside(inner, (*key, number))
     elif isinstance(value, float):
         name = next(part for part in reversed(key) if isinstance(part, str))
         ranges = RANGES | OF_APERTURES if "apertures" in key else RANGES
         if name in ranges and value != 0 and not _inside(value, ranges[name]):
-            what = f"{value:g} is out of the range {_range(ranges[name])}"
-            yield Mistake(key, what, _hint(name, value, ranges[name]))
+            yield key, name, value, ranges[name]
+
+
+def _widened(limits: tuple[float, float]) -> tuple[float, float]:
+    return limits[0] / ABSURD, limits[1] * ABSURD
 
 
 def _inside(value: float, limits: tuple[float, float]) -> bool:

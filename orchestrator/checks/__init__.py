@@ -1,7 +1,8 @@
 """Checks of a case before anything starts: small functions, each with its own rule and test.
 
 They come in three rounds, because each builds on the one before: names and tables that fit
-together, then files, then what is computed from both.
+together, then files, then what is computed from both.  A last one is made when the panels are open
+and their shapes at rest are known.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from typing import TYPE_CHECKING
 
 from orchestrator.casefile.deck_layout import as_given
 from orchestrator.casefile.errors import Mistake
-from orchestrator.casefile.plausible import wrong_sizes
+from orchestrator.casefile.plausible import unusual_sizes, wrong_sizes
 from orchestrator.checks import (
     adhesion,
     apertures,
+    at_rest,
     drives,
     exits,
     feeds,
@@ -31,6 +33,10 @@ from orchestrator.checks import (
 
 if TYPE_CHECKING:
     from orchestrator.casefile.levels import LoadedCase
+    from orchestrator.geometry import TriangleSurface
+    from orchestrator.penetration import Penetrations
+    from orchestrator.plans import ParticleList
+    from orchestrator.ports import Indices
 
 OF_TABLES = (
     names.unknown_names,
@@ -82,6 +88,19 @@ def mistakes(loaded: LoadedCase) -> list[Mistake]:
     return _as_given(loaded, found)
 
 
+def mistakes_at_rest(
+    loaded: LoadedCase,
+    surface: TriangleSurface,
+    panel_of_triangle: Indices,
+    penetrations: Penetrations,
+    particles: ParticleList,
+) -> list[Mistake]:
+    """What the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
+    found = list(at_rest.beyond_surfaces(loaded.case, penetrations, surface))
+    found += at_rest.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
+    return _as_given(loaded, found)
+
+
 def table_mistakes(loaded: LoadedCase) -> list[Mistake]:
     """The first round alone, which reads no files and places no particles."""
     found = [mistake for rule in OF_TABLES for mistake in rule(loaded.case.whole)]
@@ -99,6 +118,10 @@ def warnings(loaded: LoadedCase) -> list[str]:
     has a card of its own: stability/card.py."""
     case = loaded.case
     return [
+        *unusual_sizes(case.whole),
+        *drives.sudden_drives(case),
+        *feeds.feeds_that_hardly_feed(case),
+        *feeds.rounded_feed_interval(case),
         *materials.fines(case),
         *recordings.other_speed(case, loaded.folder),
         *slices.doubtful_slice(case, loaded.folder),

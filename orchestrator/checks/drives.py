@@ -8,6 +8,7 @@ import numpy as np
 
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.errors import Key, Mistake
+from orchestrator.deck.panels import single_panels
 from orchestrator.tables.frames import Drive
 
 LARGEST_TILT_RAD = 1.4  # adapters.frames.exudyn's
@@ -59,3 +60,28 @@ def start_of_drives(case: Case) -> Iterator[Mistake]:
             if jump > 1e-9:
                 what = f"the frame would jump by {jump:.3g} {unit} at t = 0"
                 yield Mistake((*key, phase), what, "give run_up_s, or 0")
+
+
+def sudden_drives(case: Case) -> Iterator[str]:
+    """Drives without run-up that move panels' clamps at full speed from t = 0, while the panels are
+    at rest."""
+    for name, frame in case.screen.frames.items():
+        drive = frame.drive
+        held = [panel.name for panel in single_panels(case) if name in panel.frames]
+        if drive is None or drive.run_up_s > 0 or not held:
+            continue
+        moving = np.multiply(drive.amplitude_m, np.cos(drive.phase_rad))
+        turning = np.multiply(drive.rotation_rad, np.cos(drive.rotation_phase_rad))
+        speeds = [
+            f"{drive.speed_rad_s * size:.3g} {unit}"
+            for size, unit in ((np.linalg.norm(moving), "m/s"), (np.linalg.norm(turning), "rad/s"))
+            if size > 0
+        ]
+        if speeds:
+            cycles_s = 2 * 2 * np.pi / drive.speed_rad_s
+            more = f" and {len(held) - 1} more" if len(held) > 1 else ""
+            yield (
+                f'frame "{name}" moves at {" and ".join(speeds)} from t = 0, while panel '
+                f"{held[0]}{more} on it is at rest: a blow that no machine gives; give its drive a "
+                f"run_up_s, two cycles are {cycles_s:.2g} s"
+            )

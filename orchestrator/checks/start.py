@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,12 +16,13 @@ from orchestrator.mapping import grid
 from orchestrator.planning import material_numbers
 from orchestrator.plans import ParticleList
 from orchestrator.ports import Array, Indices
+from orchestrator.triangles import overlap_m, reach_into
 
 ALLOWED = 1e-6  # overlap over diameter that counts as touching
 
 
 def particles_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
-    """Panels count as flat between their clamps, where they are not yet bent by their weight."""
+    """Slack panels are looked at in ``at_rest``: how they hang only their solvers know."""
     try:
         particles = initial_particles(case, material_numbers(case))
     except NoRoom as full:
@@ -32,40 +32,47 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
         return
     yield from _outside(case, particles)
     yield from _overlapping(case, particles)
-    for name, mesh in _surfaces(case, folder):
-        yield from _in_surface(case, particles, name, mesh)
+    for name, corners_m in _surfaces(case, folder):
+        yield from in_surface(case, particles, name, corners_m)
 
 
 def feeds_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
     """Feed boxes that a surface reaches into: what appeared there would be inside it."""
-    if not case.bed.feeds:
-        return
-    surfaces = list(_surfaces(case, folder))
+    for name, corners_m in _surfaces(case, folder) if case.bed.feeds else ():
+        yield from in_feed_box(case, name, corners_m)
+
+
+def in_surface(
+    case: Case, particles: ParticleList, surface: str, corners_m: Array
+) -> Iterator[Mistake]:
+    """Particles whose centres are nearer to the triangles (m, 3, 3) than their radius."""
+    depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
+    found = np.flatnonzero(depth_m > ALLOWED * particles.diameter_m)
+    if len(found):
+        deepest = found[np.argmax(depth_m[found])]
+        key, name = _named(case, deepest)
+        yield Mistake(key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_more(found)}")
+
+
+def in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[Mistake]:
+    """Feed boxes into which one of the triangles (m, 3, 3) reaches."""
     for feed, inlet in inlets(case, material_numbers(case)).items():
         low, high = inlet.box_m
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
-        bounds = np.stack([low + rim_m, high - rim_m], axis=1).ravel()
-        for name, mesh in surfaces:
-            turned = mesh.copy()
-            turned.points = mesh.points @ inlet.axes
-            if turned.clip_box(bounds, invert=False).n_cells:
-                yield Mistake(("bed", "feeds", feed, "box_m"), f"{name} reaches into it")
+        if reach_into(corners_m @ inlet.axes, np.stack([low + rim_m, high - rim_m])).any():
+            yield Mistake(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
 
 
-def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Any]]:
-    """Panels and rigid surfaces by name, as PyVista meshes in the world."""
-    import pyvista  # here because its import takes longer than all other checks together
-
-    def mesh(position_m: Array, triangles: Indices) -> Any:
-        faces = np.column_stack([np.full(len(triangles), 3), triangles])
-        return pyvista.PolyData(position_m, faces)
-
+def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
+    """Panels that are not slack, straight between their clamps, and rigid surfaces: by name, their
+    triangles (m, 3, 3) in the world."""
     for panel in single_panels(case):
-        flat = grid(panel.rectangle, (1, 1))
-        mounted_m = panel.rectangle.mounted(flat.coordinates_m)
-        yield f"panel {panel.name}", mesh(mounted_m, flat.triangles)
+        if panel.rectangle.span_m >= panel.rectangle.length_m:
+            flat = grid(panel.rectangle, (1, 1))
+            mounted_m = panel.rectangle.mounted(flat.coordinates_m)
+            yield f"panel {panel.name}", mounted_m[flat.triangles]
     for wall in walls(case, folder):
-        yield f"surface {wall.name}", mesh(wall.position_m, wall.triangles)
+        yield f"surface {wall.name}", wall.position_m[wall.triangles]
 
 
 def _outside(case: Case, particles: ParticleList) -> Iterator[Mistake]:
@@ -92,19 +99,6 @@ def _overlapping(case: Case, particles: ParticleList) -> Iterator[Mistake]:
         overlap_m = (radii_m - distance_m)[deepest]
         other = _named(case, two[deepest])[1]
         yield Mistake(key, f"{name} overlaps {other} by {overlap_m:.3g} m{_more(found)}")
-
-
-def _in_surface(case: Case, particles: ParticleList, surface: str, mesh: Any) -> Iterator[Mistake]:
-    """Particles whose centres are nearer to the mesh than their radius."""
-    _, closest_m = mesh.find_closest_cell(particles.position_m, return_closest_point=True)
-    distance_m = np.linalg.norm(particles.position_m - closest_m.reshape(-1, 3), axis=1)
-    overlap_m = particles.diameter_m / 2 - distance_m
-    found = np.flatnonzero(overlap_m > ALLOWED * particles.diameter_m)
-    if len(found):
-        deepest = found[np.argmax(overlap_m[found])]
-        key, name = _named(case, deepest)
-        what = f"{name} is {overlap_m[deepest]:.3g} m inside {surface}{_more(found)}"
-        yield Mistake(key, what)
 
 
 def _more(found: Indices) -> str:

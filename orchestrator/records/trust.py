@@ -75,6 +75,17 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
             )
 
 
+def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
+    """No panel may have gone through a surface that would have held it."""
+    seen = summary.get("watch", {}).get("figures", {}).get("penetrated_surfaces", {})
+    if seen.get("times"):
+        yield (
+            f"From t = {seen['first_s']:g} s on a panel went through a surface, by up to "
+            f"{seen['worst']:.3g} of its thickness, and nothing held it there; tighten it, move "
+            "one of them, or give the panel a stop."
+        )
+
+
 def _rounded(value: float | None) -> str:
     return "infinite" if value is None else f"{value:.3g}"
 
@@ -82,4 +93,5 @@ def _rounded(value: float | None) -> str:
 GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (
     _energy_created,
     _effects_crossed,
+    _surfaces_penetrated,
 )

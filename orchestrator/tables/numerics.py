@@ -134,6 +134,11 @@ class Watch(Table):
     largest_stretch: Annotated[float, Strict(), Gt(0), Le(10)] = 0.3
     """Over the stress-free length: as far as the material's constants were measured.  Panels that
     work are stretched by some hundredths."""
+    penetrated_surfaces: Literal["warn", "stop"] = "stop"
+    """Panels that have gone through a rigid surface or another panel: none holds the other there (a
+    beam that does is a stop of the panel).  One that hangs so at the start is refused."""
+    largest_penetration: Annotated[float, Strict(), Ge(0), Le(1000)] = 0.5
+    """How far the middle of the panel is beyond the surface, of the panel's thickness."""
     deep_overlaps: Then = "warn"
     """Particles that overlap each other or the surface too deeply."""
     largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2

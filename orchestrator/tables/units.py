@@ -55,6 +55,7 @@ DIMENSIONLESS = frozenset(
         "largest_growing_share",
         "largest_stretch",
         "largest_overlap",
+        "largest_penetration",
         "largest_step_share",
     }
 )

@@ -30,6 +30,11 @@ WATCHED = {
         "largest_stretch",
         "panel {where} is stretched by {value:.2g} of its length",
     ),
+    "penetrated_surfaces": (
+        "largest_penetration",
+        "panel {where} by {value:.3g} of its thickness, and nothing holds it there: tighten it, "
+        "move one of them, or give the panel a stop",
+    ),
     "deep_overlaps": (
         "largest_overlap",
         "particles overlap by {value:.2g} of a radius: contacts too soft or steps too long",

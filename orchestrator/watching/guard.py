@@ -50,7 +50,7 @@ class Guard:
         self.pace = Pace(self._interval_s, MOST_PARTS, calm_intervals(case))
         self._figures = Figures(case.watch)
         self._coupling = CouplingWatch(case, machine, start)
-        self._output = OutputWatch(machine.panels, particle_step_s(case))
+        self._output = OutputWatch(machine.panels, machine.penetrations, particle_step_s(case))
         self._closes = all(vars(case.hand_over).values())
         self._crossed: list[Crossed] = []
         self._judged, self._at_once = 0, False

@@ -1,4 +1,5 @@
-"""What is looked at at output times: stretch of the panels, overlaps, and motion per step."""
+"""What is looked at at output times: stretch of the panels, surfaces that they have gone through,
+overlaps, and motion per step."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import numpy as np
 from orchestrator.coupling import State
 from orchestrator.machine import PanelPoints
 from orchestrator.particle_records import Bed
+from orchestrator.penetration import Penetrations
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.watching.figures import Figures
 
@@ -16,14 +18,19 @@ from orchestrator.watching.figures import Figures
 class OutputWatch:
     """``step_s``: the particles' step."""
 
-    def __init__(self, panels: Sequence[PanelPoints], step_s: float) -> None:
-        self._panels, self._step_s = panels, step_s
+    def __init__(
+        self, panels: Sequence[PanelPoints], penetrations: Penetrations, step_s: float
+    ) -> None:
+        self._panels, self._penetrations, self._step_s = panels, penetrations, step_s
 
     def look(self, figures: Figures, time_s: float, state: State, bed: Bed | None) -> None:
         surface = state.panel.surface
         for panel in self._panels:
             stretch = largest_stretch(panel, surface.position_m)
             figures.look("stretched_panels", stretch, time_s, panel.name)
+        if (through := self._penetrations.deepest(surface.position_m)) is not None:
+            where = f"{through.panel} has gone through {through.surface}"
+            figures.look("penetrated_surfaces", through.thicknesses, time_s, where)
         if bed is not None and len(bed[0].id):
             particles, overlaps = bed
             deepest = 2 * max(overlaps.between_per_diameter, overlaps.surface_per_diameter)

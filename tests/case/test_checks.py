@@ -283,3 +283,86 @@ def test_fines_left_out_are_said(tmp_path: Path) -> None:
     feed = FEED.replace("sizes", "smallest_fed_m=0.015, sizes")
     found = warnings(loaded(tmp_path, [feed]))
     assert any("chute: 27.1% of the mass is finer than" in line for line in found)
+
+
+def warned(folder: Path, *overrides: str) -> list[str]:
+    """What a case without mistakes is warned of."""
+    given = loaded(folder, overrides)
+    assert mistakes(given) == []
+    return warnings(given)
+
+
+def test_steel_panels_are_said_to_be_unusual_and_taken(tmp_path: Path) -> None:
+    """E = 6 (c10 + c01) = 216 GPa; no unit makes a soft panel of it."""
+    key = "materials.PU.hyperelastic.c10_Pa"
+    said = [line for line in warned(tmp_path, f"{key}=35.97e9") if key in line]
+    assert said == [f"{key}: 3.597e+10 is out of the usual range 1000 to 1e+09; taken as meant"]
+    assert [line for line in warned(tmp_path) if "usual range" in line] == []
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("materials.PU.hyperelastic.c10_Pa=0.7", "looks like MPa: that is 700000 in c10_Pa"),
+        ("materials.PU.hyperelastic.c10_Pa=1e13", "1e+13 is out of the range 1000 to 1e+09"),
+        ("gravity_m_s2=[0, 0, -981]", "looks like cm/s2: that is -9.81 in gravity_m_s2"),
+        ("screen.inclination_deg=100", "100 is out of the range up to 90"),
+    ],
+)
+def test_slips_of_units_and_what_is_out_of_all_proportion_are_refused(
+    tmp_path: Path, override: str, said: str
+) -> None:
+    assert said in only_complaint(tmp_path, override)
+
+
+def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
+    """The run of 0.1 s has one batch at t = 0, when nothing is due; then 50 of them."""
+    slow = FEED.replace("rate_kg_s=1,", "rate_kg_s=0.5,")
+    found = warned(tmp_path, slow, "particles.feed_interval_s=0.5")
+    (said,) = [line for line in found if "chute" in line]
+    assert said.startswith('feed "chute" feeds nothing in 0.1 s: its batches come every 0.5 s')
+    assert [line for line in warned(tmp_path, slow) if "chute" in line] == []
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("rate_kg_s=1,", "rate_kg_s=1e-4,"), '"chute" feeds nothing in 0.1 s'),
+        (("rate_kg_s=1,", "rate_kg_s=1, start_s=0.0995,"), '"chute" feeds nothing in 0.1 s'),
+        (("rate_kg_s=1,", "rate_kg_s=1, start_s=0.08,"), None),
+    ],
+)
+def test_a_feed_that_brings_no_particle_before_the_end_is_said(
+    tmp_path: Path, change: tuple[str, str], said: str | None
+) -> None:
+    """Too slow for one particle, or begun after the last batch."""
+    found = [line for line in warned(tmp_path, FEED.replace(*change)) if "chute" in line]
+    assert len(found) == (said is not None)
+    assert all(said in line for line in found if said)
+
+
+def test_a_feed_whose_last_batch_is_long_before_the_end_is_said(tmp_path: Path) -> None:
+    found = warned(tmp_path, FEED, "particles.feed_interval_s=0.06")
+    (said,) = [line for line in found if "chute" in line]
+    assert 'feed "chute" feeds 0.06 of the 0.1 kg that are due in 0.1 s' in said
+
+
+def test_a_feed_interval_that_is_rounded_is_said(tmp_path: Path) -> None:
+    sets = (FEED, "particles.feed_interval_s=7e-5", "coupling.sync_interval_s=5e-5")
+    (said,) = [line for line in warned(tmp_path, *sets) if "feed_interval_s" in line]
+    assert "particles.feed_interval_s = 7e-05 s is taken as 5e-05 s" in said
+
+
+def test_a_drive_without_run_up_under_a_panel_is_said(tmp_path: Path) -> None:
+    """5 mm at 78.5 rad/s from t = 0: 0.39 m/s."""
+    driven = (
+        "frames.solver=prescribed",
+        "screen.frames.driving.drive={amplitude_m=[0.003, 0, 0.004], speed_rad_s=78.5}",
+    )
+    (said,) = [line for line in warned(tmp_path, *driven) if "run_up_s" in line]
+    assert (
+        'frame "driving" moves at 0.393 m/s from t = 0, while panel deck on it is at rest' in said
+    )
+    assert "two cycles are 0.16 s" in said
+    smooth = "screen.frames.driving.drive.run_up_s=0.16"
+    assert [line for line in warned(tmp_path, *driven, smooth) if "run_up_s" in line] == []

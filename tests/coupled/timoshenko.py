@@ -161,7 +161,7 @@ class Outcome:
 
 
 def run(folder: Path, overrides: Sequence[str] = (), until_s: float = 3.52e-4) -> Outcome:
-    """The case is not checked: steel is far stiffer than the checks hold likely for a panel."""
+    """The case is not checked; that a panel is of steel would be a warning."""
     with opened(written(folder, CASE, overrides)) as machine:
         intervals = round(until_s / machine.interval_s)
         force_N, deflection_m, ball_m_s = np.zeros((3, intervals))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from adapters.particles.nearest_feature import closest_on_triangle
+from orchestrator.geometry import closest_on_triangle
 from orchestrator.plans import GrainMaterial, SolverFailed
 from orchestrator.ports import Array
 from tests.particles.contract import (

@@ -15,6 +15,7 @@ from orchestrator.geometry import TriangleSurface
 from orchestrator.ledger import Members
 from orchestrator.machine import Machine
 from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.penetration import Penetrations
 from orchestrator.ports import Saved
 from orchestrator.records.bushing_forces import BushingForces
 from orchestrator.stopwatch import Stopwatch
@@ -52,6 +53,7 @@ def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -
         surface=TriangleSurface(NOWHERE, np.empty((0, 3), dtype=np.int64), NOBODY),
         panel_of_triangle=NOBODY,
         panels=(),
+        penetrations=Penetrations(NOWHERE, (), ()),
         centres={},
         probes=(),
         bushings=BushingForces.of((), {}, NOWHERE),

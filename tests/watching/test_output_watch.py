@@ -11,6 +11,7 @@ from orchestrator.coupling import State
 from orchestrator.geometry import Edges
 from orchestrator.machine import PanelPoints
 from orchestrator.particle_records import Overlaps
+from orchestrator.penetration import Penetrations
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.tables.numerics import Watch
 from orchestrator.watching.figures import Figures
@@ -32,6 +33,7 @@ PANEL = PanelPoints(
     EDGES.points,
     EDGES.length_m,
 )
+UNTOUCHED = Penetrations(FLAT_m, (), ())
 BALLS = ParticleSnapshot(
     id=np.array([3, 8]),
     position_m=np.zeros((2, 3)),
@@ -52,7 +54,7 @@ def state(position_m: np.ndarray = FLAT_m, speed_m_s: float = 1.0) -> State:
 def alarms(now: State, balls: ParticleSnapshot, overlap: float) -> list[str]:
     figures = Figures(Watch())
     overlaps = Overlaps(0.0, 0.0, 0.001, overlap / 2)
-    OutputWatch([PANEL], STEP_s).look(figures, 0.5, now, (balls, overlaps))
+    OutputWatch([PANEL], UNTOUCHED, STEP_s).look(figures, 0.5, now, (balls, overlaps))
     return [alarm.what for alarm in figures.alarms()]
 
 

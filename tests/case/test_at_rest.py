@@ -1,0 +1,117 @@
+"""What the open panels are asked before anything is computed: how they hang, and what is there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from orchestrator.build import build
+from orchestrator.casefile.errors import CaseError
+from orchestrator.checks import mistakes
+from orchestrator.stopwatch import Stopwatch
+from tests.case.cases import FEED, LEVEL, loaded, written
+from tests.runs.outside import QUICK, flipflow, run_words
+
+pytestmark = pytest.mark.solver
+
+TAUT_STRIP = ("panel.solver=strip", "particles.solver=spheres", "frames.solver=two-mass")
+# 0.3 m of panel between clamps 0.27 m apart: it hangs 59 mm deep
+SLACK = ("screen.panels.deck.tension_m=-0.03", *TAUT_STRIP)
+BALL = ("bed.particles.ball.diameter_m=0.03", "panel.surface_cells=[22, 4]")
+PLATE = (
+    'screen.surfaces.plate={frame="ground", material="PU", corner_m=[0.05, 0.05, HEIGHT], '
+    "edges_m=[[0.2, 0, 0], [0, 0.1, 0]]}"
+)
+
+
+def plate(height_m: float) -> str:
+    return PLATE.replace("HEIGHT", str(height_m))
+
+
+def said(folder: Path, overrides: Sequence[str]) -> list[str]:
+    """What is said when the solvers are open; nothing was wrong before."""
+    given = loaded(folder, overrides)
+    assert mistakes(given) == []
+    try:
+        build(given, folder, None, Stopwatch()).close()
+    except CaseError as error:
+        return [str(mistake) for mistake in error.mistakes]
+    return []
+
+
+def ball_at(height_m: float) -> str:
+    return f"bed.particles.ball.position_m=[0.135, 0.1, {height_m}]"
+
+
+def test_a_ball_inside_a_slack_panel_is_refused(tmp_path: Path) -> None:
+    """It used to leave at 10 m/s.  In the middle the panel is 59 mm below its clamps."""
+    found = said(tmp_path, [*SLACK, *BALL, ball_at(-0.06)])
+    assert len(found) == 1
+    assert "bed.particles.ball.position_m: " in found[0]
+    assert '"ball" is 0.01' in found[0]
+    assert "m inside panel deck as it hangs at rest" in found[0]
+
+
+@pytest.mark.parametrize("height_m", [0.0, -0.03, -0.08])
+def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(
+    tmp_path: Path, height_m: float
+) -> None:
+    """Where the flat panel would be there is room."""
+    assert said(tmp_path, [*SLACK, *BALL, ball_at(height_m)]) == []
+
+
+def test_a_ball_inside_a_taut_panel_is_refused_before_any_solver_is_open(tmp_path: Path) -> None:
+    given = loaded(tmp_path, [*TAUT_STRIP, ball_at(0.005)])
+    assert [mistake.what for mistake in mistakes(given)] == ['"ball" is 0.005 m inside panel deck']
+
+
+def test_a_feed_into_which_a_slack_panel_hangs_is_refused(tmp_path: Path) -> None:
+    low = FEED.replace("[[0, 0, 0.1], [0.1, 0.1, 0.2]]", "[[0.1, 0, -0.08], [0.2, 0.2, -0.02]]")
+    found = said(tmp_path, [*SLACK, low])
+    assert len(found) == 1
+    assert "bed.feeds.chute.box_m: panel deck as it hangs at rest reaches into it" in found[0]
+
+
+def test_a_panel_that_hangs_through_a_plate_is_refused(tmp_path: Path) -> None:
+    """20 mm below the flat panel, 39 mm above where that hangs."""
+    found = said(tmp_path, [*SLACK, plate(-0.02)])
+    assert len(found) == 1
+    assert "screen.panels.deck: panel deck hangs 0.0387 m through plate before any" in found[0]
+    assert "give the panel a stop" in found[0]
+    assert said(tmp_path, [*SLACK, plate(-0.02), "watch.penetrated_surfaces=warn"]) == []
+
+
+@pytest.mark.parametrize("height_m", [-0.06, 0.02])
+def test_a_plate_below_or_above_it_is_none_of_its_business(tmp_path: Path, height_m: float) -> None:
+    assert said(tmp_path, [*SLACK, plate(height_m)]) == []
+
+
+def test_nothing_is_left_behind(tmp_path: Path) -> None:
+    """From outside: exit code 2, one message, no folder."""
+    case = written(tmp_path / "case", draft=LEVEL)
+    sets = [*QUICK, *SLACK, *BALL, ball_at(-0.06), plate(-0.02)]
+    done = flipflow(*run_words(str(case), tmp_path / "run", sets))
+    assert done.returncode == 2, done.stderr
+    assert "2 mistakes in the case:" in done.stderr
+    assert "inside panel deck as it hangs at rest" in done.stderr
+    assert "through plate before anything moves" in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_panel_that_sags_through_a_plate_during_the_run_stops_it(tmp_path: Path) -> None:
+    """The clamps of ``panel-cycle`` close and the panel sags by 26 mm, the plate is 12 mm below."""
+    sets = [*QUICK, plate(-0.012), "duration_s=0.12"]
+    done = flipflow(*run_words("panel-cycle", tmp_path / "run", sets))
+    assert done.returncode == 4, done.stderr
+    assert "stopped by the watch at t = " in done.stderr
+    assert "panel deck has gone through plate by " in done.stderr
+    assert "of its thickness, and nothing holds it there" in done.stderr
+    stop = (
+        'screen.panels.deck.stops.beam={frame="ground", from_m=0.02, to_m=0.28, gap_m=0.0115, '
+        "stiffness_Pa_m=2e7, damping_ratio=0.2}"
+    )
+    held = flipflow(*run_words("panel-cycle", tmp_path / "held", [*sets, stop]))
+    assert "has gone through" not in held.stderr
+    assert held.returncode == 0, held.stderr

@@ -1,0 +1,121 @@
+"""Which panel has gone through what: found from where all is drawn and where it is now."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from orchestrator.geometry import Rectangle
+from orchestrator.mapping import grid
+from orchestrator.penetration import Body, Penetration, Penetrations, ProbedPanel
+from orchestrator.ports import Array
+
+THICK_M = 0.004
+FLAT = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.2, 0.019)
+CELLS = grid(FLAT, (12, 4))
+DRAWN_M = FLAT.mounted(CELLS.coordinates_m)
+FREE = np.flatnonzero((CELLS.coordinates_m[:, 0] > 0) & (CELLS.coordinates_m[:, 0] < 0.3))
+LEVEL = ((0.05, 0.02), (0.2, 0.16))  # lowest corner and sides of a plate in the plane of x and y
+
+
+def hanging_m(sag_m: float, drawn_m: Array = DRAWN_M) -> Array:
+    """The panel with a sag that is a half sine along it."""
+    along = np.clip(CELLS.coordinates_m[:, 0] / 0.3, 0.0, 1.0)
+    return np.asarray(drawn_m - np.outer(sag_m * np.sin(np.pi * along), [0, 0, 1]))
+
+
+def plate_m(height_m: float) -> Array:
+    (x, y), (along_m, across_m) = LEVEL
+    corners = np.array([[0, 0], [along_m, 0], [along_m, across_m], [0, across_m]])
+    corners = corners + np.array([x, y])
+    return np.column_stack([corners, np.full(4, height_m)])
+
+
+def found(
+    now_m: Array, plate_now_m: Array, plate_drawn_m: Array | None = None, drawn_m: Array = DRAWN_M
+) -> Penetration | None:
+    drawn_plate_m = plate_now_m if plate_drawn_m is None else plate_drawn_m
+    points = len(drawn_m)
+    plate = Body("plate", np.array([[0, 1, 2], [0, 2, 3]]) + points)
+    panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
+    all_drawn_m = np.vstack([drawn_m, drawn_plate_m])
+    looked = Penetrations(all_drawn_m, [Body("deck", CELLS.triangles), plate], [panel])
+    return looked.deepest(np.vstack([now_m, plate_now_m]))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_panel_hangs_through_a_plate_as_deep_as_it_hangs_beyond_it(side: float) -> None:
+    """39 mm of sag, 20 mm from the plate: 19 mm; from below as from above."""
+    deepest = found(hanging_m(side * 0.039), plate_m(-side * 0.02))
+    assert deepest is not None
+    assert (deepest.panel, deepest.surface) == ("deck", "plate")
+    assert deepest.depth_m == pytest.approx(0.019, rel=1e-12)
+    assert deepest.thicknesses == pytest.approx(0.019 / THICK_M, rel=1e-12)
+
+
+def test_it_is_found_however_large_or_small_the_plates_triangles() -> None:
+    """A plate of 0.2 m in triangles of 10 mm; one of a kilometre."""
+    for size_m, cells in ((0.2, 20), (1e3, 1)):
+        wide = Rectangle(np.array([0.05, 0.02, -0.02]), *np.eye(3)[:2], size_m, size_m, size_m, 0.0)
+        fine = grid(wide, (cells, cells))
+        points_m = wide.mounted(fine.coordinates_m) - (size_m > 1) * np.array([500, 500, 0])
+        bodies = [Body("deck", CELLS.triangles), Body("plate", fine.triangles + len(DRAWN_M))]
+        panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
+        looked = Penetrations(np.vstack([DRAWN_M, points_m]), bodies, [panel])
+        deepest = looked.deepest(np.vstack([hanging_m(0.039), points_m]))
+        assert deepest is not None
+        assert deepest.depth_m == pytest.approx(0.019, rel=1e-9)
+
+
+def test_a_plate_above_beside_or_below_the_panel_is_not_gone_through() -> None:
+    for height_m in (0.001, -0.04):
+        assert found(hanging_m(0.039), plate_m(height_m)) is None
+    assert found(hanging_m(0.039), plate_m(-0.02) + np.array([0.0, 0.3, 0.0])) is None
+
+
+def test_what_moves_together_goes_through_nothing() -> None:
+    """The whole machine turned by a right angle and carried off, the panel sagging by 10 mm."""
+    turn, away_m = np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], float), np.array([3.0, 1.0, 2.0])
+    now_m, plate_now_m = (m @ turn + away_m for m in (hanging_m(0.01), plate_m(-0.02)))
+    assert found(now_m, plate_now_m, plate_m(-0.02)) is None
+    deep = found(hanging_m(0.03) @ turn + away_m, plate_now_m, plate_m(-0.02))
+    assert deep is not None
+    assert deep.depth_m == pytest.approx(0.01, rel=1e-9)
+
+
+def test_a_plate_that_comes_through_a_panel() -> None:
+    """It is drawn 2 mm below the flat panel and goes 5 mm up."""
+    deepest = found(DRAWN_M, plate_m(0.003), plate_m(-0.002))
+    assert deepest is not None
+    assert deepest.depth_m == pytest.approx(0.003, rel=1e-9)
+
+
+@pytest.mark.parametrize("across_m", [0.0, 0.013, 0.2])
+def test_a_side_plate_at_the_edge_or_through_the_panel_as_drawn_is_taken_as_meant(
+    across_m: float,
+) -> None:
+    """It stands upright along the panel, which moves up and down along it."""
+    upright = np.array([[-0.1, 0, -0.1], [0.4, 0, -0.1], [0.4, 0, 0.1], [-0.1, 0, 0.1]])
+    for sag_m in (0.05, -0.05):
+        assert found(hanging_m(sag_m), upright + np.array([0.0, across_m, 0.0])) is None
+
+
+def test_a_plate_in_the_panels_plane_has_no_side() -> None:
+    assert found(hanging_m(0.01), plate_m(0.0)) is None
+
+
+def test_one_panel_through_another() -> None:
+    """Two decks 30 mm apart: the upper one sags by 40 mm, the lower one by 5 mm; then the lower
+    one is thrown up by 35 mm."""
+    lower_m, points = DRAWN_M - (0, 0, 0.03), len(DRAWN_M)
+    bodies = [Body("upper", CELLS.triangles), Body("lower", CELLS.triangles + points)]
+    pairs = np.column_stack([FREE, FREE])
+    panels = [ProbedPanel(0, pairs, THICK_M), ProbedPanel(1, pairs + points, THICK_M)]
+    looked = Penetrations(np.vstack([DRAWN_M, lower_m]), bodies, panels)
+    for upper_sag_m, lower_sag_m, depth_m in ((0.04, 0.005, 0.005), (0.0, -0.035, 0.005)):
+        now_m = np.vstack([hanging_m(upper_sag_m), hanging_m(lower_sag_m, lower_m)])
+        deepest = looked.deepest(now_m)
+        assert deepest is not None
+        assert {deepest.panel, deepest.surface} == {"upper", "lower"}
+        assert deepest.depth_m == pytest.approx(depth_m, rel=0.05)
+    assert looked.deepest(np.vstack([hanging_m(0.03), hanging_m(0.03, lower_m)])) is None
