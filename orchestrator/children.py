@@ -12,9 +12,16 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 
 
-def python(*words: str, **more: Any) -> subprocess.CompletedProcess[str]:
-    """``python WORDS`` run to its end; ``more`` as for subprocess.run."""
+LAUNCHERS = ("OMPI_", "ORTE_", "PMI_", "PMIX_")
+"""Beginnings of the variables by which a process knows that it is one of several under mpirun."""
+
+
+def python(*words: str, alone: bool = False, **more: Any) -> subprocess.CompletedProcess[str]:
+    """``python WORDS`` run to its end; ``more`` as for subprocess.run.  ``alone``: as a program of
+    one process, also where this one is a rank under mpirun."""
     paths = [str(ROOT), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     own = {"PYTHONPATH": os.pathsep.join(paths)}
     env = os.environ | own | more.pop("env", {})
+    if alone:
+        env = {name: value for name, value in env.items() if not name.startswith(LAUNCHERS)}
     return subprocess.run([sys.executable, "-P", *words], env=env, text=True, check=False, **more)

@@ -6,9 +6,11 @@ from __future__ import annotations
 import math
 
 from orchestrator.casefile.case import Case
-from orchestrator.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.scene.effect import MARGIN, TENTH, Effect, Overlay, Verdict
 from orchestrator.scene.moved_panel import loss_factor
 from orchestrator.scene.scene import Scene
+
+HARMONICS = 20  # of the excitation: to some hundred Hz
 
 
 def judge(scene: Scene) -> Verdict:
@@ -26,6 +28,8 @@ def judge(scene: Scene) -> Verdict:
     if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
         matters, why = None, f"{why}; near a panel's resonance only damping limits its answer"
     unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
+    if not matters and _at_harmonics(scene) > TENTH / MARGIN:
+        matters, why = None, f"{why}; slack panels snap, and lose more at multiples of it"
     return Verdict(
         number="energy lost / stored, per cycle",
         value=lost if given else None,
@@ -35,6 +39,18 @@ def judge(scene: Scene) -> Verdict:
         why=why if given else unknown,
         cost="hardly anything for a strip, an eighth to a quarter of a sheet's time",
     )
+
+
+def _at_harmonics(scene: Scene) -> float:
+    """Largest loss per cycle at multiples of the excitation of panels that are slack in part of the
+    cycle: their pull is a train of pulses."""
+    slack = [panel for panel in scene.panels if panel.sag_m > 0]
+    every = (
+        loss_factor(panel.material, number * scene.speed_rad_s)
+        for panel in slack
+        for number in range(1, HARMONICS + 1)
+    )
+    return 2 * math.pi * max(every, default=0.0)
 
 
 def overlay(case: Case) -> Overlay:

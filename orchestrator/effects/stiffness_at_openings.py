@@ -90,13 +90,16 @@ def _masses(scene: Scene) -> Iterator[tuple[float, Class]]:
     for one in case.bed.particles.values():
         mass_kg = math.pi / 6 * case.materials[one.material].density_kg_m3 * one.diameter_m**3
         yield mass_kg, Class(one.diameter_m / k, one.diameter_m / k, 1.0)
-    sources = [
-        (block, block.count * mean_mass_kg(classes(block), _density(scene, block.material)))
+    blocks = (
+        (
+            classes(block),
+            block.count * mean_mass_kg(classes(block), _density(scene, block.material)),
+        )
         for block in case.bed.blocks.values()
-    ]
-    fed = [(feed, feed.rate_kg_s * case.duration_s) for feed in case.bed.feeds.values()]
-    for source, mass_kg in (*sources, *fed):
-        for row in classes(source):
+    )
+    feeds = ((classes(feed), feed.rate_kg_s * case.duration_s) for feed in case.bed.feeds.values())
+    for rows, mass_kg in (*blocks, *feeds):
+        for row in rows:
             real = Class(row.smallest_m / k, row.largest_m / k, row.mass_fraction)
             yield mass_kg * row.mass_fraction, real
 

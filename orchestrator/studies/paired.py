@@ -118,6 +118,7 @@ def _run(
         try:
             done = python(
                 *("-c", MAIN, *words),
+                alone=True,
                 capture_output=True,
                 env={"OMP_NUM_THREADS": "1"},
                 timeout=patience_s,

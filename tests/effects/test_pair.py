@@ -9,8 +9,10 @@ from typing import Any
 import pytest
 
 from orchestrator.casefile.levels import load
+from orchestrator.children import python
 from orchestrator.results.scalars import SCALARS, Value, scalar
-from orchestrator.scene.pair import Pair, changed, key_of, remember, remembered
+from orchestrator.scene import pair
+from orchestrator.scene.pair import Pair, agree, changed, key_of, remember, remembered
 from orchestrator.studies import paired
 from tests.case.cases import CASE, loaded, written
 
@@ -118,3 +120,24 @@ def test_a_pair_that_would_take_too_long_is_refused_and_says_why(tmp_path: Path)
 def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:
     found = paired.Pairs().of(loaded(tmp_path, (SHORT,)), "adhesion")
     assert "adhesion cannot be left out" in found.refused
+
+
+def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else it would wait for the other ranks of the run that asks for it."""
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
+    asks = "import os; print(sorted(name for name in os.environ if name.startswith('OMPI')))"
+    assert python("-c", asks, capture_output=True).stdout.strip() == "['OMPI_COMM_WORLD_SIZE']"
+    assert python("-c", asks, alone=True, capture_output=True).stdout.strip() == "[]"
+
+
+def test_ranks_agree_on_what_the_first_one_remembers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What another rank has in its own memory does not count."""
+    monkeypatch.setattr(pair, "_AGREED", {})
+    read = load(written(tmp_path / "agreed", CASE)).origin.read()
+    mine, agreed = key_of(read, "wear"), key_of(read, "adhesion")
+    remember(mine, Pair("wear"))
+    agree({mine: None, agreed: Pair("adhesion")})
+    assert remembered(mine) is None
+    assert remembered(agreed) == Pair("adhesion")

@@ -3,6 +3,8 @@ was left out by them, and what closed forms say of it now."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,9 +12,12 @@ import pytest
 from orchestrator.casefile.levels import load
 from orchestrator.results.scalars import SCALARS
 from orchestrator.scene.account import account
-from orchestrator.scene.catalogue import Judged, judged, needs_of, taken_along
+from orchestrator.scene.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
 from orchestrator.scene.effect import Verdict
+from orchestrator.scene.moved_panel import stiffness_share
 from orchestrator.scene.pair import Pair, key_of, remember
+from orchestrator.scene.scene import scene
+from orchestrator.scene.seen import Seen
 from orchestrator.scene.weighing import weighed
 from orchestrator.studies.paired import Pairs
 from tests.case.cases import loaded, only_complaint, written
@@ -72,6 +77,14 @@ def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share:
     own_rad_s = 80.0 / mat.verdict.value**0.5
     turns = f"screen.frames.driving.drive.speed_rad_s={speed_share * own_rad_s}"
     there = load(tmp_path, None, [*ONE_MAT, turns, "effects=auto"])
+    deforms = EFFECTS["panel-deformation"].judge(scene(there.described))
+    assert deforms is not None
+    assert deforms.value is not None
+    square = speed_share**2
+    if speed_share < 1:
+        assert deforms.value == pytest.approx(4 / math.pi * square / (1 - square), rel=1e-6)
+    else:
+        assert deforms.value > 1e6
     assert there.case.panel.solver == "sheet"
     assert "panel-deformation" not in there.left_out
 
@@ -154,6 +167,26 @@ def test_an_estimate_near_its_threshold_does_not_decide() -> None:
     assert (near.is_close, far.is_close) == (True, False)
     other = Verdict("layers", 4.0, "5", False, "why")
     assert not other.is_close, "a count is what it is"
+
+
+def test_a_run_without_openings_says_the_same_of_them() -> None:
+    """Its panels are stiffer by what openings take; with them the stroke would be as estimated."""
+    estimated = scene(load(CASES / "ffs0827-empty", "draft", [ACROSS]).described)
+    before = EFFECTS["apertures"].judge(estimated)
+    whole = tuple(
+        replace(
+            spring,
+            stiffness_N_m=spring.stiffness_N_m
+            / stiffness_share(panel.panel.apertures, panel.panel.rectangle),
+        )
+        for panel, spring in zip(estimated.panels, estimated.springs, strict=True)
+    )
+    run = replace(estimated, springs=whole, seen=Seen(closed=True))
+    after = EFFECTS["apertures"].judge(run)
+    assert before is not None
+    assert after is not None
+    assert after.value == pytest.approx(before.value, rel=1e-9)
+    assert EFFECTS["apertures"].checked_by == "frames_throw"
 
 
 def test_names_of_results_are_in_the_manual() -> None:
