@@ -32,24 +32,30 @@ from orchestrator.ports import (
     Response,
     Saved,
 )
-from orchestrator.schedule import ahead_of, carried_ahead
+from orchestrator.schedule import ahead_of
 from orchestrator.state import restorable
 
 
 class UnpushedFrames:
-    """Frames that do not feel the panels."""
+    """Frames that do not feel the panels, so that nothing has to be awaited to know where they go:
+    they are moved as soon as that is asked for, and ``advance`` says it again."""
 
     def __init__(self, frames: Frames) -> None:
-        self._frames = frames
+        self._frames, self._points = frames, len(frames.initial())
+        self._moved: Known | None = None
 
     def initial(self) -> Motion:
         return self._frames.initial()
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        return self._frames.advance(interval, Load.zero(len(reaction)))
+        motion, self._moved = self.ahead(interval).motion, None
+        return motion
 
-    def ahead(self, interval: Interval) -> Known | None:
-        return carried_ahead(self._frames, interval)
+    def ahead(self, interval: Interval) -> Known:
+        if self._moved is None:
+            motion = self._frames.advance(interval, Load.zero(self._points))
+            self._moved = Known(motion, np.ones(len(motion), dtype=np.bool_))
+        return self._moved
 
     def account(self) -> Account:
         return self._frames.account()

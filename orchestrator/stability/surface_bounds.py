@@ -61,8 +61,9 @@ def met(scene: Scene) -> list[Met]:
 
 
 def _known(scene: Scene, *frames: str) -> bool:
+    unmoved = scene.case.frames.solver == "prescribed" or not scene.case.hand_over.panel_reaction
     known = {drive.body for drive in scene.plan.drives} | {GROUND}
-    return scene.case.frames.solver == "prescribed" or known.issuperset(frames)
+    return unmoved or known.issuperset(frames)
 
 
 def surface_bounds(scene: Scene) -> Iterator[Bound]:

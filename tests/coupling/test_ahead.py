@@ -183,19 +183,33 @@ class OneRank:
 
 def frames_around(inner: Frames) -> list[Frames]:
     return [
-        UnpushedFrames(inner),
         MeteredFrames(inner, "frames", Stopwatch()),
         FramesOnFirstRank(OneRank(), lambda: inner),
     ]
 
 
-@pytest.mark.parametrize("which", range(3))
+@pytest.mark.parametrize("which", range(2))
 def test_what_stands_around_frames_passes_on_what_is_known(which: int) -> None:
     interval = Interval(3, LENGTH_S)
     known = carried_ahead(frames_around(DrivenFrame(1.0))[which], interval)
     assert known is not None
     assert known.motion.position_m[0, 0] == np.sin(0.4)
     assert carried_ahead(frames_around(FreeFrame(1.0))[which], interval) is None
+
+
+@every_scheme
+def test_where_frames_go_that_feel_nothing_is_known_ahead(name: str) -> None:
+    """Free ones under a force that grows, so that no extrapolation is right; they move once."""
+    panel, frame = Told(1.0, 4.0), PushedFrame(2.0, v=0.3)
+    frames, way = UnpushedFrames(frame), scheme(name)
+    solvers = Solvers(frames, panel, None)
+    state = initial(solvers)
+    for index in range(4):
+        frame.force_N += 1.0
+        state = way.advance(solvers, Interval(index, LENGTH_S), state)
+        assert (panel.told[-1].position_m == state.clamps.position_m).all()
+        assert (panel.told[-1].velocity_m_s == state.clamps.velocity_m_s).all()
+    assert frame.v == pytest.approx(0.3 + (1 + 2 + 3 + 4) * LENGTH_S / 2)
 
 
 def panels_around(inner: Panel) -> list[Panel]:
