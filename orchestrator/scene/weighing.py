@@ -91,11 +91,14 @@ def _far_enough(one: Judged) -> Judged:
 
 
 def _consistent(case: Case, one: Judged, every: Collection[Judged]) -> Judged:
-    if one.verdict.matters is not False or one.verdict.measured:
+    """What is measured speaks for all that goes with it, but against another measurement."""
+    if one.verdict.matters is not False:
         return one
     along = taken_along(case, one.effect) if one.present and one.can_go else []
     for other in every:
         goes = other.effect in along or one.effect in needs_of(other.effect)
+        if one.verdict.measured and not (other.verdict.measured and other.verdict.matters):
+            continue
         if goes and other.present and other.verdict.matters is not False:
             why = (
                 f"{one.verdict.why}; {other.effect} goes with it: {in_words(other.verdict.matters)}"

@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
 from orchestrator.casefile.levels import load
 from orchestrator.children import python
+from orchestrator.commands.cli import app
 from orchestrator.results.scalars import SCALARS, Value, scalar
 from orchestrator.scene import pair
 from orchestrator.scene.pair import Pair, agree, changed, key_of, remember, remembered
@@ -141,3 +143,34 @@ def test_ranks_agree_on_what_the_first_one_remembers(
     agree({mine: None, agreed: Pair("adhesion")})
     assert remembered(mine) is None
     assert remembered(agreed) == Pair("adhesion")
+
+
+def test_explain_for_a_result_gives_its_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What an estimate surely leaves out is not tried; the rest is by two runs each, of which the
+    one with everything is made once; asked again, nothing is run."""
+    made: list[str] = []
+
+    def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
+        made.append(sets[-1])
+        without = "sliding-friction" not in sets[-1]
+        return summary(velocity_m_s=0.5 if without else 0.4)
+
+    monkeypatch.setattr(paired, "_run", run)
+    words = ["explain", str(written(tmp_path / "case", CASE)), "--for", "velocity"]
+    done = CliRunner().invoke(app, [*words, "--set", SHORT])
+    assert done.exit_code == 0, done.output
+    friction = next(line for line in done.output.splitlines() if line.startswith(" sliding-"))
+    assert "change of velocity" in friction
+    assert "0.25" in friction
+    assert "matters: measured: velocity 0.4" in friction
+    load_row = next(line for line in done.output.splitlines() if line.startswith(" particle-load"))
+    assert "may be left out: measured:" in load_row
+    assert made.count(made[0]) == 1, "the case as it is"
+    once = len(made)
+    again = CliRunner().invoke(app, [*words, "--set", SHORT])
+    assert again.exit_code == 0, again.output
+    assert len(made) == once, "remembered"
+    unknown = CliRunner().invoke(app, [*words[:-1], "velocty"])
+    assert unknown.exit_code == 2
