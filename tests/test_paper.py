@@ -14,6 +14,7 @@ import pytest
 from orchestrator.casefile.errors import CaseError
 from orchestrator.studies import paper, sweep
 from orchestrator.studies.quantities import Sweep, Unknown
+from orchestrator.studies.steady import NotSteady, steady
 from tests.case.cases import CASE, written
 
 SPEED = "screen.exciters.shaft.speed_rad_s"
@@ -133,6 +134,20 @@ def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: st
     assert line.ours is None
     assert not line.good
     assert said in line.verdict
+
+
+def test_rows_that_come_too_seldom_are_no_motion(case: Path) -> None:
+    """One in a hundred: less than two in a cycle, of which any amplitude could be made."""
+    compared(case, ROW)
+    folder = case.parent / "out/speed/speed_rad_s-70"
+    with h5py.File(folder / "history.h5", "a") as history:
+        for group in history["frames"].values():
+            for name in list(group):
+                rows = group[name][::100]
+                del group[name]
+                group[name] = rows
+    with pytest.raises(NotSteady, match=r"rows in a cycle of 0\.0898 s; 20 are needed"):
+        steady(folder)
 
 
 def test_a_run_that_failed_is_no_value(case: Path) -> None:

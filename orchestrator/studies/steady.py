@@ -13,12 +13,14 @@ import numpy as np
 from orchestrator.casefile.levels import load
 from orchestrator.deck.panels import axes
 from orchestrator.ports import Array
+from orchestrator.results.sampling import rows_too_seldom
 
 CYCLES = 10
 
 
 class NotSteady(Exception):
-    """A run without frames, or too short to have two whole cycles in its second half."""
+    """A run without frames, too short to have two whole cycles in its second half, or written too
+    seldom to tell what happens in a cycle."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +56,8 @@ def steady(folder: Path) -> Steady:
     cycles = min(CYCLES, int(time_s[-1] / 2 / cycle_s + 1e-9))
     if cycles < 2:
         raise NotSteady(f"{folder}: {time_s[-1]:g} s are too short for cycles of {cycle_s:.3g} s")
+    if why := rows_too_seldom(time_s, cycle_s, case.coupling.sync_interval_s):
+        raise NotSteady(f"{folder}: {why}")
     last = time_s >= time_s[-1] - cycles * cycle_s * (1 + 1e-9)
     before = np.roll(last, -int(last.sum()) // 2)
     points = {name: harmonic(time_s[last], x[last], speed) for name, x in frames.items()}
