@@ -177,10 +177,11 @@ class Output(Table):
     """What is written how often."""
 
     interval_s: Positive = 0.005
-    """Time between snapshots for ParaView, shapes and the energy ledger."""
+    """Time between snapshots for ParaView, shapes, the bed's profile and the energy ledger; means
+    of the bed need four even phases of the machine's cycle."""
     series_s: NotNegative = 0.0
     """Time between rows of probes, frames, bushings and panel forces (means over it); 0: a row at
-    every sync point."""
+    every sync point.  Orbits need 20 in a cycle of the machine, accelerations one every 0.9 ms."""
     shapes_s: NotNegative = 0.0
     """Time between rows of the panels' whole shapes, which ``flipflow record`` needs; 0: none."""
     pictures: Switch = True
