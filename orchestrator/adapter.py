@@ -4,15 +4,22 @@ from __future__ import annotations
 
 from importlib import import_module
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.naming import named
+from orchestrator.plans import Cost
 
 
 def imported(port: str, solver: str) -> ModuleType:
     """The module adapters.<port>.<solver>.  Raises SolverMissing."""
     return import_module(f"adapters.{port}.{solver.replace('-', '_')}")
+
+
+def cost(port: str, solver: str, work: Any) -> Cost:
+    """What so much work (``plans/work.py``) takes the solver; it need not be installed."""
+    costs = import_module(f"adapters.{port}.costs")
+    return cast(Cost, getattr(costs, solver.replace("-", "_"))(work))
 
 
 def opened(port: str, solver: str, plan: Any) -> Any:

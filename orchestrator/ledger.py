@@ -30,6 +30,58 @@ class Members:
     particles: MeteredParticles | None
 
 
+ROUNDED = 1e-6
+"""Of the impulse through all points, in sizes: beside it, rounding of their sum (1e-16 of it) is
+1e-10 at most."""
+
+LOSING = {"particles-panel": ("particles",), "panel-frames": ("panel", "frames")}
+"""Members whose losses are a scale for what is created at an interface: particles lose what the
+panels gave them, panels and frames what drives the machine."""
+
+
+def created_shares(
+    terms_J: Mapping[str, float], exchanged_J: Mapping[str, float]
+) -> dict[str, float]:
+    """Energy created at each interface of ``exchanged_J``, over all that was exchanged there and
+    lost by those that exchanged it, since t = 0.
+
+    ``terms_J``: as ``Ledger.energy_J`` has them; ``exchanged_J``: as ``watching.Exchange``.
+    Negative where energy was destroyed; 0 where nothing happened.
+    """
+    shares = {}
+    for interface, exchanged in exchanged_J.items():
+        lost = tuple(f"lost.{member}." for member in LOSING[interface])
+        scale_J = exchanged + sum(abs(v) for name, v in terms_J.items() if name.startswith(lost))
+        created_J = terms_J.get(f"created.{interface}", 0.0)
+        shares[interface] = created_J / scale_J if scale_J > 0 else 0.0
+    return shares
+
+
+def share_created(summary: Mapping[str, Any]) -> float:
+    """Of a run's ``summary.json``: that of the interface where most was created.  Runs of older
+    versions do not say what was exchanged; theirs is told by what was lost alone."""
+    nothing = dict.fromkeys(LOSING, 0.0)
+    exchanged_J = summary.get("energy_exchanged_J", nothing)
+    shares = created_shares(summary["energy_ledger_J"], exchanged_J)
+    return max(shares.values(), key=abs, default=0.0)
+
+
+def defect_shares(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Of a run's ``summary.json``: energy that each member's own time steps made (negative:
+    destroyed), over what went through its interfaces, was lost by it, supplied to it, or is stored
+    otherwise than at t = 0: particles that fall turn their height into speed, and nobody else
+    knows."""
+    terms_J, exchanged_J = summary["energy_ledger_J"], summary.get("energy_exchanged_J", {})
+    shares = {}
+    for member in ("frames", "panel", "particles"):
+        scale_J = sum(value for name, value in exchanged_J.items() if member in name.split("-"))
+        own = tuple(f"{book}.{member}." for book in ("lost", "supplied", "stored"))
+        scale_J += sum(abs(v) for name, v in terms_J.items() if name.startswith(own))
+        made_J = terms_J.get(f"defect.{member}", 0.0)
+        shares[member] = made_J / scale_J if scale_J > 0 else 0.0
+    return shares
+
+
 class Ledger:
     """Opened at t = 0 (after every member's ``initial``), read at any sync point.
 
@@ -78,7 +130,12 @@ class Ledger:
 
     def momentum_residual(self, pending: Pending) -> dict[str, float]:
         """Relative residual by member and interface: |defect| over the sum of the sizes of the
-        terms that should balance.  ``pending`` is what the scheme still holds back."""
+        terms that should balance.  ``pending`` is what the scheme still holds back.
+
+        The two clamps of a taut panel pull against each other; where nothing else happens, the
+        terms are what rounding leaves of that.  A millionth of the impulse that went through the
+        points (the sum of its sizes) is therefore added to the sizes.
+        """
         members, now = self._members, self._accounts()
         frames, panel, particles = members.frames, members.panel, members.particles
         through: dict[str, list[Array]] = {
@@ -91,12 +148,22 @@ class Ledger:
             through["particles"] = [-particles.given_N_s]
             held = pending.load_N_s - self._opening_pending.load_N_s
             crossing["particles-panel"] = [particles.given_N_s, -panel.received_N_s, -held]
-        residual = {interface: _relative(terms) for interface, terms in crossing.items()}
+        through_N_s = {
+            "frames": frames.through_N_s,
+            "panel": panel.through_N_s,
+            "particles": 0.0 if particles is None else particles.through_N_s,
+        }
+        residual = {
+            interface: _relative(terms, ROUNDED * through_N_s["panel"])
+            for interface, terms in crossing.items()
+        }
         for member, impulses in through.items():
             opening = self._opening[member]
             outside = now[member].outside_impulse_N_s - opening.outside_impulse_N_s
-            change = now[member].momentum_kg_m_s - opening.momentum_kg_m_s
-            residual[member] = _relative([change, -outside, *(-i for i in impulses)])
+            had, has = opening.momentum_kg_m_s, now[member].momentum_kg_m_s
+            size_N_s = ROUNDED * through_N_s[member]
+            terms = [has, -had, -outside, *(-i for i in impulses)]
+            residual[member] = _relative(terms, size_N_s)
         return residual
 
     def figures(self, pending: Pending) -> dict[str, Any]:
@@ -113,7 +180,7 @@ def _change(now: Mapping[str, float], opening: Mapping[str, float]) -> dict[str,
     return {kind: value - opening.get(kind, 0.0) for kind, value in now.items()}
 
 
-def _relative(terms: list[Array]) -> float:
-    """Size of the sum over the sum of the sizes."""
-    size = sum(float(np.linalg.norm(term)) for term in terms)
+def _relative(terms: list[Array], size_N_s: float) -> float:
+    """Size of the sum over the sum of the sizes, ``size_N_s`` among them."""
+    size = size_N_s + sum(float(np.linalg.norm(term)) for term in terms)
     return float(np.linalg.norm(np.sum(terms, axis=0))) / size if size > 0 else 0.0

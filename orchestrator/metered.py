@@ -44,15 +44,21 @@ def impulse_N_s(load: Load, interval: Interval) -> Array:
     return np.asarray(interval.length_s * load.force_N.sum(axis=0))
 
 
+def size_N_s(load: Load, interval: Interval) -> float:
+    """The same, but of the sizes of all components at all points: loads that cancel count."""
+    return float(interval.length_s * np.abs(load.force_N).sum())
+
+
 class MeteredFrames:
-    """``received_N_s`` (3,): impulse of the panels on the frames since t = 0; ``last`` what they
-    felt last, and where that took them."""
+    """``received_N_s`` (3,): impulse of the panels on the frames since t = 0, ``through_N_s`` the
+    sum of its sizes; ``last`` what they felt last, and where that took them."""
 
     last: tuple[Load, Motion]
 
     def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
         self._frames, self._name, self._stopwatch = frames, name, stopwatch
         self.received_N_s: Array = np.zeros(3)
+        self.through_N_s = 0.0
 
     def initial(self) -> Motion:
         with named(self._name, None):
@@ -60,6 +66,7 @@ class MeteredFrames:
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
+        self.through_N_s += size_N_s(reaction, interval)
         with self._stopwatch("frames"), named(self._name, interval):
             motion = self._frames.advance(interval, reaction)
         self.last = reaction, motion
@@ -73,19 +80,24 @@ class MeteredFrames:
         return self._frames.account()
 
     def save(self) -> Saved:
-        return taken(self, "received_N_s") | {"inner": restorable(self._frames).save()}
+        meters = taken(self, "received_N_s", "through_N_s")
+        return meters | {"inner": restorable(self._frames).save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "received_N_s")
+        put_back(self, saved, "received_N_s", "through_N_s")
         restorable(self._frames).restore(saved["inner"])
 
     def close(self) -> None:
         self._frames.close()
 
 
+_OF_PANELS = ("received_N_s", "given_N_s", "through_N_s")
+
+
 class MeteredPanel:
-    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0;
-    ``last`` where the clamps were told to go, under which load, and what came of it."""
+    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0, and
+    ``through_N_s`` the sum of the sizes of both; ``last`` where the clamps were told to go, under
+    which load, and what came of it."""
 
     last: tuple[Motion, Load, PanelState]
 
@@ -94,6 +106,7 @@ class MeteredPanel:
         self.mount: Mount = panel.mount
         self.received_N_s: Array = np.zeros(3)
         self.given_N_s: Array = np.zeros(3)
+        self.through_N_s = 0.0
 
     def initial(self) -> PanelState:
         return self._panel.initial()
@@ -102,6 +115,7 @@ class MeteredPanel:
         state = self._panel.advance(interval, clamps, load)
         self.received_N_s = self.received_N_s + impulse_N_s(load, interval)
         self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
+        self.through_N_s += size_N_s(load, interval) + size_N_s(state.reaction, interval)
         self.last = clamps, load, state
         return state
 
@@ -115,10 +129,10 @@ class MeteredPanel:
         return self._panel.account()
 
     def save(self) -> Saved:
-        return taken(self, "received_N_s", "given_N_s") | {"inner": self._panel.save()}
+        return taken(self, *_OF_PANELS) | {"inner": self._panel.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "received_N_s", "given_N_s")
+        put_back(self, saved, *_OF_PANELS)
         self._panel.restore(saved["inner"])
 
     def close(self) -> None:
@@ -126,9 +140,10 @@ class MeteredPanel:
 
 
 class MeteredParticles:
-    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0; ``last`` the path
-    that the surface took last, and the load on it.  Their ``feed`` is saved with them: particles
-    that step back are fed again.  ``runs`` counts intervals run, those taken back, too."""
+    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0, ``through_N_s`` the
+    sum of its sizes; ``last`` the path that the surface took last, and the load on it.  Their
+    ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts intervals
+    run, those taken back, too."""
 
     last: tuple[Path, Load]
 
@@ -139,6 +154,7 @@ class MeteredParticles:
         self._feed = feed
         self.runs = 0
         self.given_N_s: Array = np.zeros(3)
+        self.through_N_s = 0.0
 
     def initial(self) -> Load:
         with named(self._name, None):
@@ -149,6 +165,7 @@ class MeteredParticles:
             load = self._particles.advance(interval, path)
         self.last = path, load
         self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
+        self.through_N_s += size_N_s(load, interval)
         self.runs += 1
         return load
 
@@ -170,10 +187,10 @@ class MeteredParticles:
 
     def save(self) -> Saved:
         inner = {"inner": restorable(self._particles).save(), "feed": self._feed.save()}
-        return taken(self, "given_N_s") | inner
+        return taken(self, "given_N_s", "through_N_s") | inner
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "given_N_s")
+        put_back(self, saved, "given_N_s", "through_N_s")
         restorable(self._particles).restore(saved["inner"])
         self._feed.restore(saved["feed"])
 

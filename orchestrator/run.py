@@ -103,6 +103,7 @@ class Run:
             recorder.close()
         pending = machine.scheme.pending(state, Interval(0, guard.pace.last_s))
         self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
+        self._progress.figures["energy_exchanged_J"] = guard.exchanged_J()
         if interrupted:
             raise interrupted
 

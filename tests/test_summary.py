@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -14,8 +15,9 @@ from tests.case.cases import loaded
 
 @pytest.mark.parametrize(("created_J", "doubtful"), [(-0.05, False), (0.2, True), (-0.2, True)])
 def test_a_run_whose_coupling_created_energy_is_doubtful(created_J: float, doubtful: bool) -> None:
-    ledger = {"supplied.frames.exciter": 9.0, "lost.panel.panel_damping": 1.0}
-    summary = {"energy_ledger_J": ledger | {"created.particles-panel": created_J}, "results": {}}
+    ledger = {"lost.particles.contact_dissipation": 1.0, "created.particles-panel": created_J}
+    summary: dict[str, Any] = {"energy_ledger_J": ledger, "results": {}}
+    summary["energy_exchanged_J"] = {"particles-panel": 9.0}
     summary["doubts"] = trust.doubts(summary)
     assert bool(summary["doubts"]) is doubtful
     assert trust.state_at_end(summary) == ("doubtful" if doubtful else "done")

@@ -23,6 +23,7 @@ from orchestrator.accuracy.stored import Stored
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.levels import load
 from orchestrator.plans import SolverFailed
+from orchestrator.records import trust
 from orchestrator.studies import sweep
 from orchestrator.studies.workers import Crew
 
@@ -86,12 +87,12 @@ class Timing:
 
 
 def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
-    """The summary of a run that nobody keeps.  Raises CaseError, and SolverFailed if it does not
-    end well."""
+    """The summary of a run that nobody keeps; only its times are asked for, so that it may be a
+    doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
     with tempfile.TemporaryDirectory(prefix="flipflow-plan-") as scratch:
         one = sweep.point(case, level, sets, "short", Path(scratch) / "short")
         sweep.run([one], Crew(1), lambda _: None)
-        if one.status() != "done":
+        if not trust.came_to_its_end(one.status()):
             said = (Path(scratch) / "short.log").read_text(encoding="utf-8").strip()
             raise SolverFailed(f"the calibration run failed: {said.splitlines()[-1:]}")
         found: dict[str, Any] = json.loads((one.folder / "summary.json").read_text())

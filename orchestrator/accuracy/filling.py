@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from orchestrator.bed.cost import THICK, THIN, cost
+from orchestrator.bed.cost import THICK, THIN, bed_cost
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
 from orchestrator.planning import material_numbers
@@ -23,7 +23,7 @@ def filling(case: Case, study_s: float) -> Callable[[float], float]:
     at_start = len(initial_particles(case, material_numbers(case)).diameter_m)
 
     def mean(duration_s: float) -> float:
-        return cost(case.model_copy(update={"duration_s": duration_s}), at_start, bed).mean
+        return bed_cost(case.model_copy(update={"duration_s": duration_s}), at_start, bed).mean
 
     of_study = mean(study_s)
     return lambda duration_s: mean(duration_s) / of_study if of_study else 1.0

@@ -13,6 +13,7 @@ from orchestrator.casefile.case import Case
 from orchestrator.casefile.contents import has_particles
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.slice import ENOUGH_DIAMETERS, full_width_m
+from orchestrator.cost import in_words
 from orchestrator.records.summary import cycle_s
 
 SHARED = ("particles", "panel")  # parts that ranks divide among them
@@ -53,7 +54,7 @@ class Plan:
         if coarser is not None:
             yield (
                 f"coarser: {_sets(coarser)} is off by {100 * coarser.error:.2g} % and takes "
-                f"{words(self._wall_s(coarser))}"
+                f"{in_words(self._wall_s(coarser))}"
             )
         if self.chosen is not None:
             yield from self._more_ranks()
@@ -104,13 +105,6 @@ class Plan:
 def planned(case: Case, study: Stored, timing: Timing, tolerance: float, budget_s: float) -> Plan:
     """The cheapest settings within the tolerance, whether or not they fit the budget."""
     return Plan(case, study, timing, tolerance, budget_s, study.cheapest(tolerance))
-
-
-def words(time_s: float) -> str:
-    """A time to be read."""
-    if time_s < 120:
-        return f"{time_s:.0f} s"
-    return f"{time_s / 60:.0f} min" if time_s < 7200 else f"{time_s / 3600:.1f} h"
 
 
 def _sets(one: Candidate) -> str:

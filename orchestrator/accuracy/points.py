@@ -16,7 +16,7 @@ from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes
 from orchestrator.clock import exact
-from orchestrator.ladder.cost import particles_at_start, predicted_s
+from orchestrator.cost import particles_at_start, predicted_s
 from orchestrator.records import trust
 from orchestrator.studies import sweep
 from orchestrator.studies.sampling import sample_s, sampled_at

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.accuracy.model import Model, Option, Proposal
+from orchestrator.accuracy.points import BASE
 from orchestrator.accuracy.setting import Setting
 from orchestrator.casefile.errors import CaseError, Mistake
 from orchestrator.casefile.levels import LoadedCase
+from orchestrator.studies.figures import happens
 
 NAME = "accuracy.json"
 
@@ -45,6 +47,12 @@ class Stored:
         }
         parts_s = self.found["base"]["processor_by_part_s"]
         return Model(axes, parts_s, self.found["remaining"], self.found["judged_by"])
+
+    @property
+    def of_nothing(self) -> bool:
+        """Whether nothing happened in it: errors of what cannot be resolved promise nothing."""
+        base = [one for one in self.found["points"] if one.get("point") == BASE]
+        return bool(base) and not any(happens(one) for one in base)
 
     @property
     def chance(self) -> float:

@@ -35,6 +35,7 @@ from orchestrator.accuracy.setting import Setting
 from orchestrator.casefile.levels import NUMERICS, LoadedCase
 from orchestrator.clock import exact
 from orchestrator.studies import sweep
+from orchestrator.studies.figures import MOVING, happens
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
 SHORT = 5  # the short part is one of so many of the run
@@ -43,7 +44,8 @@ Say = Callable[[str], None]
 
 
 class Unmeasured(Exception):
-    """The case as it is does not run to its end: there is nothing to compare with."""
+    """The case as it is does not run to its end, or not so that it could be trusted: there is
+    nothing to compare with."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,17 @@ def studied(asked: Asked, say: Say) -> Study:
     _run(start, asked, say)
     first = read(start)
     if BASE not in first:
-        raise Unmeasured(f"{start[0].runs[0].folder}: the case as it is did not run to its end")
+        one = next((run for run in start[0].runs if run.status() != "done"), start[0].runs[0])
+        raise Unmeasured(
+            f"{one.folder}: the run of the case as it is is {one.status()}, so that there is "
+            f"nothing to compare with; {one.folder}.log says why"
+        )
+    if not happens({name: first[BASE].mean(name) for name in MOVING}):
+        raise Unmeasured(
+            f"{start[0].runs[0].folder}: nothing happens in the case as it is: no panel, frame or "
+            "particle moves by more than can be resolved (a nanometre), so that there are no "
+            "errors to compare; let it last until something does"
+        )
     points = afford(there.points, asked, first)
     _run(points[2:], asked, say)
     before = _evaluated(there, points, {}, BASE)

@@ -1,7 +1,7 @@
-"""What a run will cost: particles at a time, particle-steps, and processor time of the particles.
+"""How many particles a run has at a time, and their steps, which is most of what it costs.
 
 An estimate for deciding where to run a case, between a thin dry layer and a thick wet one: how
-long material stays on the deck is known after the run only.
+long material stays on the deck is known after the run only.  What that takes: orchestrator/cost.py.
 """
 
 from __future__ import annotations
@@ -21,41 +21,31 @@ from orchestrator.planning import material_numbers
 
 @dataclass(frozen=True)
 class Bed:
-    """How fast material moves along the deck, and the processor time that LIGGGHTS takes for a
-    particle and step."""
+    """How fast material moves along the deck."""
 
     transport_m_s: float
-    particle_step_s: float
 
 
-THICK = Bed(transport_m_s=TRANSPORT_M_S, particle_step_s=6e-7)
-"""Processor time: 50 000 wet particles at rest on the deck of cases/ffs0827-slice, on one of two
-busy cores."""
-THIN = Bed(transport_m_s=1.5, particle_step_s=2.8e-7)
+THICK = Bed(transport_m_s=TRANSPORT_M_S)
+THIN = Bed(transport_m_s=1.5)
 """Level dry of cases/ffs0827-slice: single dry particles, thrown."""
 TIMES = 2000  # places in time at which particles are counted
 
 
 @dataclass(frozen=True)
-class Cost:
+class BedCost:
     """Particles at most and on average, and the particles' steps."""
 
     most: float
     mean: float
     steps: int
-    bed: Bed
 
     @property
     def particle_steps(self) -> float:
         return self.mean * self.steps
 
-    @property
-    def processor_s(self) -> float:
-        """Of the particles alone, over all processes."""
-        return self.bed.particle_step_s * self.particle_steps
 
-
-def cost(case: Case, at_start: int, bed: Bed) -> Cost:
+def bed_cost(case: Case, at_start: int, bed: Bed) -> BedCost:
     """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
     stays_s = stay_s(case, bed.transport_m_s)
@@ -65,4 +55,4 @@ def cost(case: Case, at_start: int, bed: Bed) -> Cost:
         there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
         count += per_kg * np.array(there_kg)
     steps = math.ceil(case.duration_s / particle_step_s(case))
-    return Cost(float(count.max()), float(count.mean()), steps, bed)
+    return BedCost(float(count.max()), float(count.mean()), steps)

@@ -142,6 +142,9 @@ def _show(study: Study) -> None:
         CONSOLE.width = 150  # into a file: as wide as the table
     table = rows(study)
     CONSOLE.print(tables.as_table(study, table), soft_wrap=False)
+    for row in table:
+        if row.measured is None:
+            CONSOLE.print(f"not compared: {row.point.label}: {row.why}")
     for line in tables.advice(table):
         CONSOLE.print(line)
     for file in [*tables.write(study, table, asked.out), *page.write(study, table, asked.out)]:

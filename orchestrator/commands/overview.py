@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from orchestrator.bed.contact_times import shortest_rayleigh_s
-from orchestrator.bed.cost import THICK, THIN, cost
+from orchestrator.bed.cost import THICK, THIN, bed_cost
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.bed.sources import initial_particles
 from orchestrator.casefile.case import Case
@@ -20,6 +20,7 @@ from orchestrator.casefile.toml_file import read_toml
 from orchestrator.checks import warnings
 from orchestrator.checks.steps import missing_solvers
 from orchestrator.clock import steps_in
+from orchestrator.cost import in_words, particles_at_start, predicted_range_s
 from orchestrator.deck.openings import openings
 from orchestrator.deck.panel_meshes import meshes
 from orchestrator.deck.panels import single_panels, walls
@@ -42,6 +43,7 @@ def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
     if has_particles(case):
         yield from _particles(loaded)
     yield from _times(loaded)
+    yield from _cost(case, particles_at_start(case))
     yield from at_start(
         account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
     )
@@ -113,19 +115,25 @@ def _particles(loaded: LoadedCase) -> Iterator[str]:
         f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
         "smallest particle's Rayleigh time"
     )
-    if case.particles.solver == "liggghts":
-        yield _cost(case, count)
 
 
-def _cost(case: Case, at_start: int) -> str:
-    """Of the particles; a deck that is fed fills until as much leaves."""
-    least, most = (cost(case, at_start, bed) for bed in (THIN, THICK))
-    return (
-        f"  cost       {least.most:.2g} to {most.most:.2g} particles at most, "
-        f"{least.particle_steps:.2g} to {most.particle_steps:.2g} particle-steps: "
-        f"{least.processor_s / 3600:.2g} to {most.processor_s / 3600:.2g} hours of one processor "
-        "for LIGGGHTS (a thin dry layer to a thick wet one)"
-    )
+def _cost(case: Case, at_start: int) -> Iterator[str]:
+    """What the whole run will take, and the parts that take a tenth or more of it."""
+    ranges = predicted_range_s(case, at_start)
+    least, most = (sum(parts.values()) for parts in ranges)
+    fed = most > 1.1 * least
+    time = f"{in_words(least)} to {in_words(most)}" if fed else in_words(most)
+    larger = sorted(ranges[1].items(), key=lambda part: -part[1])
+    shares = ", ".join(f"{name} {in_words(s)}" for name, s in larger if s > 0.1 * most)
+    layers = ": a thin dry layer to a thick wet one" if fed else ""
+    yield f"  cost       about {time} of one processor{layers}"
+    yield f"             of which {shares}; pictures apart, compiling the first time, too"
+    if fed:
+        few, many = (bed_cost(case, at_start, bed) for bed in (THIN, THICK))
+        yield (
+            f"             {few.most:.2g} to {many.most:.2g} particles at most, "
+            f"{few.particle_steps:.2g} to {many.particle_steps:.2g} particle-steps"
+        )
 
 
 def _times(loaded: LoadedCase) -> Iterator[str]:

@@ -79,6 +79,12 @@ def _planned(
                 f"known; as it is it would take about {_time(longest_s)} here. First: flipflow "
                 f"study accuracy {case} --level {loaded.level}"
             )
+        if found.of_nothing:
+            refuse(
+                f"{found.file}: nothing happened in that study that could be resolved: its errors "
+                "of 0 % promise nothing. Study the case for as long as it takes until something "
+                f"does: flipflow study accuracy {case} --set duration_s=..."
+            )
         CONSOLE.print(f"by {found.file}; a short run of the case on this machine ...")
         timing = by_study(found, case, level)
     return planned(loaded.case, found, timing, tolerance, budget_s)
@@ -109,9 +115,9 @@ def _said(made: Plan, case: Path, overrides: list[str], loaded: LoadedCase) -> b
 
 
 def _time(time_s: float) -> str:
-    from orchestrator.accuracy.plan import words
+    from orchestrator.cost import in_words
 
-    return words(time_s)
+    return in_words(time_s)
 
 
 def _share(text: str) -> float:

@@ -81,7 +81,9 @@ def record(
     Exit code 0: written; 2: the folder does not hold what is needed.
     """
     from orchestrator.records import recording_file
+    from orchestrator.records.trust import is_trusted
     from orchestrator.studies.record import record as recorded
+    from orchestrator.studies.sweep import status
 
     with said():
         made = recorded(run, cycles)
@@ -89,6 +91,8 @@ def record(
         recording_file.write(out, made.file)
     except OSError as error:
         refuse(str(error))
+    if not is_trusted(state := status(run)):
+        CONSOLE.print(f"warning: the run is {state}: {run / 'summary.json'} says why")
     for name, share in made.change.items():
         what = f"{made.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
         CONSOLE.print(f"{name}: {what}")

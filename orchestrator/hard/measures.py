@@ -11,8 +11,8 @@ import h5py
 import numpy as np
 
 from orchestrator.hard.outcome import Outcome, outcome
+from orchestrator.ledger import share_created
 from orchestrator.ports import Array
-from orchestrator.records.summary import share_created
 
 if TYPE_CHECKING:
     from orchestrator.hard.expected import Criterion
@@ -57,11 +57,11 @@ def summary(folders: Folders, row: Criterion) -> float:
 
 
 def created(folders: Folders, row: Criterion) -> float:
-    """Energy that the coupling created, over what was supplied and lost: its size."""
-    ledger = _summary(folders[row.run]).get("energy_ledger_J")
-    if ledger is None:
+    """Energy that the coupling created, over what was exchanged and lost: its size."""
+    found = _summary(folders[row.run])
+    if "energy_ledger_J" not in found:
         raise Unknown(f"{row.run} has no energy ledger: it did not come to its end")
-    return abs(share_created(ledger))
+    return abs(share_created(found))
 
 
 def unexplained(folders: Folders, row: Criterion) -> float:

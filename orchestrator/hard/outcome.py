@@ -6,7 +6,8 @@ import json
 from pathlib import Path
 from typing import Any, Literal
 
-from orchestrator.records.summary import LARGEST_SHARE_CREATED, share_created
+from orchestrator.ledger import share_created
+from orchestrator.records import trust
 
 Outcome = Literal["stable", "warned", "stopped", "not run"]
 MISTAKE = "a mistake in flipflow"
@@ -17,28 +18,26 @@ REMARKS = ("share created", "intervals not solved", "why it was stopped")
 
 
 def outcome(folder: Path) -> Outcome:
-    """``stable``: came to its end, and neither the watch on the coupling nor the closing lines had
-    anything to say of its energy and modes; ``warned``: came to its end, and they had; ``stopped``:
+    """``stable``: came to its end, neither the watch on the coupling had anything to say of its
+    energy and modes, nor is it doubtful; ``warned``: came to its end, and one of them; ``stopped``:
     ended early with a reason (exit code 4); ``not run``: interrupted, missing, or a mistake in
     flipflow."""
     found = _summary(folder)
     status, reason = found.get("status"), str(found.get("reason"))
     if status == "failed" and not reason.startswith(MISTAKE):
         return "stopped"
-    if status != "done":
+    if not trust.came_to_its_end(str(status)):
         return "not run"
     figures = found.get("watch", {}).get("figures", {})
     amiss = any(figures[key]["times"] for key in OF_THE_COUPLING if key in figures)
-    share = abs(share_created(found["energy_ledger_J"]))
-    return "warned" if amiss or share > LARGEST_SHARE_CREATED else "stable"
+    return "warned" if amiss or status == trust.DOUBTFUL else "stable"
 
 
 def remarks(folder: Path) -> tuple[str, str, str]:
-    """``REMARKS``, as far as they are known: energy created over all supplied and lost; intervals
+    """``REMARKS``, as far as they are known: energy created over all exchanged and lost; intervals
     that an iterated scheme did not solve to its tolerance; the reason of an early end."""
     found = _summary(folder)
-    ledger = found.get("energy_ledger_J")
-    share = "" if ledger is None else f"{share_created(ledger):+.1e}"
+    share = f"{share_created(found):+.1e}" if "energy_ledger_J" in found else ""
     iterations = found.get("iterations") or {}
     return share, str(iterations.get("unsolved", "")), str(found.get("reason", ""))
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes
-from orchestrator.ladder.cost import particles_at_start, predicted_s
+from orchestrator.cost import particles_at_start, predicted_s
 from orchestrator.ladder.motion import drives
 from orchestrator.ladder.rungs import Rung, rungs
 from orchestrator.records import recording_file

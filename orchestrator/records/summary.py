@@ -11,9 +11,10 @@ from typing import Any
 from rich.table import Table
 
 from orchestrator.casefile.case import Case
+from orchestrator.ledger import share_created
 
 CYCLES_WITHOUT_DRIVE = 50
-PARTS = ("particles", "panel", "frames", "mapping", "output", "saves", "watch")
+PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "watch")
 
 
 def cycle_s(case: Case) -> float:
@@ -55,9 +56,6 @@ def closing_table(summary: dict[str, Any]) -> Table:
     return table
 
 
-LARGEST_SHARE_CREATED = 0.01  # of the energy supplied and lost; above it the run says so
-
-
 def material_lines(material: dict[str, Any]) -> list[str]:
     """Where the particles are; a warning where some are lost."""
 
@@ -96,13 +94,6 @@ def created_J(ledger: dict[str, float]) -> float:
     return sum(value for name, value in ledger.items() if name.startswith("created."))
 
 
-def share_created(ledger: dict[str, float]) -> float:
-    """Of all that was supplied and lost; 0 where nothing was."""
-    books = ("supplied.", "lost.")
-    turned_over = sum(abs(value) for name, value in ledger.items() if name.startswith(books))
-    return created_J(ledger) / turned_over if turned_over else 0.0
-
-
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
     """How often intervals were repeated; a warning where that was not enough."""
     lines = [
@@ -119,12 +110,12 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """The run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
     ledger = summary["energy_ledger_J"]
-    share = share_created(ledger)
+    share = share_created(summary)
     lines = [
         f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
         f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
         f"energy created by the coupling {created_J(ledger):+.3g} J "
-        f"({share:+.1e} of the energy supplied and lost)",
+        f"({share:+.1e} of the energy exchanged and lost, at the worse interface)",
     ]
     if summary["particles"]:
         lines.insert(

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from orchestrator.ledger import share_created
 from orchestrator.records import trust
 from orchestrator.records.summary import closing_lines
 from orchestrator.report.words import number
@@ -28,8 +29,11 @@ def quality(summary: dict[str, Any]) -> list[tuple[str, str]]:
                 rows.append(
                     (f"energy created between {interface.replace('-', ' and ')}", f"{created} J")
                 )
-        turned = sum(abs(v) for k, v in ledger.items() if k.startswith(("supplied.", "lost.")))
-        rows.append(("energy supplied and lost", f"{number(turned)} J"))
+        for interface, exchanged_J in summary.get("energy_exchanged_J", {}).items():
+            between = interface.replace("-", " and ")
+            rows.append((f"energy exchanged between {between}", f"{number(exchanged_J)} J"))
+        share = f"{100 * share_created(summary):.2g} %"
+        rows.append(("energy created, of what was exchanged and lost, worse of the two", share))
     rows.append(("sync intervals", f"{summary['sync_intervals']}"))
     if watch := summary.get("watch"):
         rows += list(_watched(watch))

@@ -12,6 +12,27 @@ from orchestrator.casefile.case import Case
 
 
 @dataclass(frozen=True)
+class Tries:
+    """How often an interval is run on average, by the particles and by the panels; ``point_s`` is
+    the processor time in which the scheme looks for the way of a point of the surface."""
+
+    particles: float
+    panel: float
+    point_s: float = 0.0
+
+
+RUNS = {
+    "particles-first": Tries(1.0, 1.0),
+    "serial-staggered": Tries(1.0, 1.0),
+    "robin": Tries(1.0, 2.0, 1.1e-6),
+    "aitken": Tries(2.0, 3.0),
+    "quasi-newton": Tries(2.0, 3.0),
+}
+"""Measured over whole runs of quickstart, draft; repeated intervals end with the panels under the
+load that was found."""
+
+
+@dataclass(frozen=True)
 class Effort:
     """An interval is solved when the load that the particles give differs from the one that the
     panel moved under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean

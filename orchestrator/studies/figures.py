@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,9 @@ import numpy as np
 from orchestrator.casefile.case import Case
 from orchestrator.casefile.levels import load
 from orchestrator.deck.panels import single_panels
+from orchestrator.ledger import share_created
 from orchestrator.ports import Array
-from orchestrator.records.summary import cycle_s, share_created
+from orchestrator.records.summary import cycle_s
 from orchestrator.studies.panel_figures import panel_figures
 
 CYCLES = 4
@@ -46,8 +48,24 @@ DECISIVE = (
     "velocity_m_s",
 )
 """What repeats itself well enough to decide; single peaks and shapes of slack panels do not."""
+RESOLVED = {
+    "deflection_m": 1e-9,
+    "frame_m": 1e-9,
+    "clamp_peak_N": 1e-6,
+    "clamp_rms_N": 1e-6,
+    "peak_g": 1e-6,
+    "rms_g": 1e-6,
+    "velocity_m_s": 1e-6,
+    "passing_kg_s": 0.0,
+    "efficiency_percent": 0.0,
+}
+"""A quantity up to this is rounding or what a solver's tolerance leaves, and is not compared:
+coordinates of a few metres are rounded at 1e-15 m, resting shapes are found to 1e-11 m, and a
+nanometre at a machine's speed of 100 rad/s is 1e-6 g."""
+MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
+"""Clamps pull while nothing happens, too."""
 DEFECTS = {
-    "energy_defect": "energy created by the coupling, of what was supplied and lost",
+    "energy_defect": "energy created by the coupling, of what was exchanged and lost",
     "momentum_defect": "momentum residual of the worst member",
 }
 """What ought to be nothing."""
@@ -55,10 +73,10 @@ DEFECTS = {
 
 @dataclass(frozen=True)
 class Figures:
-    """``values`` by QUANTITIES (without "shape" and what a case does not have), of the whole width
-    where a slice was run; ``own`` the uncertainty of those that are statistics; ``defects`` by
-    DEFECTS; ``shapes_m`` (rows, values) to be compared; the ``change`` is that of the shape from
-    the cycle before."""
+    """``values`` by QUANTITIES (without "shape", what a case does not have, and what is not above
+    RESOLVED), of the whole width where a slice was run; ``own`` the uncertainty of those that are
+    statistics; ``defects`` by DEFECTS; ``shapes_m`` (rows, values) to be compared; the ``change``
+    is that of the shape from the cycle before."""
 
     values: dict[str, float]
     own: dict[str, float]
@@ -93,6 +111,9 @@ def figures(folder: Path) -> Figures:
         values |= _of_the_bed(summary.get("results", {}), own)
     for name in EXTENSIVE & values.keys():
         values[name] /= summary["share_of_width"]
+    values = {name: value for name, value in values.items() if is_resolved(name, value)}
+    if "deflection_m" not in values:  # a shape that is no more than rounding is not compared either
+        shapes_m = shapes_m[:, :0]
     rows = round(cycle * (len(shapes_m) - 1) / (end_s - start_s)) if len(shapes_m) else 0
     change = relative(shapes_m[:-rows], shapes_m[rows:]) if 0 < rows < len(shapes_m) / 2 else None
     return Figures(
@@ -108,6 +129,17 @@ def figures(folder: Path) -> Figures:
         end_s,
         summary.get("processor_before_s", 0.0),  # runs of older versions do not tell
     )
+
+
+def is_resolved(name: str, value: float) -> bool:
+    """Whether the value of a quantity is more than rounding and the solvers' noise."""
+    return abs(value) > RESOLVED[name]
+
+
+def happens(values: Mapping[str, float | None]) -> bool:
+    """Whether in a run with such ``values`` (by QUANTITIES) anything moves that can be resolved."""
+    found = {name: value for name in MOVING if (value := values.get(name)) is not None}
+    return any(is_resolved(name, value) for name, value in found.items())
 
 
 def errors(found: Figures, reference: Figures) -> dict[str, float]:
@@ -142,7 +174,7 @@ def _of_the_bed(results: dict[str, Any], own: dict[str, float]) -> dict[str, flo
 
 def _defects(summary: dict[str, Any]) -> dict[str, float]:
     return {
-        "energy_defect": abs(share_created(summary["energy_ledger_J"])),
+        "energy_defect": abs(share_created(summary)),
         "momentum_defect": summary["momentum_residual_relative"],
     }
 

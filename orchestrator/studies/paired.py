@@ -24,8 +24,8 @@ from orchestrator.casefile.origin import CHEAP_LEVEL
 from orchestrator.checks import mistakes
 from orchestrator.children import python
 from orchestrator.clock import exact
+from orchestrator.cost import particles_at_start, predicted_s
 from orchestrator.deck.panels import single_panels
-from orchestrator.ladder.cost import particles_at_start, predicted_s
 from orchestrator.playback import turning
 from orchestrator.records.run_folder import resolved
 from orchestrator.records.trust import DOUBTFUL, doubts, is_trusted

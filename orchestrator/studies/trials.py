@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from orchestrator.casefile.effect_choice import known_pairs
 from orchestrator.casefile.levels import LoadedCase
-from orchestrator.ladder.cost import particles_at_start, predicted_s
+from orchestrator.cost import particles_at_start, predicted_s
 from orchestrator.scene.catalogue import Judged
 from orchestrator.scene.pair import Pair
 from orchestrator.scene.weighing import undecided, weighed

@@ -124,7 +124,8 @@ class Watch(Table):
     created_in_total: Literal["warn", "stop"] = "warn"
     """The same since t = 0, by the ledger; looked at at output times."""
     largest_created_in_total: Annotated[float, Strict(), Gt(0), Le(1)] = 0.01
-    """Of all that was supplied and lost since then."""
+    """Of the energy that went through the interface or was lost there since then
+    (docs/theory/stability.md).  A run that ends beyond it is doubtful."""
     growing_modes: Then = "shorten"
     """Points of the surface that alternate from interval to interval, more and more."""
     largest_growing_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1

@@ -12,6 +12,7 @@ from orchestrator.watching.crossed import Crossed
 from orchestrator.watching.figures import Figures
 
 PARTICLES, FRAMES = "particles and panels", "panels and frames"
+INTERFACES = {PARTICLES: "particles-panel", FRAMES: "panel-frames"}  # by their names in the ledger
 
 
 class CouplingWatch:
@@ -40,6 +41,10 @@ class CouplingWatch:
         for where, work in self._works.items():
             figures.look("created_energy", work.balance.recently(), time_s, where)
         figures.look("growing_modes", self._modes.share(), time_s)
+
+    def exchanged_J(self) -> dict[str, float]:
+        """By interface, as the ledger names it: the scale for energy created there."""
+        return {INTERFACES[where]: work.exchange.scale_J for where, work in self._works.items()}
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""

@@ -31,6 +31,38 @@ SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
 
 _SUMS = ("created_J", "through_J", "_recent_created_J", "_recent_through_J", "_newest_J")
+_EXCHANGED = ("_given_J", "_least_J", "_most_J", "_slow_J")
+
+
+class Exchange:
+    """How much energy went through an interface since t = 0: the scale for what was created there.
+
+    The work that one side has done on the other since t = 0 rises where it gives and falls where it
+    gets back.  Its range is what was exchanged, whether it was given for good (a bed that is thrown
+    and takes all of it) or came back (a ball that bounces).  An interface at rest exchanges
+    nothing, and what rounding creates there is not to be measured by nothing: what the largest load
+    so far does in a sync interval on points that move at ``SLOW_M_S`` is added.
+    """
+
+    def __init__(self) -> None:
+        self._given_J = self._least_J = self._most_J = self._slow_J = 0.0
+
+    def add(self, work_J: float, force_N: Array, length_s: float) -> None:
+        """An interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
+        self._given_J += work_J
+        self._least_J = min(self._least_J, self._given_J)
+        self._most_J = max(self._most_J, self._given_J)
+        self._slow_J = max(self._slow_J, SLOW_M_S * length_s * float(np.abs(force_N).sum()))
+
+    @property
+    def scale_J(self) -> float:
+        return self._most_J - self._least_J + self._slow_J
+
+    def save(self) -> Saved:
+        return taken(self, *_EXCHANGED)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_EXCHANGED)
 
 
 class Balance:
@@ -97,29 +129,30 @@ def acting(load: Load, points: slice) -> Acting:
     return Acting(where, force_N.take(where))
 
 
-_OF_CONTACTS = ("_surface_m", "_path_end_m", "_load", "_load_before")
+_OF_CONTACTS = ("_whole_m", "_path_end_m", "_load", "_load_before")
 
 
 class ContactWork:
-    """Between particles and panels."""
+    """Between particles and panels; ``exchange`` is with all that particles touch, walls, too."""
 
     def __init__(self, start: State, points: slice) -> None:
         """``points``: those of the surface that count."""
-        self.balance, self._points = Balance(), points
-        self._surface_m = self._path_end_m = start.panel.surface.position_m[points]
+        self.balance, self.exchange, self._points = Balance(), Exchange(), points
+        self._whole_m = start.panel.surface.position_m
+        self._path_end_m = self._whole_m[points]
         self._load = self._load_before = acting(start.load, points)
 
     def add(self, crossed: Crossed) -> None:
         assert crossed.particles is not None
         path, load = crossed.particles
         _, given, state = crossed.panel
-        surface_m = state.surface.position_m[self._points]
+        before_m, surface_m = (m[self._points] for m in (self._whole_m, state.surface.position_m))
         start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
         newest = acting(load, self._points)
-        moved_m = newest.moved_m(self._surface_m, surface_m)
+        moved_m = newest.moved_m(before_m, surface_m)
         given_J = newest.force_N.dot(moved_m)
         if given is not load:
-            given_J = acting(given, self._points).work_J(self._surface_m, surface_m)
+            given_J = acting(given, self._points).work_J(before_m, surface_m)
         new_J, before_J, twice_before_J = (
             one.work_J(self._path_end_m, start_m) for one in (newest, self._load, self._load_before)
         )
@@ -127,58 +160,67 @@ class ContactWork:
         particles_J = newest.work_J(start_m, end_m) + jump_J
         went_J = through_J(newest.force_N, moved_m, crossed.length_s)
         self.balance.add(float(given_J - particles_J), went_J)
-        self._surface_m, self._path_end_m = surface_m, end_m
+        everywhere = newest if len(surface_m) == len(load) else acting(load, slice(None))
+        work_J = everywhere.work_J(self._whole_m, state.surface.position_m)
+        self.exchange.add(work_J, everywhere.force_N, crossed.length_s)
+        self._whole_m, self._path_end_m = state.surface.position_m, end_m
         self._load_before, self._load = self._load, newest
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
-        self.balance.begin_anew(self._load.work_J(self._path_end_m, self._surface_m))
+        surface_m = self._whole_m[self._points]
+        self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
 
     def save(self) -> Saved:
-        return taken(self, *_OF_CONTACTS) | {"balance": self.balance.save()}
+        sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
+        return taken(self, *_OF_CONTACTS) | sums
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_OF_CONTACTS)
         self.balance.restore(saved["balance"])
+        self.exchange.restore(saved["exchange"])
 
 
 _OF_CLAMPS = ("_clamps_m", "_missed_m", "_at_end_J")
 
 
 class ClampWork:
-    """Between panels and frames."""
+    """Between panels and frames; ``exchange`` is with all that frames carry, walls, too."""
 
     def __init__(self, start: State, points: slice) -> None:
         """``points``: those of the clamps that count."""
-        self.balance, self._points = Balance(), points
-        self._clamps_m = start.clamps.position_m[points]
-        self._missed_m = np.zeros_like(self._clamps_m)
+        self.balance, self.exchange, self._points = Balance(), Exchange(), points
+        self._clamps_m = start.clamps.position_m
+        self._missed_m = np.zeros_like(self._clamps_m[points])
         self._at_end_J = 0.0  # R.e of the last interval
 
     def add(self, crossed: Crossed) -> None:
         reaction, clamps = crossed.frames
         told, _, state = crossed.panel
-        clamps_m = clamps.position_m[self._points]
-        moved_m = clamps_m - self._clamps_m
-        missed_m = clamps_m - told.position_m[self._points]
-        force_N = state.reaction.force_N[self._points]
+        all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
+        moved_m, force_N = all_moved_m[self._points], all_N[self._points]
+        missed_m = (clamps.position_m - told.position_m)[self._points]
         at_end_J = dot(force_N, missed_m)
         created_J = at_end_J - dot(force_N, self._missed_m)
         if reaction is not state.reaction:
             created_J += dot(reaction.force_N[self._points] - force_N, moved_m)
         self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
-        self._clamps_m, self._missed_m, self._at_end_J = clamps_m, missed_m, at_end_J
+        self.exchange.add(dot(all_N, all_moved_m), all_N, crossed.length_s)
+        self._clamps_m, self._missed_m = clamps.position_m, missed_m
+        self._at_end_J = at_end_J
 
     def begin_anew(self) -> None:
         """Intervals are of another length from now on."""
         self.balance.begin_anew(self._at_end_J)
 
     def save(self) -> Saved:
-        return taken(self, *_OF_CLAMPS) | {"balance": self.balance.save()}
+        sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
+        return taken(self, *_OF_CLAMPS) | sums
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_OF_CLAMPS)
         self.balance.restore(saved["balance"])
+        self.exchange.restore(saved["exchange"])
 
 
 def dot(one: Array, other: Array) -> float:

@@ -18,8 +18,8 @@ WATCHED = {
     ),
     "created_in_total": (
         "largest_created_in_total",
-        "the coupling has created or destroyed energy: {value:.2g} of all that was supplied and "
-        "lost",
+        "the coupling has created or destroyed energy ({where}): {value:.2g} of all that went "
+        "through or was lost there",
     ),
     "growing_modes": (
         "largest_growing_share",

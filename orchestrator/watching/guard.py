@@ -11,12 +11,13 @@ from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.case import Case
 from orchestrator.clock import Interval, steps_in
 from orchestrator.coupling import State
+from orchestrator.ledger import created_shares
 from orchestrator.machine import Machine
 from orchestrator.particle_records import Bed
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Saved
 from orchestrator.ranks import first_rank_does, is_first
-from orchestrator.records.summary import cycle_s, share_created
+from orchestrator.records.summary import cycle_s
 from orchestrator.state import put_back, taken
 from orchestrator.tables.numerics import Then
 from orchestrator.watching.coupling_watch import CouplingWatch
@@ -51,7 +52,6 @@ class Guard:
         self._figures = Figures(case.watch)
         self._coupling = CouplingWatch(case, machine, start)
         self._output = OutputWatch(machine.panels, machine.penetrations, particle_step_s(case))
-        self._closes = all(vars(case.hand_over).values())
         self._crossed: list[Crossed] = []
         self._judged, self._at_once = 0, False
         self._said_shortest = False
@@ -59,7 +59,8 @@ class Guard:
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
         """The state after a sync interval, to go on from and to be recorded."""
         machine = self._machine
-        return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
+        with machine.stopwatch("coupling"):  # what the members take is not counted there
+            return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
 
     def output(
         self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None
@@ -68,9 +69,11 @@ class Guard:
         self._at_once = True
         if is_first(self._world):
             with self._machine.stopwatch("watch"):
-                if self._closes:
-                    share = abs(share_created(terms_J))
-                    self._figures.look("created_in_total", share, time_s)
+                self._add_crossed()
+                for interface, share in created_shares(
+                    terms_J, self._coupling.exchanged_J()
+                ).items():
+                    self._figures.look("created_in_total", abs(share), time_s, interface)
                 self._output.look(self._figures, time_s, state, bed)
 
     def act(self, interval: Interval, state: State) -> None:
@@ -99,6 +102,12 @@ class Guard:
             "figures": self._figures.as_json(),
         }
 
+    def exchanged_J(self) -> dict[str, float]:
+        """Energy that went through each interface since t = 0; where its hand-over is turned off,
+        it has none.  The first rank knows."""
+        self._catch_up()
+        return self._coupling.exchanged_J()
+
     def save(self) -> Saved:
         self._catch_up()
         saved = {"pace": self.pace.save(), "figures": self._figures.save()}
@@ -116,9 +125,12 @@ class Guard:
 
     def _catch_up(self) -> None:
         with self._machine.stopwatch("watch"):
-            for interval in self._crossed:
-                self._coupling.add(interval)
-            self._crossed.clear()
+            self._add_crossed()
+
+    def _add_crossed(self) -> None:
+        for interval in self._crossed:
+            self._coupling.add(interval)
+        self._crossed.clear()
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
         """What is to be done, and why."""

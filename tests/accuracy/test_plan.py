@@ -176,3 +176,21 @@ def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
     load(ROOT / "cases/ffs0827-slice", "dry", [f"duration_s={part_s(fed, 5)!r}"])
     unfed = load(ROOT / "cases/quickstart", "draft", ["duration_s=0.5"]).case
     assert part_s(unfed, 5) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize(
+    ("values", "of_nothing"),
+    [
+        ({"deflection_m": 1e-18, "rms_g": 3e-16, "clamp_rms_N": 400.0}, True),
+        ({"deflection_m": 1e-6, "clamp_rms_N": 400.0}, False),
+        ({"deflection_m": None, "velocity_m_s": 0.1}, False),
+        ({"passing_kg_s": 0.2}, False),
+        ({"passing_kg_s": 0.0}, True),
+    ],
+)
+def test_a_study_in_which_nothing_happened_is_no_ground_to_plan_on(
+    values: dict[str, float | None], of_nothing: bool
+) -> None:
+    found = study()
+    found.found["points"] = [{"point": "base"} | values, {"point": "knob", "deflection_m": 1.0}]
+    assert found.of_nothing is of_nothing

@@ -15,7 +15,7 @@ from orchestrator.accuracy.families import Converged
 from orchestrator.accuracy.points import Asked
 from orchestrator.accuracy.rows import pareto, recommended, rows
 from orchestrator.accuracy.stored import stored
-from orchestrator.accuracy.study import Study, studied
+from orchestrator.accuracy.study import Study, Unmeasured, studied
 from orchestrator.casefile.levels import load
 from orchestrator.studies.figures import DECISIVE
 from orchestrator.studies.workers import Crew
@@ -31,6 +31,7 @@ SETS = (
     "panel.cells=[44, 1]",
     "contacts.0.restitution=1.0",
     "contacts.1.restitution=1.0",
+    "watch.largest_created_in_total=1.0",  # coarse intervals are studied, too, not condemned
 )
 
 
@@ -70,6 +71,13 @@ def test_a_strip_is_of_second_order_in_its_cells(study: Study) -> None:
     found = family(study, "panel-mesh")
     assert found.observed == pytest.approx(2.0, abs=0.6)
     assert found.errors[0]["shape"].value > 3 * found.errors[1]["shape"].value
+
+
+def test_a_study_of_nothing_says_so(out: Path) -> None:
+    """The ball hangs above the panel for the whole run: 0 % of nothing is no accuracy."""
+    sets = ("gravity_m_s2=[0, 0, 0]", "bed.particles.ball.position_m=[0.152, 0.10, 0.09]")
+    with pytest.raises(Unmeasured, match="nothing happens in the case as it is"):
+        studied(asked(out.with_name("nothing"), ("sync",), *sets), said_nothing)
 
 
 def test_serial_staggered_is_of_first_order(out: Path) -> None:

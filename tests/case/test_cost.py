@@ -1,16 +1,27 @@
-"""The cost that ``flipflow check`` predicts, against counts done by hand."""
+"""The cost that ``flipflow check`` predicts, against counts done by hand, and against runs."""
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
-from orchestrator.bed.cost import THICK, cost
+from orchestrator.bed.cost import THICK, bed_cost
 from orchestrator.bed.particle_step import particle_step_s
 from orchestrator.casefile.levels import load
+from orchestrator.cost import (
+    in_words,
+    particles_at_start,
+    predicted_parts_s,
+    predicted_range_s,
+)
+from orchestrator.tables.numerics import FramesSolver, PanelSolver
+from orchestrator.tables.quantities import Table
 from tests.case.cases import CASE, written
+from tests.cost_series import IN_THE_SUITE, compared
+from tests.runs.outside import ROOT
 
 FEED = """
 [screen.exits.under]
@@ -39,19 +50,74 @@ def sphere_kg(diameter_m: float) -> float:
 def test_a_feed_fills_the_deck_until_as_much_leaves(tmp_path: Path) -> None:
     """0.05 and 0.15 kg/s of two sizes; each stays 0.302 m / (0.34 m/s)."""
     case = load(written(tmp_path, CASE + FEED), None, [f"duration_s={DURATION_S}"]).case
-    found = cost(case, 0, THICK)
+    found = bed_cost(case, 0, THICK)
     rate = 0.05 / sphere_kg(0.004) + 0.15 / sphere_kg(0.008)
     assert found.most == pytest.approx(rate * STAY_S, rel=1e-9)
     filling, full = STAY_S, DURATION_S - 0.5 - STAY_S
     wanted = rate * STAY_S * (filling / 2 + full) / DURATION_S
     assert found.mean == pytest.approx(wanted, rel=1e-3)
     assert found.steps == math.ceil(DURATION_S / particle_step_s(case))
-    assert found.processor_s == pytest.approx(THICK.particle_step_s * found.mean * found.steps)
+    assert found.particle_steps == pytest.approx(found.mean * found.steps)
 
 
 def test_who_is_there_at_the_start_leaves_where_there_are_exits(tmp_path: Path) -> None:
     sets = [f"duration_s={DURATION_S}", "bed.feeds.coal.start_s=3.9999"]
-    leaving = cost(load(written(tmp_path / "one", CASE + FEED), None, sets).case, 1000, THICK)
+    leaving = bed_cost(load(written(tmp_path / "one", CASE + FEED), None, sets).case, 1000, THICK)
     assert leaving.most == 1000
     assert leaving.mean == pytest.approx(1000 * STAY_S / DURATION_S, rel=2e-3)
-    assert cost(load(written(tmp_path / "two"), None, []).case, 1000, THICK).mean == 1000
+    assert bed_cost(load(written(tmp_path / "two"), None, []).case, 1000, THICK).mean == 1000
+
+
+def predicted(*sets: str, name: str = "quickstart", level: str = "draft") -> dict[str, float]:
+    case = load(ROOT / "cases" / name, level, list(sets)).case
+    return predicted_parts_s(case, particles_at_start(case))
+
+
+@pytest.mark.parametrize(("port", "table"), [("panel", PanelSolver), ("frames", FramesSolver)])
+def test_every_solver_says_what_it_costs(port: str, table: type[Table]) -> None:
+    """Also those that this case could not run."""
+    for solver in get_args(table.model_fields["solver"].annotation):
+        sets = [f"{port}.solver={solver}"]
+        assert predicted(*sets)[port] > 0.0
+
+
+def test_intervals_that_are_repeated_are_paid_for_as_often() -> None:
+    """aitken and quasi-newton move the particles several times; robin moves the panels twice."""
+    plain, robin, aitken, newton = (
+        predicted(f"coupling.scheme={name}")
+        for name in ("particles-first", "robin", "aitken", "quasi-newton")
+    )
+    assert robin["particles"] == plain["particles"]
+    assert robin["panel"] == pytest.approx(2 * plain["panel"])
+    for one in (aitken, newton):
+        assert one["particles"] >= 2 * plain["particles"]
+        assert one["panel"] >= 2 * plain["panel"]
+        assert one["output"] == plain["output"]
+
+
+def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
+    """Strips and planar frames; its particles are the smaller part."""
+    parts = predicted("particles.solver=none", "frames.solver=planar")
+    assert parts["particles"] == 0.0
+    assert min(parts[name] for name in ("start", "panel", "frames", "output", "rest")) > 0.1
+    fed = load(ROOT / "cases/ffs0827-slice", "draft").case
+    thin, thick = predicted_range_s(fed, 0)
+    assert 0.0 < thin["particles"] < thick["particles"]
+    assert thin["frames"] == thick["frames"]
+
+
+@pytest.mark.parametrize(
+    ("time_s", "said"),
+    [(51.2, "51 s"), (119.0, "119 s"), (180.0, "3 min"), (7200.0, "2 h"), (5e5, "6 days")],
+)
+def test_times_are_said_in_familiar_units(time_s: float, said: str) -> None:
+    assert in_words(time_s) == said
+
+
+@pytest.mark.slow
+@pytest.mark.solver
+@pytest.mark.process
+@pytest.mark.parametrize("name", IN_THE_SUITE)
+def test_a_run_takes_what_was_predicted(name: str) -> None:
+    """Processor time, within a factor of 1.5."""
+    assert 1 / 1.5 < compared(name).ratio < 1.5

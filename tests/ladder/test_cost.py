@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from orchestrator.casefile.levels import load
-from orchestrator.ladder.cost import particles_at_start, predicted_s
+from orchestrator.cost import particles_at_start, predicted_s
 from orchestrator.ladder.rungs import LADDERS, rungs
 from tests.runs.outside import ROOT
 

@@ -8,7 +8,7 @@ import pytest
 from orchestrator.casefile.levels import load
 from orchestrator.checks import mistakes
 from orchestrator.clock import exact
-from orchestrator.ladder.cost import predicted_s
+from orchestrator.cost import predicted_s
 from orchestrator.ladder.rungs import rungs
 from orchestrator.ports import Array
 from orchestrator.studies.figures import Figures, errors, relative

@@ -269,4 +269,5 @@ def _summary(particles: bool, cycles: int) -> dict[str, object]:
         "particles": 100 if particles else 0,
         "momentum_residual_relative": 1e-13,
         "energy_ledger_J": {"supplied.frames.exciter": 9.0, "created.panel-frames": 1e-6},
+        "energy_exchanged_J": {"panel-frames": 4.0},
     }

@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.clock import Interval
 from orchestrator.coupling import initial
-from orchestrator.watching.created_energy import Balance, ClampWork, ContactWork
+from orchestrator.watching.created_energy import Balance, ClampWork, ContactWork, Exchange
 from orchestrator.watching.crossed import crossed
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
@@ -114,6 +114,39 @@ def test_a_share_of_what_went_through() -> None:
     balance.begin_anew(0.3)
     balance.add(-0.3, 0.01)  # taken back
     assert balance.recently() == 0.0
+
+
+def test_what_went_through_is_the_range_of_the_work() -> None:
+    """Given for good, or to and fro; nothing but the floor where nothing moves."""
+    still_N = np.array([[3.0, -4.0, 0.0]])
+    given, back, rest = Exchange(), Exchange(), Exchange()
+    for _ in range(100):
+        given.add(0.5, 0.0 * still_N, 1e-4)
+        for work_J in (2.0, -2.0):
+            back.add(work_J, 0.0 * still_N, 1e-4)
+        rest.add(1e-24, still_N, 1e-4)
+    assert given.scale_J == pytest.approx(50.0)
+    assert back.scale_J == pytest.approx(2.0)
+    assert rest.scale_J == pytest.approx(7.0 * 1e-3 * 1e-4)
+    saved = Exchange()
+    saved.restore(back.save())
+    saved.add(-3.0, 0.0 * still_N, 1e-4)
+    assert saved.scale_J == pytest.approx(5.0)
+
+
+def test_walls_count_in_what_went_through() -> None:
+    """A sphere bounces on a plate that does not count among the panels: a wall."""
+    length_s = np.pi * np.sqrt(4 / 5) / 20
+    sphere, plate = Sphere(1.0, 1.0, 0.3 * length_s, -1.0), HungPlate(4.0, 0.0)
+    machine = on_a_line(sphere, plate, FreeFrame(1.0), "particles-first")
+    state = initial(machine.solvers)
+    work = ContactWork(state, slice(0, 0))
+    for index in range(60):
+        state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
+        work.add(crossed(machine.members, length_s))
+    given_J = 0.5 * plate.mass_kg * plate.v**2
+    assert work.exchange.scale_J == pytest.approx(given_J, rel=1e-3)
+    assert work.balance.through_J == 0.0
 
 
 def test_what_comes_back_in_the_next_interval_was_not_created() -> None:

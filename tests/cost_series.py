@@ -1,0 +1,97 @@
+"""How well ``flipflow check`` predicts: ``python -m tests.cost_series [CASE ...]``.
+
+Shipped cases are run for a short time, and the processor time that they took is compared with what
+was predicted, part by part.  Processor time hardly depends on what else the machine does; another
+processor's is another one.  Measured figures: docs/theory/ladder.md, "What a run will take".
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+
+from orchestrator.accuracy.calibration import timed
+from orchestrator.accuracy.measured import parts_s
+from orchestrator.casefile.levels import load
+from orchestrator.cost import particles_at_start, predicted_range_s
+from tests.runs.outside import ROOT
+
+CASES = {
+    "quickstart draft": ("quickstart", "draft", ["duration_s=0.2"]),
+    "quickstart default": ("quickstart", "default", ["duration_s=0.2"]),
+    "ball-on-panel draft": ("ball-on-panel", "draft", []),
+    "empty-machine default": ("empty-machine", "default", ["duration_s=0.2"]),
+    "panel-cycle default": ("panel-cycle", "default", ["duration_s=0.2"]),
+    "motor-start draft": ("motor-start", "draft", ["duration_s=0.1"]),
+    "ffs0827-empty draft": ("ffs0827-empty", "draft", ["duration_s=0.4"]),
+    "ffs0827-panelpair draft": ("ffs0827-panelpair", "draft", ["duration_s=0.5"]),
+    "ffs0827-slice dry": ("ffs0827-slice", "dry", ["duration_s=0.5"]),
+    "banana draft": ("banana", "draft", ["duration_s=0.5"]),
+    "quickstart draft, aitken": (
+        "quickstart",
+        "draft",
+        ["duration_s=0.1", "coupling.scheme=aitken"],
+    ),
+    "quickstart draft, quasi-newton": (
+        "quickstart",
+        "draft",
+        ["duration_s=0.1", "coupling.scheme=quasi-newton"],
+    ),
+    "quickstart draft, robin": ("quickstart", "draft", ["duration_s=0.1", "coupling.scheme=robin"]),
+}
+
+IN_THE_SUITE = (
+    "quickstart draft",
+    "ball-on-panel draft",
+    "empty-machine default",
+    "panel-cycle default",
+    "motor-start draft",
+    "ffs0827-slice dry",
+)
+"""Six cases with all kinds of panels, frames and particles."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """Processor time by part, of a thin and of a thick bed as predicted, and as taken."""
+
+    name: str
+    thin_s: dict[str, float]
+    thick_s: dict[str, float]
+    taken_s: dict[str, float]
+
+    @property
+    def ratio(self) -> float:
+        """Predicted over taken; of a range its nearest end, 1 inside."""
+        low, high, taken = (sum(x.values()) for x in (self.thin_s, self.thick_s, self.taken_s))
+        return min(max(low / taken, min(1.0, high / taken)), max(high / taken, 1.0))
+
+    def row(self) -> str:
+        sums = [sum(x.values()) for x in (self.thin_s, self.thick_s, self.taken_s)]
+        parts = ", ".join(
+            f"{name} {self.thick_s.get(name, 0.0):.2f}/{taken_s:.2f}"
+            for name, taken_s in self.taken_s.items()
+        )
+        said = f"{sums[0]:.1f}" if sums[0] == sums[1] else f"{sums[0]:.1f} to {sums[1]:.1f}"
+        return f"| {self.name} | {said} | {sums[2]:.1f} | {self.ratio:.2f} | {parts} |"
+
+
+def compared(name: str) -> Compared:
+    """Runs one of ``CASES``."""
+    folder, level, sets = CASES[name]
+    sets = [*sets, "output.pictures=false"]
+    path = ROOT / "cases" / folder
+    case = load(path, level, sets).case
+    thin_s, thick_s = predicted_range_s(case, particles_at_start(case))
+    return Compared(name, thin_s, thick_s, parts_s(timed(path, level, sets)))
+
+
+def main(names: list[str]) -> None:
+    print("| case | predicted / s | taken / s | ratio | parts: predicted/taken |")
+    print("| --- | --- | --- | --- | --- |")
+    for name in names or CASES:
+        print(compared(name).row(), flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
