@@ -35,24 +35,57 @@ if [ ${#missing[@]} -gt 0 ]; then
         as_root=(sudo)
     fi
     log=$(mktemp)
-    { "${as_root[@]}" apt-get update -q &&
+    { "${as_root[@]}" apt-get update -q -o DPkg::Lock::Timeout=600 &&
         "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-            apt-get install -y -q --no-install-recommends "${missing[@]}"; } >"$log" 2>&1 ||
+            apt-get install -y -q --no-install-recommends -o DPkg::Lock::Timeout=600 "${missing[@]}"; } >"$log" 2>&1 ||
         fail "apt-get failed: $(grep -m1 '^E:' "$log" || tail -n1 "$log") (whole log: $log)"
     rm -f "$log"
 fi
 
-# Debian's own python3.11: the one that dolfinx and petsc4py belong to
-if [ ! -x .venv/bin/python ]; then
+# Debian's own python3.11: the one that dolfinx and petsc4py belong to.  What else lies in the system's folders must not
+# change which program this is, so .venv does not see them; an older one, which did, is made anew.
+if [ ! -x .venv/bin/python ] || grep -q '^include-system-site-packages *= *true' .venv/pyvenv.cfg; then
     say "making the virtual environment .venv"
-    /usr/bin/python3 -m venv --system-site-packages .venv || fail "cannot make .venv"
+    /usr/bin/python3 -m venv --clear .venv || fail "cannot make .venv"
 fi
 
-stamp=$(cat pyproject.toml docker/constraints.txt CMakeLists.txt adapters/panel/kernel/* adapters/particles/bridge/* | sha256sum | cut -d' ' -f1)
+# Links to the modules that docker/debian.txt names, each distribution with what pip and Python ask of it.  There is no
+# RECORD, so pip can neither replace nor remove what belongs to Debian.
+links=$(mktemp -d .venv/debian.XXXXXX)
+trap 'rm -rf "$links"' EXIT
+while read -r pin from modules; do
+    name=${pin%%==*} version=${pin#*==}
+    files=$(dpkg -L ${from//,/ } 2>/dev/null) || fail "docker/debian.txt: $pin: not installed: ${from//,/ }"
+    grep -qE "/[^/]+-${version//./\\.}\.(dist|egg)-info(/|$)" <<<"$files" ||
+        fail "docker/debian.txt names $pin, but ${from%%,*} holds another version of it"
+    for module in ${modules//,/ }; do
+        file=$(grep -m1 -E "/python3/dist-packages/$module(\.py|\.cpython-311-[^/]*\.so)?$" <<<"$files") ||
+            fail "docker/debian.txt: ${from//,/ } holds no module $module"
+        ln -s "$file" "$links/"
+    done
+    info="$links/${name//-/_}-$version.dist-info"
+    mkdir "$info"
+    printf 'Metadata-Version: 2.1\nName: %s\nVersion: %s\n' "$name" "$version" >"$info/METADATA"
+    echo debian >"$info/INSTALLER"
+    tr , "\n" <<<"$modules" >"$info/top_level.txt"
+    echo "${from%%,*}" >"$info/debian-package"
+    echo "$pin" >>"$links/pins.txt"
+done < <(grep -v '^#' docker/debian.txt)
+if ! diff -rq --no-dereference "$links" .venv/debian >/dev/null 2>&1; then
+    chmod 755 "$links"
+    rm -rf .venv/debian
+    mv "$links" .venv/debian
+fi
+rm -rf "$links"
+echo "../../../debian" >.venv/lib/python3.11/site-packages/debian.pth
+
+stamp=$(cat pyproject.toml docker/*.txt CMakeLists.txt adapters/panel/kernel/* adapters/particles/bridge/* | sha256sum | cut -d' ' -f1)
 if [ "$(cat .venv/flipflow.stamp 2>/dev/null)" != "$stamp" ]; then
     say "installing flipflow and its pinned dependencies into .venv, building what is compiled"
     log=$(mktemp)
-    .venv/bin/pip install --disable-pip-version-check -q -c docker/constraints.txt -e '.[test]' >"$log" 2>&1 ||
+    # from the environment, pip hands constraints on to the folder that it builds in, too
+    PIP_CONSTRAINT="docker/constraints.txt .venv/debian/pins.txt" \
+        .venv/bin/pip install --disable-pip-version-check -q -e '.[test]' >"$log" 2>&1 ||
         fail "pip failed: $(grep -m1 -E 'Could not|No matching|fatal error|Connection|^ERROR' "$log" || tail -n1 "$log") (whole log: $log)"
     rm -f "$log"
     echo "$stamp" >.venv/flipflow.stamp

@@ -48,7 +48,7 @@ Examples:
 Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
 not installed, 4 a solver failed or the run became unstable, 5 the run is done but its own figures
 say that it cannot be trusted, 6 it is done but its results could not be made, 130 interrupted
-(138 by SIGUSR1, 143 by SIGTERM).
+(129 by SIGHUP, 138 by SIGUSR1, 143 by SIGTERM).
 
 Every key of a case is described in docs/case-format.md, what a run leaves behind in
 docs/run-folder.md."""
@@ -59,11 +59,14 @@ app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_ma
 def _say_versions(wanted: bool) -> None:
     if not wanted:
         return
+    from orchestrator.records.distributions import departures
     from orchestrator.records.provenance import commit, versions
 
     for name, number in versions().items():
         typer.echo(f"{name} {number or 'not installed'}")
     typer.echo(f"commit {commit() or 'unknown'}")
+    for one in departures():
+        typer.echo(f"not the program that was tested: {one}")
     raise typer.Exit
 
 

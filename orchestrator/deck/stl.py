@@ -1,12 +1,15 @@
-"""Reading STL files, read by meshio."""
+"""Reading STL files, binary or text.
+
+A text is read strictly: libraries skip what they do not know, and differ by version in what they
+say of a file that holds nothing."""
 
 from __future__ import annotations
 
 import struct
+from array import array
 from dataclasses import dataclass
 from pathlib import Path
 
-import meshio
 import numpy as np
 
 from orchestrator.casefile.toml_file import is_outside
@@ -14,7 +17,10 @@ from orchestrator.ports import Array, Indices
 
 LARGEST_BYTES = 200_000_000  # four million triangles
 BINARY_HEAD = struct.Struct("<80xI")  # words, then the number of triangles
-BINARY_TRIANGLE_BYTES = 50
+BINARY_TRIANGLE = np.dtype(
+    [("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
+)
+WORDS_BETWEEN = (b"outer", b"endloop")  # of a text, around the three corners of each facet
 TAIL_BYTES = 400  # of a text, with room for the solid's name after its last word
 
 
@@ -36,19 +42,65 @@ def read(folder: Path, name: str) -> Facets:
     """The file of this name in the case's ``folder``.  Raises Unreadable."""
     file = found(folder, name)
     try:
-        if not _is_whole(file):
+        if _is_binary(file):
+            normal, corner_m = _binary(file)
+        elif not _ends(file):
             raise Unreadable("is cut off, or no STL file: it does not end with endsolid")
-        mesh = meshio.stl.read(file)
-    except (meshio.ReadError, ValueError, IndexError, OSError, AttributeError) as error:
-        raise Unreadable(f"is no STL file ({error})") from None
-    triangles = np.asarray(mesh.cells_dict.get("triangle", np.empty((0, 3))), dtype=np.int64)
-    if len(triangles) == 0:
+        else:
+            normal, corner_m = _text(file)
+    except OSError as error:
+        raise Unreadable(f"cannot be read ({error.strerror})") from None
+    if len(normal) == 0:
         raise Unreadable("has no triangles")
-    position_m = np.asarray(mesh.points, dtype=float)
-    if not np.isfinite(position_m).all():
+    if not np.isfinite(corner_m).all():
         raise Unreadable("has coordinates that are no numbers")
-    normals = mesh.cell_data.get("facet_normals", [np.zeros((len(triangles), 3))])
-    return Facets(position_m, triangles, np.asarray(normals[0], dtype=float))
+    return Facets(*_each_corner_once(corner_m), normal)
+
+
+def _binary(file: Path) -> tuple[Array, Array]:
+    """Normal (n, 3) and corners (3 n, 3) of each triangle."""
+    triangles = np.fromfile(file, dtype=BINARY_TRIANGLE, offset=BINARY_HEAD.size)
+    return triangles["normal"].astype(float), triangles["corners"].reshape(-1, 3).astype(float)
+
+
+def _text(file: Path) -> tuple[Array, Array]:
+    """The same of a text.  Raises Unreadable with the first line that has no place in an STL."""
+    normal, corner_m = array("d"), array("d")
+    inside = False  # a solid
+    with file.open("rb") as lines:
+        for number, line in enumerate(lines, start=1):
+            words = line.split()
+            word = words[0].lower() if words else b""
+            try:
+                if word == b"vertex" and inside and len(corner_m) < 3 * len(normal):
+                    corner_m.extend(_three_numbers(words[1:]))
+                elif word == b"facet" and inside and words[1].lower() == b"normal":
+                    normal.extend(_three_numbers(words[2:]))
+                elif word in (b"solid", b"endsolid") and inside == (word == b"endsolid"):
+                    inside = not inside
+                elif word == b"endfacet" and len(corner_m) == 3 * len(normal):
+                    continue
+                elif word and not (word in WORDS_BETWEEN and inside):
+                    raise ValueError
+            except (ValueError, IndexError):
+                said = line[:80].decode(errors="replace").strip()
+                raise Unreadable(f"is no STL file (line {number}: {said!r})") from None
+    if len(corner_m) != 3 * len(normal):
+        raise Unreadable("is no STL file (its last triangle lacks a corner)")
+    return np.array(normal).reshape(-1, 3), np.array(corner_m).reshape(-1, 3)
+
+
+def _three_numbers(words: list[bytes]) -> list[float]:
+    """Raises ValueError."""
+    x, y, z = words
+    return [float(x), float(y), float(z)]
+
+
+def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
+    """Positions in the order in which they first appear, and the triangles' corners among them."""
+    _, first, which = np.unique(corner_m, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3).astype(np.int64)
 
 
 def found(folder: Path, name: str) -> Path:
@@ -66,14 +118,20 @@ def found(folder: Path, name: str) -> Path:
     return file
 
 
-def _is_whole(file: Path) -> bool:
-    """Whether a binary file is as long as it says, or a text ends as it must."""
-    size = file.stat().st_size
+def _is_binary(file: Path) -> bool:
+    """Whether the file is as long as the number of triangles in its head says.  Text may begin
+    with anything, and binary files with "solid"."""
     with file.open("rb") as opened:
         head = opened.read(BINARY_HEAD.size)
-        if len(head) == BINARY_HEAD.size:
-            (count,) = BINARY_HEAD.unpack(head)
-            if size == BINARY_HEAD.size + BINARY_TRIANGLE_BYTES * count:
-                return True
-        opened.seek(max(0, size - TAIL_BYTES))
-        return b"endsolid" in opened.read()
+    if len(head) < BINARY_HEAD.size:
+        return False
+    (count,) = BINARY_HEAD.unpack(head)
+    size: int = BINARY_HEAD.size + BINARY_TRIANGLE.itemsize * count
+    return file.stat().st_size == size
+
+
+def _ends(file: Path) -> bool:
+    """Whether a text ends as it must."""
+    with file.open("rb") as opened:
+        opened.seek(max(0, file.stat().st_size - TAIL_BYTES))
+        return b"endsolid" in opened.read().lower()

@@ -8,17 +8,17 @@ import socket
 import subprocess
 import sys
 from datetime import UTC, datetime
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import h5py
+from orchestrator.records.distributions import debian_version, departures, distributions
 
-PACKAGES = ("flipflow", "numpy", "scipy", "pydantic", "exudyn", "fenics-dolfinx", "mpi4py")
+PACKAGES = ("flipflow", "numpy", "scipy", "pydantic", "exudyn", "fenics-dolfinx", "mpi4py", "h5py")
 
 
 def provenance(ranks: int) -> dict[str, Any]:
     """What a run folder says of where it comes from."""
+    found = distributions()
     return {
         "command": sys.argv,
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -29,31 +29,18 @@ def provenance(ranks: int) -> dict[str, Any]:
         "ranks": ranks,
         "versions": versions(),
         "commit": commit(),
+        "distributions": {name: str(one) for name, one in found.items()},
+        "not_as_pinned": departures(),
     }
 
 
 def versions() -> dict[str, str | None]:
     """Of this program and of what it stands on; None where it is not installed."""
+    found = distributions()
     return {
-        **{name: _version(name) for name in PACKAGES},
-        "h5py": h5py.__version__,
-        "libliggghts3": _debian_version("libliggghts3"),
+        **{name: found[name].version if name in found else None for name in PACKAGES},
+        "libliggghts3": debian_version("libliggghts3"),  # LIGGGHTS does not tell its own version
     }
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
-
-
-def _debian_version(package: str) -> str | None:
-    """LIGGGHTS does not tell its own version; Debian knows it."""
-    try:
-        return _said("dpkg-query", "-W", "-f", "${Version}", package)
-    except (OSError, subprocess.CalledProcessError):
-        return None
 
 
 def commit() -> str | None:

@@ -66,7 +66,11 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
         (b"", "is cut off, or no STL file"),
         (b"solid empty\nendsolid\n", "has no triangles"),
         (b"this is\nno stl file\n", "is cut off, or no STL file"),
-        (b"solid words\nendsolid words\n words\n", "is no STL file"),
+        (b"solid words\nendsolid words\n words\n", r"is no STL file \(line 3: 'words'\)"),
+        (b"solid\nvertex 1 2 3\nendsolid\n", r"is no STL file \(line 2: 'vertex 1 2 3'\)"),
+        (b"solid\n facet normal 0 0 one\nendsolid\n", r"is no STL file \(line 2: 'facet"),
+        (b"solid\n facet normal 0 0 1\n endfacet\nendsolid\n", r"is no STL file \(line 3: "),
+        (b"\0" * 84, "has no triangles"),
         (bytes(range(256)) * 4, "is cut off, or no STL file"),
         (b"\0" * 80 + b"\x02\0\0\0" + b"\0" * 50, "is cut off"),  # one of two is missing
         (b"\0" * 80 + b"\xff\xff\xff\xff" + b"\0" * 50, "is cut off"),  # 200 GB are
@@ -88,6 +92,28 @@ def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
         (tmp_path / "wall.stl").write_bytes(whole[:kept])
         with pytest.raises(Unreadable, match="is cut off"):
             read(tmp_path, "wall.stl")
+
+
+@pytest.mark.parametrize("binary", [False, True])
+def test_a_file_is_read_as_it_was_written(tmp_path: Path, binary: bool) -> None:
+    """Positions to the digits of the file, each corner once, and the normals that it states."""
+    meshio.stl.write(
+        tmp_path / "wall.stl", meshio.Mesh(CUBE_M, [("triangle", OUTWARD)]), binary=binary
+    )
+    found, by_meshio = read(tmp_path, "wall.stl"), meshio.stl.read(tmp_path / "wall.stl")
+    assert found.position_m == pytest.approx(by_meshio.points, abs=0)
+    assert (found.triangles == by_meshio.cells_dict["triangle"]).all()
+    corners = CUBE_M[OUTWARD]
+    outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert found.normal == pytest.approx(100 * outward, abs=1e-6)
+    assert list(faults(found)) == []
+
+
+def test_a_text_of_two_solids_in_capitals(tmp_path: Path) -> None:
+    write(tmp_path)
+    text = (tmp_path / "wall.stl").read_text()
+    (tmp_path / "wall.stl").write_text(text.upper() + "\n" + text.replace("0.1", "0.2"))
+    assert len(read(tmp_path, "wall.stl").triangles) == 24
 
 
 def test_a_file_of_somebody_else(tmp_path: Path) -> None:

@@ -1,0 +1,136 @@
+"""What is imported is what docker/debian.txt names and docker/constraints.txt pins, no more."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import sysconfig
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from orchestrator.records import distributions as known
+from orchestrator.records.distributions import DEBIAN, PYPI, Distribution, departures
+from orchestrator.records.provenance import provenance, versions
+
+CHECKOUT = Path(__file__).parents[1]
+# Imports every module of the project, and tells the files of all that came with them.
+IMPORT_ALL = """
+import json, pkgutil, sys
+import pyvista
+import adapters, meshes, orchestrator
+
+for folder in (orchestrator, adapters, meshes):
+    for module in pkgutil.walk_packages(folder.__path__, folder.__name__ + "."):
+        if not module.name.endswith("__main__"):
+            __import__(module.name)
+import distributed, exudyn, gmsh, pyarrow  # which functions import where they need them
+files = {getattr(module, "__file__", None) for module in sys.modules.values()}
+print(json.dumps([file for file in files if file]))
+"""
+
+
+def test_the_environment_is_the_pinned_one() -> None:
+    found = dict(known.distributions())
+    print("\n".join(f"{name} {one}" for name, one in found.items()))
+    assert departures(found) == []
+
+
+@pytest.mark.process
+@pytest.mark.solver
+def test_every_imported_module_belongs_to_a_pinned_distribution() -> None:
+    """Also what is imported at the bottom of something else, and what has no metadata at all."""
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", IMPORT_ALL],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=CHECKOUT,
+    )
+    files = [Path(file) for file in json.loads(done.stdout)]
+    strange = [file for file in files if not of_python(file) and owner(file) is None]
+    assert strange == []
+    imported = {owner(file) for file in files}
+    print(sorted(name for name in imported if name))
+    assert {"numpy", "scipy", "mpi4py", "petsc4py", "h5py", "cffi", "fenics-dolfinx"} <= imported
+    assert {"exudyn", "gmsh", "pyarrow", "distributed", "meshio", "vtk", "flipflow"} <= imported
+
+
+def of_python(file: Path) -> bool:
+    """Of Python's own library, or of this checkout, but not of what is installed beside it."""
+    if Path(sys.prefix) in file.parents:
+        return False
+    own = Path(sys.base_prefix) / "lib" in file.parents or CHECKOUT in file.parents
+    return own and not {"dist-packages", "site-packages"} & set(file.parts)
+
+
+def owner(file: Path) -> str | None:
+    """The distribution of a module in one of the two folders of the environment."""
+    for folder in (Path(sys.prefix) / "debian", Path(sysconfig.get_path("purelib"))):
+        if folder in file.parents:
+            return owners().get(file.relative_to(folder).parts[0].split(".")[0])
+    return None
+
+
+@cache
+def owners() -> dict[str, str]:
+    """The distribution of every name at the top of the two folders."""
+    return {
+        name: known.normalised(one.metadata["Name"])
+        for one in metadata.distributions()
+        for name in (
+            *(file.parts[0].split(".")[0] for file in one.files or ()),
+            *(one.read_text("top_level.txt") or "").split(),
+        )
+    }
+
+
+def test_the_provenance_of_a_run_tells_the_same() -> None:
+    said = provenance(1)
+    assert said["distributions"] == {n: str(one) for n, one in known.distributions().items()}
+    assert said["distributions"]["numpy"].startswith("1.24.2 from Debian, python3-numpy 1:1.24.2")
+    assert said["distributions"]["meshio"] == "5.3.5 from PyPI"
+    assert said["not_as_pinned"] == []
+    assert None not in versions().values()
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (Distribution("meshio", "5.0.0", PYPI), "meshio is 5.0.0 from PyPI, but 5.3.5 is pinned"),
+        (Distribution("meshio", "5.3.5", "/usr/lib/python3/dist-packages"), "no pin of docker/"),
+        (Distribution("pandas", "1.5.3", DEBIAN, "python3-pandas 1.5.3-1"), "no pin of docker/"),
+        (Distribution("numpy", "1.24.2", PYPI), "numpy is 1.24.2 from PyPI, and no pin"),
+    ],
+)
+def test_what_is_not_as_pinned_is_said(one: Distribution, said: str) -> None:
+    (sentence,) = departures(known.distributions() | {one.name: one})
+    assert said in sentence
+
+
+def test_what_is_not_there_is_said() -> None:
+    found = dict(known.distributions())
+    found.pop("petsc4py")
+    assert departures(found) == ["petsc4py is not there, docker/debian.txt names it"]
+
+
+def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:
+    """PYTHONPATH brings a distribution that nobody pinned: a run says it."""
+    info = tmp_path / "pandas-1.5.3.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: pandas\nVersion: 1.5.3\n")
+    code = (
+        "from orchestrator.records.distributions import departures, distributions;"
+        "print(departures(distributions()))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={"PYTHONPATH": str(tmp_path)},
+    )
+    assert f"pandas is 1.5.3 from {tmp_path}" in done.stdout
