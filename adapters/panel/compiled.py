@@ -3,9 +3,11 @@
 Optimised code halves the time of an assembly (measured, docs/theory/panel_sheet.md).  It must not
 run on another kind of processor, so each kind has a cache folder of its own.
 
-The cache is shared by all processes.  FFCx marks what is being compiled by its C file alone: a
-process that is killed meanwhile would leave a mark on which all later ones wait in vain.  So one
-process at a time compiles, under a lock that ends with it, and what it finds half made is removed.
+The cache is shared by all processes of a home.  What is in it is loaded without asking anybody.
+FFCx marks what is being compiled by its C file alone: a process that is killed meanwhile would
+leave a mark on which all later ones wait in vain.  So one process at a time compiles, under a lock
+that ends with it, and what it finds half made is removed.  Who has to wait for another process says
+so, and gives up when that one takes longer than any form does: it may have been stopped.
 """
 
 from __future__ import annotations
@@ -15,21 +17,28 @@ import hashlib
 import logging
 import os
 import platform
+import sys
+import time
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from cffi import VerificationError
 from dolfinx import fem
+from ffcx.codegeneration import jit
 from ffcx.parameters import FFCX_DEFAULT_PARAMETERS
 
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
 
 COMPILE_TIMEOUT_S = 120  # for others to compile, on a file system without locks
+SAID_AFTER_S = 3.0  # of waiting
+GIVEN_UP_AFTER_S = 180.0  # that one process has compiled one form: of 152 the longest took 6 s
+
+_given_up: set[str] = set()  # holders of the lock that this process has waited for in vain
 
 # FFCx would take what is not given from a file in the folder that the program is started in
 CODE = {name: value for name, (value, _) in FFCX_DEFAULT_PARAMETERS.items()}
@@ -61,32 +70,91 @@ def _compiling() -> Iterator[None]:
     """Quietly: the compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python
     reports, and logs its command lines.  Raises SolverFailed where nothing can be compiled."""
     cache: Path = _options()["cache_dir"]
-    with warnings.catch_warnings():
+    look_up = jit.get_cached_module
+    with warnings.catch_warnings(), ExitStack() as alone:
         warnings.simplefilter("ignore", ResourceWarning)
         logging.disable(logging.INFO)
+        jit.get_cached_module = _locked(look_up, cache, alone)
         try:
-            with _alone(cache):
-                yield
+            yield
         except (OSError, ImportError, VerificationError) as error:
             raise SolverFailed(f"a panel's form cannot be compiled in {cache}: {error}") from error
         finally:
+            jit.get_cached_module = look_up
             logging.disable(logging.NOTSET)
 
 
+def _locked(look_up: Callable[..., Any], cache: Path, alone: ExitStack) -> Callable[..., Any]:
+    """FFCx's ``look_up`` of a module in the cache, which compiles what is not there: that is done
+    under the lock, which ``alone`` holds until the module has been compiled."""
+
+    def looked_up(module: str, *more: Any) -> Any:
+        source = cache / f"{module}.c"
+
+        def ready() -> bool:
+            return source.exists() and source.with_suffix(".c.cached").exists()
+
+        if not ready():
+            alone.enter_context(_alone(cache, ready))
+        return look_up(module, *more)
+
+    return looked_up
+
+
 @contextmanager
-def _alone(cache: Path) -> Iterator[None]:
-    """No other process works on the cache meanwhile, and nothing in it is half made."""
+def _alone(cache: Path, ready: Callable[[], bool]) -> Iterator[None]:
+    """No other process works on the cache meanwhile, and nothing in it is half made; or another
+    process has made what is wanted, and it is ``ready``.  Raises SolverFailed where another one
+    takes too long."""
     cache.mkdir(parents=True, exist_ok=True)
-    with (cache / "lock").open("w") as lock:
+    with (cache / "lock").open("a+") as lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX)
+            mine = _waited_for(lock, ready)
         except OSError:  # no locks on this file system: FFCx waits by its own means
             yield
             return
-        for source in cache.glob("*.c"):
-            if not source.with_suffix(".c.cached").exists():
-                source.unlink()
+        if mine:
+            lock.truncate(0)
+            lock.write(f"process {os.getpid()} on {platform.node()} since {time.ctime()}")
+            lock.flush()
+            for source in cache.glob("*.c"):
+                if not source.with_suffix(".c.cached").exists():
+                    source.unlink()
         yield
+
+
+def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
+    """True with the lock taken, False as soon as what is wanted is ``ready``.  Raises OSError on
+    a file system without locks, and SolverFailed where one process has held it for too long."""
+    holder, since_s, said = "", time.monotonic(), False
+    while not ready():
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            pass
+        else:
+            return True
+        lock.seek(0)
+        before, holder = holder, lock.read() or "another process"
+        waited_s = time.monotonic() - since_s
+        if holder in _given_up or (holder == before and waited_s > GIVEN_UP_AFTER_S):
+            _given_up.add(holder)
+            raise SolverFailed(
+                f"a panel's form is not compiled: {holder} has held {lock.name} for more than "
+                f"{GIVEN_UP_AFTER_S:g} s.  Is it stopped (kill -CONT lets it go on)?  "
+                "XDG_CACHE_HOME may name another folder for compiled forms"
+            )
+        if holder != before:
+            since_s = time.monotonic()
+        elif waited_s > SAID_AFTER_S and not said:
+            said = True
+            print(
+                f"waiting for {holder}: it compiles a panel's form ({lock.name})",
+                file=sys.stderr,
+                flush=True,
+            )
+        time.sleep(0.05)
+    return False
 
 
 def form(integral: Any) -> Any:

@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -32,11 +34,11 @@ print(fem.assemble_scalar(form(x[0] ** 2 * x[1] * ufl.dx)))
 """
 
 
-def started(cache: Path) -> subprocess.Popen[str]:
+def started(cache: Path, program: str = PROGRAM) -> subprocess.Popen[str]:
     """The program, in a process group of its own, which the compiler belongs to."""
     own = {"XDG_CACHE_HOME": str(cache), "OMP_NUM_THREADS": "1"}
     return subprocess.Popen(
-        [sys.executable, "-c", PROGRAM],
+        [sys.executable, "-c", program],
         cwd=ROOT,
         env=os.environ | own,
         stdout=subprocess.PIPE,
@@ -92,3 +94,57 @@ def test_a_cache_that_cannot_be_written(tmp_path: Path) -> None:
     program = started(tmp_path)
     errors = program.communicate(timeout=TOGETHER_S)[1]
     assert "SolverFailed: a panel's form cannot be compiled in" in errors.splitlines()[-1]
+
+
+@contextmanager
+def stopped_while_it_compiles(cache: Path) -> Iterator[subprocess.Popen[str]]:
+    """A process that holds the lock and does nothing more, like one at a shell's Ctrl-Z."""
+    stopped = started(cache)
+    wait_for(cache, "libffcx_forms_*.c")
+    os.killpg(stopped.pid, signal.SIGSTOP)
+    try:
+        yield stopped
+    finally:
+        os.killpg(stopped.pid, signal.SIGKILL)
+        stopped.communicate()
+
+
+def test_what_is_in_the_cache_waits_for_nobody(tmp_path: Path) -> None:
+    """The elements and one form are there; another process is stopped over the other form."""
+    in_cache = PROGRAM.replace("form(ufl.derivative", "(ufl.derivative")
+    compiled(started(tmp_path, in_cache))
+    known = set(files(tmp_path, "libffcx_forms_*.c"))
+    stopped = started(tmp_path)
+    while set(files(tmp_path, "libffcx_forms_*.c")) == known:
+        time.sleep(0.01)
+    os.killpg(stopped.pid, signal.SIGSTOP)
+    try:
+        begun_s = time.monotonic()
+        program = started(tmp_path, in_cache)
+        said, errors = program.communicate(timeout=TOGETHER_S)
+        assert float(said) == pytest.approx(1 / 6, rel=1e-12)
+        assert "waiting" not in errors
+        assert time.monotonic() - begun_s < 30
+    finally:
+        os.killpg(stopped.pid, signal.SIGKILL)
+        stopped.communicate()
+
+
+def test_who_waits_for_a_stopped_process_says_so_and_gives_up(tmp_path: Path) -> None:
+    """The second form is not waited for again: the same process still holds the lock."""
+    patience = "import adapters.panel.compiled as compiled\ncompiled.GIVEN_UP_AFTER_S = 6.0\n"
+    with stopped_while_it_compiles(tmp_path) as stopped:
+        errors = started(tmp_path, patience + PROGRAM).communicate(timeout=TOGETHER_S)[1]
+        assert f"waiting for process {stopped.pid} on " in errors
+        assert f"SolverFailed: a panel's form is not compiled: process {stopped.pid} on" in errors
+        assert "for more than 6 s.  Is it stopped (kill -CONT" in errors
+        assert str(tmp_path) in errors.splitlines()[-1]
+
+
+def test_who_waits_goes_on_with_the_process_that_it_waits_for(tmp_path: Path) -> None:
+    with stopped_while_it_compiles(tmp_path) as stopped:
+        waiting = started(tmp_path)
+        time.sleep(5)
+        os.killpg(stopped.pid, signal.SIGCONT)
+        compiled(waiting)
+    assert all_ready(tmp_path)
