@@ -10,8 +10,9 @@ from typing import Any
 
 from orchestrator.coupling import State
 
-# the last is what mpirun passes on without killing a second later, and what batch systems can send
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGUSR1)
+# SIGHUP comes when a terminal or a connection closes; SIGUSR1 is what mpirun passes on without
+# killing a second later, and what batch systems can send
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1)
 
 
 class Interrupted(Exception):
@@ -22,15 +23,27 @@ class Interrupted(Exception):
         self.signal, self.state = number, state
 
 
+def told_twice(error: BaseException | None) -> bool:
+    """Whether a second signal is behind this error: libraries that it interrupts may raise another
+    one on top of it."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
 class Stop:
-    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait."""
+    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait.  One that is
+    ignored from outside stays so: that is what nohup does with SIGHUP."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
 
     @contextmanager
     def listening(self) -> Iterator[Stop]:
-        before = {name: signal.signal(name, self._heard) for name in SIGNALS}
+        heeded = [name for name in SIGNALS if signal.getsignal(name) is not signal.SIG_IGN]
+        before = {name: signal.signal(name, self._heard) for name in heeded}
         try:
             yield self
         finally:

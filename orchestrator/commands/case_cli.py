@@ -30,8 +30,10 @@ def check(
     """
     from orchestrator.commands.overview import overview
 
-    for line in overview(checked(case, level, overrides), detail):
-        CONSOLE.print(line)
+    loaded = checked(case, level, overrides)
+    with said():
+        for line in overview(loaded, detail):
+            CONSOLE.print(line)
 
 
 def explain(

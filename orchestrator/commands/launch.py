@@ -2,16 +2,18 @@
 
 0 done, 1 a mistake in flipflow itself, 2 the case or the output folder is wrong, 3 a solver is
 missing, 4 a solver failed or the run became unstable or its results could not be written, 5 done
-but not to be trusted, 6 done but its results could not be made, 130 (SIGINT), 138 (SIGUSR1) or
-143 (SIGTERM) interrupted.
+but not to be trusted, 6 done but its results could not be made, 129 (SIGHUP), 130 (SIGINT), 138
+(SIGUSR1) or 143 (SIGTERM) interrupted.
 """
 
 from __future__ import annotations
 
+import io
 import signal
+import sys
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +24,11 @@ from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
 from orchestrator.commands.going_on import go_on, last_good
-from orchestrator.interruption import Interrupted
+from orchestrator.commands.said import TOO_LARGE
+from orchestrator.interruption import Interrupted, told_twice
 from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import run_folder, summary, trust
+from orchestrator.records.distributions import departures
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.report.headline import headline
@@ -89,12 +93,16 @@ def ready(loaded: LoadedCase) -> None:
 
 def refused(world: Any, error: Exception) -> int:
     """Says, once, why nothing is run; returns the exit code."""
-    if isinstance(error, SolverMissing):
-        return ranks.in_turn(world, lambda: _console().print(str(error)), MISSING)
-    if isinstance(error, CaseError | FolderUnusable):
-        return ranks.in_turn(world, lambda: _console().print(str(error)), WRONG)
-    broken = f"a mistake in flipflow: {type(error).__name__}: {error}"
-    return ranks.in_turn(world, lambda: _console().print(broken), BROKEN)
+    match error:
+        case SolverMissing():
+            said, code = str(error), MISSING
+        case CaseError() | FolderUnusable() | OSError():
+            said, code = str(error), WRONG
+        case MemoryError():
+            said, code = TOO_LARGE, WRONG
+        case _:
+            said, code = f"a mistake in flipflow: {type(error).__name__}: {error}", BROKEN
+    return ranks.in_turn(world, lambda: _console().print(run_folder.legible(said)), code)
 
 
 def carried_out(
@@ -117,10 +125,16 @@ def carried_out(
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
         _say(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
-        stability = settled_card(loaded.case)
+        said = [*said, *(f"not the program that was tested: {one}" for one in departures())]
+        try:
+            stability = settled_card(loaded.case)
+            before = [*said, *warnings(loaded), *plain.warnings(stability), *at_start(entries)]
+        except MemoryError as error:  # of panels' meshes; nothing has been computed
+            if first and save is None:
+                run_folder.discard(folder)
+            return refused(world, error)
         for line in words.lines(stability):
             LOG.info(line)
-        before = [*said, *warnings(loaded), *plain.warnings(stability), *at_start(entries)]
         for line in before:
             LOG.warning(line)
             console.print(f"warning: {line}")
@@ -128,8 +142,34 @@ def carried_out(
         return _guarded(opened, folder, world, console)
 
 
+class _StandardError(io.TextIOBase):
+    """Standard error, which may go away during a run: a terminal that hangs up, a pipe that nobody
+    reads any more.  What can be said to nobody is in run.log."""
+
+    def __init__(self) -> None:
+        # while it shows a bar, Rich puts something in the place of standard error that prints here
+        self._stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
+
+    def write(self, text: str) -> int:
+        with suppress(OSError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        with suppress(OSError):
+            self._stream.flush()
+
+    def isatty(self) -> bool:
+        return bool(self._stream.isatty())
+
+    def fileno(self) -> int:
+        return int(self._stream.fileno())
+
+
 def _console(quiet: bool = False) -> Console:
-    return Console(stderr=True, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
+    return Console(
+        file=_StandardError(), quiet=quiet, highlight=False, markup=False, soft_wrap=True
+    )
 
 
 def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
@@ -139,24 +179,36 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
         _say(f"{reason} at t = {run.simulated_s:g} s", console)
-        console.print(f"to go on: {go_on(folder, world)}")
-    except CaseError as error:
-        return _ended(run, WRONG, "refused", str(error), folder, world)
-    except SolverMissing as error:
-        return _ended(run, MISSING, "refused", str(error), folder, world)
-    except (SolverFailed, OSError, MemoryError) as error:
-        return _ended(run, FAILED, "failed", _noted(str(error) or OUT, error), folder, world)
-    except KeyboardInterrupt:
-        return _ended(run, AT_ONCE, "interrupted", "stopped at once", folder, world)
-    except Exception as error:
-        LOG.exception("a mistake in flipflow")
-        reason = _noted(f"a mistake in flipflow: {type(error).__name__}: {error}", error)
-        return _ended(run, BROKEN, "failed", reason, folder, world)
+        console.print(run_folder.legible(f"to go on: {go_on(folder, world)}"))
+    except BaseException as error:
+        return _ended(run, *_ending(error), folder, world)
     else:
         code, status, reason = DONE, trust.DONE, ""
-    return ranks.first_rank_does(
-        world, lambda: _finished(run, code, status, reason, folder, console)
-    )
+    try:
+        return ranks.first_rank_does(
+            world, lambda: _finished(run, code, status, reason, folder, console)
+        )
+    except KeyboardInterrupt:
+        _say(f"stopped at once: what the run leaves at its end is not in {folder}", console)
+        return ranks.end_all(world, AT_ONCE)
+
+
+def _ending(error: BaseException) -> tuple[int, str, str]:
+    """Exit code, status and reason of a run that ``error`` ended."""
+    if told_twice(error):
+        return AT_ONCE, "interrupted", "stopped at once"
+    match error:
+        case CaseError():
+            return WRONG, "refused", str(error)
+        case SolverMissing():
+            return MISSING, "refused", str(error)
+        case SolverFailed() | OSError() | MemoryError():
+            return FAILED, "failed", _noted(str(error) or OUT, error)
+        case Exception():
+            LOG.error("a mistake in flipflow", exc_info=error)
+            said = f"a mistake in flipflow: {type(error).__name__}: {error}"
+            return BROKEN, "failed", _noted(said, error)
+    raise error
 
 
 def _finished(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
@@ -216,10 +268,10 @@ def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
         for doubt in figures["doubts"]:
             LOG.warning("do not trust this run: %s", doubt)
             console.print(f"WARNING: do not trust this run: {doubt}")
-    console.print(f"results in {folder}")
+    console.print(run_folder.legible(f"results in {folder}"))
 
 
 def _say(line: str, console: Console) -> None:
     """On the console and in the log."""
     LOG.info(line)
-    console.print(line)
+    console.print(run_folder.legible(line))

@@ -44,6 +44,8 @@ def _save(folder: Path, sync_point: int | None) -> Save:
     if at_work(folder):
         raise FolderUnusable(f"{folder}: the run is still going on")
     save = files.newest(folder) if sync_point is None else files.of(folder, sync_point)
+    if save is None and (torn := files.torn(folder)):
+        raise FolderUnusable(f"{folder}: no save that is whole:\n" + "\n".join(torn))
     if save is None and sync_point is not None:
         raise FolderUnusable(
             f"{folder}: has no whole save of sync point {sync_point}; saves are in "

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
 ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
 WRONG, MISSING, FAILED, INTERRUPTED = 2, 3, 4, 130
+TOO_LARGE = (
+    "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
+)
 
 
 @contextmanager
@@ -31,7 +34,7 @@ def said() -> Iterator[None]:
         code = _code(error)
         if code is None:
             raise
-        ERRORS.print(str(error))
+        ERRORS.print(TOO_LARGE if isinstance(error, MemoryError) else str(error))
         raise typer.Exit(code) from None
 
 
@@ -46,6 +49,7 @@ def _code(error: Exception) -> int | None:
         FolderUnusable: WRONG,
         SolverMissing: MISSING,
         SolverFailed: FAILED,
+        MemoryError: WRONG,
     }
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -43,8 +44,8 @@ def study(folder: Path) -> Iterator[None]:
 
 
 def at_work(folder: Path) -> bool:
-    """Whether a run is going on in this folder."""
-    if not (folder / OF_A_RUN).exists():
+    """Whether a run is going on in this folder; none does where nobody may write."""
+    if not (folder / OF_A_RUN).exists() or not os.access(folder / OF_A_RUN, os.W_OK):
         return False
     try:
         with held(folder / OF_A_RUN):

@@ -117,11 +117,27 @@ def fresh(parent: Path, case: str) -> Path:
     raise AssertionError("numbers do not end")
 
 
+class _Legible(logging.Formatter):
+    """Characters that would command a terminal, such as ESC in the name of a folder, are written
+    as Python writes them."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return legible(super().format(record))
+
+
+def legible(text: str) -> str:
+    """Lines as they are, other characters that do not print as Python writes them."""
+    return "".join(
+        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode()
+        for one in text
+    )
+
+
 @contextmanager
 def logging_to(folder: Path, first: bool) -> Iterator[None]:
     """``run.log`` with times; of ranks other than the first it has errors only."""
     handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
-    handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)-7s %(message)s"))
+    handler.setFormatter(_Legible("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO if first else logging.ERROR)
     LOG.propagate = False  # the console has its own words

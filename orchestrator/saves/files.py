@@ -24,6 +24,7 @@ from orchestrator.saves.names import flat, nested
 
 KEPT = 2
 FOLDER, ABOUT = "saves", "save.json"
+SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
 class TornSave(Exception):
@@ -134,6 +135,17 @@ def newest(run: Path) -> Save | None:
     return None
 
 
+def torn(run: Path) -> list[str]:
+    """What is wrong with the saves that are not whole."""
+    said = []
+    for name in _names(run / FOLDER):
+        try:
+            _checked(run / FOLDER / name)
+        except TornSave as wrong:
+            said.append(str(wrong))
+    return said
+
+
 def of(run: Path, sync_points: int) -> Save | None:
     """The save of that sync point, if there is one and it is whole."""
     folder = run / FOLDER / _name(sync_points)
@@ -154,15 +166,30 @@ def _checked(folder: Path) -> dict[str, Any]:
     """What ``save.json`` says, if the files are as it says.  Raises TornSave."""
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        _must_say(about)
         for name in about["copies"]:
             if Path(name).name != name:
                 raise TornSave(f"{folder / ABOUT} names a file elsewhere: {name}")
         for name, digest in about["sha256"].items():
             if _digest(folder / name) != digest:
                 raise TornSave(f"{folder / name} is not what was written")
-    except (OSError, ValueError, KeyError, AttributeError, TypeError) as error:
+    except KeyError as error:
+        raise TornSave(f"{folder / ABOUT} does not say {error}") from error
+    except (OSError, ValueError, AttributeError, TypeError) as error:
         raise TornSave(f"{folder} cannot be read: {error}") from error
     return about
+
+
+def _must_say(about: dict[str, Any]) -> None:
+    """Raises KeyError for what is missing of that which a run is taken up with; ValueError or
+    TypeError for what is something else."""
+    for key in ("name", "level", "case", "files", "copies", "sha256"):
+        about[key]
+    for key in SAID_OF_ORIGIN:
+        about["provenance"][key]
+    int(about["provenance"]["ranks"])
+    int(about["sync_points"])
+    float(about["progress"]["figures"]["simulated_s"])
 
 
 def _names(parent: Path) -> list[str]:

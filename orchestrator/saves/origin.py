@@ -15,10 +15,10 @@ from orchestrator.casefile.errors import shown
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.records.provenance import provenance
 from orchestrator.records.run_folder import RECORDING, FolderUnusable, resolved
-from orchestrator.saves.files import Save
+from orchestrator.saves.files import SAID_OF_ORIGIN, Save
 
 FREE = {"title", "description", "default_level", "output", "save", "watch"}
-SAME_BITS = ("host", "machine", "python", "versions", "commit")
+SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
 
 
 def origin(loaded: LoadedCase, run: Path, world: Any) -> dict[str, Any]:

@@ -52,7 +52,16 @@ def _all_of(terminal: int) -> str:
 
 def test_help_names_every_exit_code_and_manual() -> None:
     said = flipflow("--help").stdout
-    for code in ("0 done", "1 a mistake", "2 the case", "3 a solver", "4 a solver", "130", "143"):
+    for code in (
+        "0 done",
+        "1 a mistake",
+        "2 the case",
+        "3 a solver",
+        "4 a solver",
+        "129",
+        "130",
+        "143",
+    ):
         assert code in said
     for page in re.findall(r"docs/[\w-]+\.md", said):
         assert (ROOT / page).is_file()
@@ -67,3 +76,28 @@ def test_list_and_check_load_no_solver() -> None:
     assert flipflow("list", before=blocked).returncode == 0
     done = flipflow("check", "cases/quickstart", "--level", "draft", before=blocked)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_folder_s_name_commands_no_terminal(tmp_path: Path) -> None:
+    folder = tmp_path / "red \x1b[31m\x1b]0;owned\x07"
+    done = flipflow(*run_words("quickstart", folder, SHORT))
+    assert done.returncode == 0, done.stderr
+    for said in (done.stderr, (folder / "run.log").read_text()):
+        assert "\x1b" not in said
+        assert "\x07" not in said
+        assert r"red \x1b[31m\x1b]0;owned\x07" in said
+    done = flipflow(*run_words("quickstart", folder, SHORT))
+    assert done.returncode == 2
+    assert "\x1b" not in done.stderr
+    assert "exists already" in done.stderr
+
+
+def test_nobody_reads_what_is_said(tmp_path: Path) -> None:
+    """A pipe that is closed at its other end, as by ``| head``, is no reason to stop."""
+    read, write = os.pipe()
+    os.close(read)
+    words = command(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
+    run = subprocess.Popen(words, cwd=ROOT, stderr=write, stdout=write)
+    os.close(write)
+    assert run.wait(timeout=HANG_S) == 0
+    assert re.search(LINE, (tmp_path / "run/run.log").read_text())

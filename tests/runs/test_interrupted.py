@@ -1,14 +1,29 @@
-"""Exit codes 130 and 143: a run that is told to stop ends its sync interval and its books."""
+"""Exit codes 129, 130 and 143: a run that is told to stop ends its sync interval and its books."""
 
 from __future__ import annotations
 
+import fcntl
+import os
+import pty
 import signal
 import subprocess
+import termios
 from pathlib import Path
 
 import pytest
 
-from tests.runs.outside import HANG_S, QUICK, left_usable, run_words, started, times, wait_until
+from orchestrator.saves.files import newest
+from tests.runs.outside import (
+    HANG_S,
+    QUICK,
+    ROOT,
+    command,
+    left_usable,
+    run_words,
+    started,
+    times,
+    wait_until,
+)
 
 LONG = [*QUICK, "duration_s=30"]
 # waits in the third interval until it is told to stop a second time
@@ -25,7 +40,7 @@ two_mass.TwoMassFrames.advance = stuck
 """
 
 
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_it_ends_its_interval_and_its_books(tmp_path: Path, name: str) -> None:
     folder, number = tmp_path / "run", getattr(signal, name)
     run = started(*run_words("quickstart", folder, LONG))
@@ -60,3 +75,70 @@ def test_told_twice_it_does_not_wait(tmp_path: Path) -> None:
     assert "Traceback" not in said
     summary = left_usable(folder, "interrupted")
     assert (summary["reason"], summary["sync_intervals"]) == ("stopped at once", 2)
+
+
+def test_nohup_keeps_what_it_promises(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    nohup = "import signal\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)"
+    run = started(*run_words("quickstart", folder, LONG), before=nohup)
+    wait_until(lambda: (folder / "particles.pvd").exists())
+    run.send_signal(signal.SIGHUP)
+    with pytest.raises(subprocess.TimeoutExpired):
+        run.wait(timeout=2.0)
+    run.send_signal(signal.SIGTERM)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 128 + signal.SIGTERM, said
+    assert "stopped by SIGTERM at t = " in said
+
+
+def test_a_terminal_that_closes(tmp_path: Path) -> None:
+    """All is written and saved, although there is nobody left to tell."""
+    folder = tmp_path / "run"
+    ours, theirs = pty.openpty()
+    run = subprocess.Popen(
+        command(*run_words("quickstart", folder, LONG)),
+        cwd=ROOT,
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        start_new_session=True,
+        preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
+    )
+    os.close(theirs)
+    shown = b""
+    while b"simulating" not in shown:
+        shown += os.read(ours, 4096)
+    wait_until(lambda: (folder / "particles.pvd").exists())
+    os.close(ours)
+    assert run.wait(timeout=HANG_S) == 128 + signal.SIGHUP
+    assert left_usable(folder, "interrupted")["reason"] == "stopped by SIGHUP"
+    assert newest(folder) is not None
+    assert "ERROR" not in (folder / "run.log").read_text()
+
+
+# an archive that a second signal leaves open complains of that, not of the signal
+SAVING = """
+import pathlib, time, zipfile
+import numpy
+def savez(file, **arrays):
+    with zipfile.ZipFile(file, "w") as archive:
+        part = archive.open("positions", "w")
+        part.write(bytes(1000))
+        pathlib.Path({marker!r}).touch()
+        time.sleep(300)
+numpy.savez = savez
+"""
+
+
+def test_told_twice_during_a_save(tmp_path: Path) -> None:
+    folder, marker = tmp_path / "run", tmp_path / "saving"
+    before = SAVING.format(marker=str(marker))
+    run = started(*run_words("empty-machine", folder, LONG), before=before)
+    wait_until(lambda: (folder / "history.h5").exists())
+    run.send_signal(signal.SIGINT)
+    wait_until(marker.exists)
+    run.send_signal(signal.SIGINT)
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 130, said
+    assert "Traceback" not in said
+    assert left_usable(folder, "interrupted")["reason"] == "stopped at once"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import random
 import shutil
 import signal
+import subprocess
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 
 from orchestrator.commands import launch
 from orchestrator.commands.resume import resume
+from orchestrator.saves import files
 from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
 from tests.runs.same_run import run_differences
 
@@ -145,8 +148,43 @@ def test_a_save_that_names_a_file_elsewhere_is_torn(
         about = save / "save.json"
         about.write_text(about.read_text().replace('"history.h5"', '"../../../mine.txt"'))
     assert resume(folder, []) == launch.WRONG
-    assert "nothing was saved" in capsys.readouterr().err
+    assert "names a file elsewhere: ../../../mine.txt" in capsys.readouterr().err
     assert other.read_text() == "mine"
+
+
+@pytest.mark.parametrize("key", ["ranks", "commit", "sync_points", "case"])
+def test_a_save_that_does_not_say_all_of_itself_is_torn(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], key: str
+) -> None:
+    """The one before is taken; if there is none, the reason is said."""
+    folder = Path(shutil.copytree(saved, tmp_path / "run"))
+    for left, save in enumerate(reversed(saves(folder))):
+        about = save / "save.json"
+        about.write_text(about.read_text().replace(f'"{key}"', '"another"'))
+        assert (left == 0) == (files.newest(folder) is not None)
+    assert resume(folder, []) == launch.WRONG
+    said = capsys.readouterr().err
+    assert "no save that is whole:\n" in said
+    assert f"save.json does not say '{key}'\n" in said
+
+
+def test_a_run_on_a_disk_that_is_read_only(
+    saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if os.geteuid() != 0 or subprocess.run(["mount", "-t", "tmpfs", "tmpfs", disk]).returncode:
+        pytest.skip("only root can mount a disk")
+    try:
+        shutil.copytree(saved, disk / "run")
+        subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+        assert resume(disk / "run", ["duration_s=0.013"]) == launch.WRONG
+        said = capsys.readouterr().err
+        assert "Read-only file system" in said
+        assert str(disk) in said
+        assert "mistake" not in said
+    finally:
+        subprocess.run(["umount", disk], check=True)
 
 
 def test_another_case_is_refused_with_all_that_changed(

@@ -62,3 +62,27 @@ def test_what_a_solver_refuses_when_it_is_opened(tmp_path: Path) -> None:
     said_plainly(done)
     assert "panel: strip cannot take this case; panel deck: step_s = 3 is above 2" in done.stderr
     assert not (tmp_path / "run").exists()
+
+
+TOO_LARGE = """
+from adapters.panel import sheet
+def largest_step_s(plan):
+    raise MemoryError("std::bad_alloc")
+sheet.largest_step_s = largest_step_s
+"""
+
+
+@pytest.mark.solver
+@pytest.mark.parametrize("word", ["run", "check"])
+def test_a_mesh_that_does_not_fit_into_memory(tmp_path: Path, word: str) -> None:
+    """DOLFINx says std::bad_alloc of a thousand times a thousand cells, after half a minute."""
+    folder = tmp_path / "run"
+    words = run_words("quickstart", folder, [*QUICK, "panel.solver=sheet", "panel.cells=[8,3]"])
+    if word == "check":
+        words = ["check", *(one for one in words[1:] if one not in ("--out", str(folder)))]
+    done = flipflow(*words, before=TOO_LARGE)
+    assert done.returncode == 2, done.stderr
+    said_plainly(done)
+    assert done.stderr.splitlines()[-1].startswith("out of memory: the case is too large for this")
+    assert "panel.cells" in done.stderr
+    assert not folder.exists()
