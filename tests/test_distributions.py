@@ -122,10 +122,7 @@ def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:
     info = tmp_path / "pandas-1.5.3.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: pandas\nVersion: 1.5.3\n")
-    code = (
-        "from orchestrator.records.distributions import departures, distributions;"
-        "print(departures(distributions()))"
-    )
+    code = "from orchestrator.records.distributions import warnings; print(warnings())"
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,
@@ -133,4 +130,5 @@ def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:
         check=True,
         env={"PYTHONPATH": str(tmp_path)},
     )
-    assert f"pandas is 1.5.3 from {tmp_path}" in done.stdout
+    assert f"not the program that was tested: pandas is 1.5.3 from {tmp_path}" in done.stdout
+    assert known.warnings() == []

@@ -59,14 +59,14 @@ app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_ma
 def _say_versions(wanted: bool) -> None:
     if not wanted:
         return
-    from orchestrator.records.distributions import departures
+    from orchestrator.records.distributions import warnings
     from orchestrator.records.provenance import commit, versions
 
     for name, number in versions().items():
         typer.echo(f"{name} {number or 'not installed'}")
     typer.echo(f"commit {commit() or 'unknown'}")
-    for one in departures():
-        typer.echo(f"not the program that was tested: {one}")
+    for line in warnings():
+        typer.echo(line)
     raise typer.Exit
 
 

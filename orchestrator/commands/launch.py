@@ -27,8 +27,7 @@ from orchestrator.commands.going_on import go_on, last_good
 from orchestrator.commands.said import TOO_LARGE
 from orchestrator.interruption import Interrupted, told_twice
 from orchestrator.plans import SolverFailed, SolverMissing
-from orchestrator.records import run_folder, summary, trust
-from orchestrator.records.distributions import departures
+from orchestrator.records import distributions, run_folder, summary, trust
 from orchestrator.records.folder_lock import OF_A_RUN, held
 from orchestrator.records.run_folder import LOG, FolderUnusable
 from orchestrator.report.headline import headline
@@ -125,7 +124,7 @@ def carried_out(
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
         _say(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
-        said = [*said, *(f"not the program that was tested: {one}" for one in departures())]
+        said = [*said, *distributions.warnings()]
         try:
             stability = settled_card(loaded.case)
             before = [*said, *warnings(loaded), *plain.warnings(stability), *at_start(entries)]

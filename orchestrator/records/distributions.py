@@ -105,3 +105,12 @@ def departures(found: dict[str, Distribution] | None = None) -> list[str]:
     ]
     missing = [name for origin, name in pinned if origin == DEBIAN and name not in found]
     return said + [f"{name} is not there, docker/debian.txt names it" for name in missing]
+
+
+def warnings() -> list[str]:
+    """One line for a user, where anything is not as it is pinned."""
+    said = departures()
+    if not said:
+        return []
+    more = f", and {len(said) - 1} more (provenance.json has them)" if len(said) > 1 else ""
+    return [f"not the program that was tested: {said[0]}{more}; bash docker/setup.sh mends it"]
