@@ -15,7 +15,7 @@ import time
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, cast
 
 from rich.console import Console
 
@@ -166,9 +166,8 @@ class _StandardError(io.TextIOBase):
 
 
 def _console(quiet: bool = False) -> Console:
-    return Console(
-        file=_StandardError(), quiet=quiet, highlight=False, markup=False, soft_wrap=True
-    )
+    file = cast(IO[str], _StandardError())
+    return Console(file=file, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
 
 
 def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
