@@ -34,15 +34,16 @@ def told_twice(error: BaseException | None) -> bool:
 
 
 class Stop:
-    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait.  One that is
-    ignored from outside stays so: that is what nohup does with SIGHUP."""
+    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait.  SIGHUP stays
+    ignored where it is: that is what nohup does."""
 
     def __init__(self) -> None:
         self.signal: int | None = None
 
     @contextmanager
     def listening(self) -> Iterator[Stop]:
-        heeded = [name for name in SIGNALS if signal.getsignal(name) is not signal.SIG_IGN]
+        nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+        heeded = [name for name in SIGNALS if not (nohup and name == signal.SIGHUP)]
         before = {name: signal.signal(name, self._heard) for name in heeded}
         try:
             yield self
