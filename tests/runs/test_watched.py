@@ -13,6 +13,7 @@ from orchestrator.commands import launch
 from orchestrator.commands.resume import resume
 from orchestrator.ledger import share_created
 from orchestrator.records import trust
+from orchestrator.saves import files
 from tests.runs.outside import flipflow, left_usable, run_words, said_plainly, summary
 from tests.runs.same_run import run_differences
 from tests.runs.test_failed import FAR_TOO_LONG
@@ -78,6 +79,19 @@ def test_the_save_from_before_stays(tmp_path: Path) -> None:
     assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
     assert len(names) == 3
     assert int(names[0]) == 55
+
+
+def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
+    """It is not trusted to the end: what it saves after it was resumed must neither take the place
+    of the last good save nor forget which one that is."""
+    sets = ["save.every_s=0.0011", *UNEASY, "watch.calm_s=1.0"]
+    folder = run(tmp_path / "run", QUICKSTART, sets)
+    assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
+    names = [int(save.name) for save in saves(folder)]
+    assert names == [55, 143, 145]
+    newest = files.newest(folder)
+    assert newest is not None
+    assert (newest.sync_points, newest.good) == (145, 55)
 
 
 def test_a_save_that_is_not_there_is_named(
