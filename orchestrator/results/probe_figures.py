@@ -69,7 +69,7 @@ def _of_a_particle(series: Any, case: Case) -> dict[str, Any]:
         return _unknown("it never was there")
     span = "a cycle" if is_driven(case) else "a fiftieth of the run,"
     interval_s = case.coupling.sync_interval_s
-    if why := rows_too_seldom(time_s, counted_cycle_s(case), interval_s, span):
+    if why := rows_too_seldom(time_s, counted_cycle_s(case), interval_s, span, 0):
         return _unknown(why)
     moved_m, time_s = place_m[there] - place_m[there][0], time_s[there]
     last = moved_m[time_s >= time_s[-1] - AVERAGED * cycle_s(case)]

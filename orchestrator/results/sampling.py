@@ -16,19 +16,24 @@ FEWEST_PHASES = 4  # of a cycle: the mean of n even phases has none of the harmo
 
 
 def rows_too_seldom(
-    time_s: Array, cycle_s: float, sync_interval_s: float, span: str = "a cycle"
+    time_s: Array,
+    cycle_s: float,
+    sync_interval_s: float,
+    span: str = "a cycle",
+    fewest_at_all: int = FEWEST_AT_ALL,
 ) -> str:
     """Why the rows of a series at ``time_s`` do not show how something moves within a cycle; empty
-    where they do.  Rows at every sync point show all that the coupling has seen.  ``span``: what
-    ``cycle_s`` is, in words."""
+    where they do.  ``span``: what ``cycle_s`` is, in words.  ``fewest_at_all`` is wanted where
+    there is a row at every sync point, which shows all that the coupling has seen."""
     if len(time_s) < 2:
         return "the series have one row only (output.series_s)"
     step_s = float(np.diff(time_s).max())
     rows = cycle_s / step_s
-    wanted = FEWEST_AT_ALL if step_s < 1.5 * sync_interval_s else FEWEST_ROWS
+    every = step_s < 1.5 * sync_interval_s
+    wanted = fewest_at_all if every else FEWEST_ROWS
     if rows >= wanted * (1 - 1e-9):
         return ""
-    key = "coupling.sync_interval_s" if wanted == FEWEST_AT_ALL else "output.series_s"
+    key = "coupling.sync_interval_s" if every else "output.series_s"
     return (
         f"the series have {rows:.3g} rows in {span} of {cycle_s:.3g} s; "
         f"{wanted} are needed: {key} of at most {cycle_s / wanted:.2g} s"
