@@ -93,7 +93,8 @@ def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked
         refuse(f"--for: {error.args[0]}")
     if not asked:
         return None
-    return for_results(loaded, Pairs(LIMIT_S, ERRORS.print), budget_s)
+    limit_s = max(LIMIT_S, budget_s / 4)  # of one run: three are the least that say anything
+    return for_results(loaded, Pairs(limit_s, ERRORS.print), budget_s)
 
 
 def list_cases(

@@ -14,6 +14,7 @@ import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +70,11 @@ class Pairs:
     forget: bool = False
     _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        """Files may have changed since another engine read them."""
+        _load.cache_clear()
+        _predicted_s.cache_clear()
+
     def of(self, loaded: LoadedCase, effect: str) -> Pair:
         """The pair of a case and an effect that it has, from memory if it is known."""
         found = key_of(loaded.origin.read(), effect)
@@ -95,12 +101,12 @@ class Pairs:
 
     def _summary(self, path: Path, level: str, sets: tuple[str, ...], what: str) -> dict[str, Any]:
         """Of the run of a case with ``sets``.  Raises NoPair."""
-        loaded = load(path, level, sets)
+        loaded = _load(path, level, sets)
         if wrong := mistakes(loaded):
             raise NoPair(f"{what} cannot be run: {wrong[0]}")
         same = json.dumps([resolved(loaded), str(path)], sort_keys=True, default=str)
         if same not in self._runs:
-            cost_s = _predicted_s(loaded.case)
+            cost_s = _predicted_s(path, level, sets)
             self.say(f"trial run: {what}, {loaded.case.duration_s:g} s, about {cost_s:.0f} s")
             self._runs[same] = _run(path, level, sets, PATIENCE * self.limit_s, what)
         return self._runs[same]
@@ -168,21 +174,28 @@ def _sets(
     sets = (*others, *_watched(case))
     if cheaper:
         sets = (*sets, *_cheaper_panels(case, effect))
-    found = _described(folder, level, sets)
+    every = (*sets, _named(_present(folder, level, sets)))
+    found = _load(folder, level, every)
     if wrong := mistakes(found):
         raise NoPair(str(wrong[0]))
     if not present(found.case, effect):
         raise NoPair(f"{effect} is gone with cheaper panels")
-    return (*sets, *_shorter(found.case, limit_s))
+    return (*sets, *_shorter(found.case, _predicted_s(folder, level, every), limit_s))
 
 
 def _described(folder: Path, level: str, sets: tuple[str, ...]) -> LoadedCase:
     """With all that the case describes, whatever its key ``effects`` says: nothing asks in turn."""
-    return load(folder, level, (*sets, _named(_present(folder, level, sets))))
+    return _load(folder, level, (*sets, _named(_present(folder, level, sets))))
+
+
+@lru_cache(maxsize=256)
+def _load(folder: Path, level: str, sets: tuple[str, ...]) -> LoadedCase:
+    """As ``load``; pairs of many effects ask for the same cases."""
+    return load(folder, level, sets)
 
 
 def _present(folder: Path, level: str, sets: tuple[str, ...]) -> Iterator[str]:
-    case = load(folder, level, (*sets, AUTO)).described
+    case = _load(folder, level, (*sets, AUTO)).described
     return (name for name in EFFECTS if present(case, name))
 
 
@@ -207,14 +220,15 @@ def _cheaper_panels(case: Case, effect: str) -> Iterator[str]:
         yield from ("panel.solver=strip", "panel.integrator=explicit", "panel.step_s=0.0", cells)
 
 
-def _predicted_s(case: Case) -> float:
+@lru_cache(maxsize=256)
+def _predicted_s(folder: Path, level: str, sets: tuple[str, ...]) -> float:
+    case = _load(folder, level, sets).case
     return predicted_s(case, particles_at_start(case))
 
 
-def _shorter(case: Case, limit_s: float) -> Iterator[str]:
+def _shorter(case: Case, cost_s: float, limit_s: float) -> Iterator[str]:
     """Nothing where the case is within the limit; else as long as the limit allows, of whole output
     intervals, if enough cycles of the machine are in it.  Raises NoPair."""
-    cost_s = _predicted_s(case)
     if cost_s <= limit_s:
         return
     machine = turning(case)
