@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import logging
+import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from orchestrator.clock import Interval
+from orchestrator.coupling import Scheme, Solvers, State
 from orchestrator.machine import Machine
 from orchestrator.stability.contact_limits import light_point_s
 from orchestrator.watching.guard import Stopped
@@ -146,3 +150,17 @@ def flat(saved: dict, within: str = "") -> dict:
         key = f"{within}/{name}"
         found |= flat(value, key) if isinstance(value, dict) else {key: value}
     return found
+
+
+def test_what_a_scheme_does_itself_is_booked_as_coupling(tmp_path: Path) -> None:
+    """Robin's trial runs, and iterates that are taken back, are no "rest"."""
+    machine = on_a_line(Sphere(1.0, 1.0, 9.0, 0.0), HungPlate(2.0, 3.0), FreeFrame(5.0), "robin")
+
+    def slow(solvers: Solvers, interval: Interval, now: State) -> State:
+        time.sleep(0.01)
+        return machine.scheme.advance(solvers, interval, now)
+
+    tried = replace(machine, scheme=Scheme(slow))
+    with tried.stopwatch("rest"):
+        guarded(tmp_path, tried, 0.1, 5)
+    assert 0.05 <= tried.stopwatch.wall_s["coupling"] < 0.5
