@@ -12,6 +12,7 @@ from rich.table import Table
 
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.ladder.stored import measured
+from orchestrator.results.scalars import SCALARS
 from orchestrator.scene.catalogue import Judged, spared, with_dependents
 from orchestrator.scene.effect import Part, in_words
 from orchestrator.scene.pair import Pair
@@ -66,7 +67,7 @@ def judged_of(
     """The case as it describes itself, and what of it is here; with ``pairs`` of runs for the
     results ``asked`` for, by default those that the case itself has."""
     if pairs is None:
-        pairs, asked = loaded.choice.pairs, loaded.choice.asked
+        pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
 
     def here(one: Judged) -> Judged:
         return replace(one, present=one.present and one.effect not in loaded.left_out)

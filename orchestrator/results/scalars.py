@@ -164,6 +164,12 @@ SCALARS: dict[str, Scalar] = {
 }
 
 
+def is_of_separation(name: str) -> bool:
+    """Whether a result is of what came in and went out."""
+    separated = ("efficiency", "recovery", "undersize", "oversize")
+    return name in separated or name.startswith("results.screening.")
+
+
 def scalar(name: str) -> Scalar:
     """By its short name, or by a path of keys with dots.  Raises KeyError with what is near."""
     if name in SCALARS:

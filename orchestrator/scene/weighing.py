@@ -3,6 +3,7 @@
 An estimate that says "may be left out" is overruled to "cannot say" where
 
 - it is within its own error of the threshold (``Verdict.is_close``), or
+- the separation is asked for, and the effect brings or removes material, or
 - something that the case has would go with the effect, as it needs it or as the solver that leaves
   the effect out does not know it, and matters or cannot be judged.
 
@@ -15,6 +16,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 from orchestrator.casefile.case import Case
+from orchestrator.results.scalars import is_of_separation
 from orchestrator.scene.catalogue import Judged, judged, needs_of, taken_along
 from orchestrator.scene.effect import MARGIN, TENTH, Part, Verdict, in_words
 from orchestrator.scene.pair import Change, Pair
@@ -31,6 +33,8 @@ def weighed(
         if name in by_name:
             verdict = measured(by_name[name].verdict, pair, asked)
             by_name[name] = replace(by_name[name], verdict=verdict)
+    if any(is_of_separation(name) for name in asked):
+        by_name = {name: _separated(one) for name, one in by_name.items()}
     close = {name: _far_enough(one) for name, one in by_name.items()}
     every = [_consistent(case, one, close.values()) for one in close.values()]
     kept = {one.effect: one for one in every}
@@ -80,6 +84,14 @@ def _figures(change: Change) -> str:
     )
     chance = "" if change.uncertain is None else f", +- {100 * change.uncertain:.2g} % by chance"
     return f"{with_it} with it, {without} without{chance}"
+
+
+def _separated(one: Judged) -> Judged:
+    """Without what comes and goes a run has no separation to tell of, however little that is."""
+    if one.effect not in ("feed", "removal") or one.verdict.matters is not False:
+        return one
+    why = f"{one.verdict.why}; yet without it there is no separation, which is asked for"
+    return replace(one, verdict=replace(one.verdict, matters=None, why=why))
 
 
 def _far_enough(one: Judged) -> Judged:

@@ -182,7 +182,8 @@ def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> No
 def test_auto_keeps_a_feed_that_is_all_there_is(tmp_path: Path) -> None:
     given = ["effects=auto", FEED, "duration_s=0.005", "screen.inclination_deg=20"]
     assert load(written(tmp_path, BARE), None, given).case.bed.feeds
-    with_ball = load(written(tmp_path), None, given)
+    assert load(written(tmp_path), None, given).case.bed.feeds, "any result may be asked for"
+    with_ball = load(written(tmp_path), None, [*given, 'effects_for=["stroke"]'])
     assert not with_ball.case.bed.feeds
     assert "feed" in with_ball.left_out
 

@@ -16,6 +16,7 @@ from orchestrator.casefile.levels import load
 from orchestrator.checks import table_mistakes
 from orchestrator.commands.cli import app
 from orchestrator.commands.explain import COLUMNS, table
+from orchestrator.results.scalars import SCALARS
 from orchestrator.scene.catalogue import EFFECTS, judged, spared
 from orchestrator.scene.weighing import weighed
 from tests.case.cases import CASE, written
@@ -50,7 +51,8 @@ def test_every_case_can_do_without_what_may_be_left_out(
     """And is then a case without mistakes in its tables, which has none of these effects."""
     found = load(CASES / case, level, [f"effects={effects}"])
     assert table_mistakes(found) == []
-    here = [one for rows in weighed(found.case).values() for one in rows if one.present]
+    asked = weighed(found.case, None, (*SCALARS,))
+    here = [one for rows in asked.values() for one in rows if one.present]
     spare = spared(here) if effects == "auto" else [one.effect for one in here if one.can_go]
     assert spare == []
 
