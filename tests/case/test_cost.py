@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from statistics import median
 from typing import get_args
 
 import pytest
@@ -117,7 +118,11 @@ def test_times_are_said_in_familiar_units(time_s: float, said: str) -> None:
 @pytest.mark.slow
 @pytest.mark.solver
 @pytest.mark.process
-@pytest.mark.parametrize("name", IN_THE_SUITE)
-def test_a_run_takes_what_was_predicted(name: str) -> None:
-    """Processor time, within a factor of 1.5."""
-    assert 1 / 1.5 < compared(name).ratio < 1.5
+def test_runs_take_what_was_predicted() -> None:
+    """Processor time of six cases, within a factor of 1.5, on a machine that may be faster or
+    slower than the one that was measured on: by their median, a factor of three at most."""
+    ratios = {name: compared(name).ratio for name in IN_THE_SUITE}
+    machine = median(ratios.values())
+    assert 1 / 3 < machine < 3
+    for name, ratio in ratios.items():
+        assert 1 / 1.5 < ratio / machine < 1.5, (name, ratios)
