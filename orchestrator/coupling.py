@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from orchestrator.clock import Interval
 from orchestrator.ports import (
     Array,
@@ -50,10 +52,13 @@ class State:
 
 @dataclass(frozen=True)
 class Pending:
-    """Impulse, (3,) each, that was given at a sync point but not yet received above."""
+    """Impulse, (3,) each, that was given at a sync point but not yet received above, and its
+    moments about the world's origin."""
 
     load_N_s: Array
     reaction_N_s: Array
+    load_N_m_s: Array
+    reaction_N_m_s: Array
 
 
 class Memory(Restorable, Protocol):
@@ -76,9 +81,13 @@ class Scheme:
     def pending(self, state: State, interval: Interval) -> Pending:
         """What is in transit after ``interval``."""
         held_s = interval.length_s if self.late else 0.0
+        load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
+        clamps = slice(len(reaction_N))  # the first of the carried points
         return Pending(
-            held_s * state.load.force_N.sum(axis=0),
-            held_s * state.panel.reaction.force_N.sum(axis=0),
+            held_s * load_N.sum(axis=0),
+            held_s * reaction_N.sum(axis=0),
+            held_s * np.cross(state.panel.surface.position_m, load_N).sum(axis=0),
+            held_s * np.cross(state.clamps.position_m[clamps], reaction_N).sum(axis=0),
         )
 
     def figures(self) -> dict[str, Any]:

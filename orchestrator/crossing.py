@@ -146,6 +146,17 @@ class Mount:
 
 
 @dataclass(frozen=True)
+class AngularAccount:
+    """Angular momentum about the world's origin, (3,) each: ``momentum_kg_m2_s`` now,
+    ``outside_impulse_N_m_s`` received since t = 0 from everything that is not a port, and
+    ``received_N_m_s`` through each port, from the solver's own places inside the interval."""
+
+    momentum_kg_m2_s: Array
+    outside_impulse_N_m_s: Array
+    received_N_m_s: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
 class Account:
     """What a solver owns and what went through it since t = 0 (all SI, world frame).
 
@@ -155,6 +166,7 @@ class Account:
     name, summed since t = 0; ``received_J`` the work received through each port since t = 0,
     positive into the solver, computed from the solver's own motion inside the interval.
     A solver's own defect is  d(stored) + lost - supplied - received, zero for a perfect one.
+    ``angular`` is the same for angular momentum, None of a solver that does not tell.
     """
 
     momentum_kg_m_s: Array
@@ -163,6 +175,7 @@ class Account:
     lost_J: Mapping[str, float] = field(default_factory=dict)
     supplied_J: Mapping[str, float] = field(default_factory=dict)
     received_J: Mapping[str, float] = field(default_factory=dict)
+    angular: AngularAccount | None = None
 
 
 @dataclass(frozen=True)

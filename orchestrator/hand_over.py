@@ -17,6 +17,7 @@ from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.ports import (
     Account,
+    Crossings,
     Frames,
     Inertia,
     Known,
@@ -123,6 +124,9 @@ class ParticlesOnStillSurface:
 
     def overlaps(self) -> Overlaps:
         return self._particles.overlaps()
+
+    def crossings(self) -> Crossings:
+        return self._particles.crossings()
 
     def account(self) -> Account:
         return self._particles.account()

@@ -166,12 +166,39 @@ class Ledger:
             residual[member] = _relative(terms, size_N_s)
         return residual
 
+    def angular_momentum_residual(self, pending: Pending) -> dict[str, float]:
+        """The same about the world's origin: of members that tell their angular momentum, to
+        rounding; of interfaces what mean loads on mean places leave (docs/theory/coupling.md)."""
+        members, now = self._members, self._accounts()
+        frames, panel, particles = members.frames, members.panel, members.particles
+        held = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
+        residual = {"panel-frames": _relative([panel.given_N_m_s, -frames.received_N_m_s, -held])}
+        for member, account in now.items():
+            opening = self._opening[member].angular
+            if account.angular is None or opening is None:
+                continue
+            angular = account.angular
+            outside = angular.outside_impulse_N_m_s - opening.outside_impulse_N_m_s
+            received = {
+                port: value - opening.received_N_m_s[port]
+                for port, value in angular.received_N_m_s.items()
+            }
+            had, has = opening.momentum_kg_m2_s, angular.momentum_kg_m2_s
+            terms = [has, -had, -outside, *(-one for one in received.values())]
+            residual[member] = _relative(terms)
+            if member == "particles" and particles is not None:
+                held = pending.load_N_m_s - self._opening_pending.load_N_m_s
+                terms = [-received["surface"], -panel.received_N_m_s, -held]
+                residual["particles-panel"] = _relative(terms)
+        return residual
+
     def figures(self, pending: Pending) -> dict[str, Any]:
         """For ``summary.json``."""
         residuals = self.momentum_residual(pending)
         return {
             "momentum_residual_relative": max(residuals.values()),
             "momentum_residuals": residuals,
+            "angular_momentum_residuals": self.angular_momentum_residual(pending),
             "energy_ledger_J": self.energy_J(),
         }
 
@@ -180,7 +207,7 @@ def _change(now: Mapping[str, float], opening: Mapping[str, float]) -> dict[str,
     return {kind: value - opening.get(kind, 0.0) for kind, value in now.items()}
 
 
-def _relative(terms: list[Array], size_N_s: float) -> float:
-    """Size of the sum over the sum of the sizes, ``size_N_s`` among them."""
-    size = size_N_s + sum(float(np.linalg.norm(term)) for term in terms)
+def _relative(terms: list[Array], least_size: float = 0.0) -> float:
+    """Size of the sum over the sum of the sizes, ``least_size`` among them."""
+    size = least_size + sum(float(np.linalg.norm(term)) for term in terms)
     return float(np.linalg.norm(np.sum(terms, axis=0))) / size if size > 0 else 0.0

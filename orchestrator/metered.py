@@ -16,6 +16,7 @@ from orchestrator.naming import named
 from orchestrator.ports import (
     Account,
     Array,
+    Crossings,
     Frames,
     Inertia,
     Known,
@@ -38,6 +39,17 @@ from orchestrator.state import put_back, restorable, taken
 from orchestrator.stopwatch import Stopwatch
 from orchestrator.timed_panel import timed
 
+_OF_FRAMES = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
+_OF_PANELS = (
+    "received_N_s",
+    "given_N_s",
+    "through_N_s",
+    "received_N_m_s",
+    "given_N_m_s",
+    "_surface",
+    "_clamps",
+)
+
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
     """(3,) what a mean load hands over in the interval."""
@@ -49,9 +61,18 @@ def size_N_s(load: Load, interval: Interval) -> float:
     return float(interval.length_s * np.abs(load.force_N).sum())
 
 
+def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
+    """(3,) about the world's origin: what a mean load hands over in the interval to points that
+    move smoothly from ``start`` to ``end`` (cubic Hermite), by the mean of their places."""
+    mean_m = (start.position_m + end.position_m) / 2.0
+    mean_m += interval.length_s / 12.0 * (start.velocity_m_s - end.velocity_m_s)
+    return np.asarray(interval.length_s * np.cross(mean_m, load.force_N).sum(axis=0))
+
+
 class MeteredFrames:
     """``received_N_s`` (3,): impulse of the panels on the frames since t = 0, ``through_N_s`` the
-    sum of its sizes; ``last`` what they felt last, and where that took them."""
+    sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` what
+    they felt last, and where that took them."""
 
     last: tuple[Load, Motion]
 
@@ -59,17 +80,21 @@ class MeteredFrames:
         self._frames, self._name, self._stopwatch = frames, name, stopwatch
         self.received_N_s: Array = np.zeros(3)
         self.through_N_s = 0.0
+        self.received_N_m_s: Array = np.zeros(3)
 
     def initial(self) -> Motion:
         with named(self._name, None):
-            return self._frames.initial()
+            self._now = self._frames.initial()
+        return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
         self.through_N_s += size_N_s(reaction, interval)
         with self._stopwatch("frames"), named(self._name, interval):
             motion = self._frames.advance(interval, reaction)
-        self.last = reaction, motion
+        moment_given_N_m_s = moment_N_m_s(reaction, self._now, motion, interval)
+        self.received_N_m_s = self.received_N_m_s + moment_given_N_m_s
+        self.last, self._now = (reaction, motion), motion
         return motion
 
     def ahead(self, interval: Interval) -> Known | None:
@@ -80,24 +105,21 @@ class MeteredFrames:
         return self._frames.account()
 
     def save(self) -> Saved:
-        meters = taken(self, "received_N_s", "through_N_s")
-        return meters | {"inner": restorable(self._frames).save()}
+        return taken(self, *_OF_FRAMES) | {"inner": restorable(self._frames).save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "received_N_s", "through_N_s")
+        put_back(self, saved, *_OF_FRAMES)
         restorable(self._frames).restore(saved["inner"])
 
     def close(self) -> None:
         self._frames.close()
 
 
-_OF_PANELS = ("received_N_s", "given_N_s", "through_N_s")
-
-
 class MeteredPanel:
     """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0, and
-    ``through_N_s`` the sum of the sizes of both; ``last`` where the clamps were told to go, under
-    which load, and what came of it."""
+    ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s`` (3,) their
+    moments about the world's origin; ``last`` where the clamps were told to go, under which load,
+    and what came of it."""
 
     last: tuple[Motion, Load, PanelState]
 
@@ -107,12 +129,22 @@ class MeteredPanel:
         self.received_N_s: Array = np.zeros(3)
         self.given_N_s: Array = np.zeros(3)
         self.through_N_s = 0.0
+        self.received_N_m_s: Array = np.zeros(3)
+        self.given_N_m_s: Array = np.zeros(3)
+        self._clamps = Motion(panel.mount.position_m, np.zeros_like(panel.mount.position_m))
 
     def initial(self) -> PanelState:
-        return self._panel.initial()
+        state = self._panel.initial()
+        self._surface = state.surface
+        return state
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state = self._panel.advance(interval, clamps, load)
+        received_N_m_s = moment_N_m_s(load, self._surface, state.surface, interval)
+        given_N_m_s = moment_N_m_s(state.reaction, self._clamps, clamps, interval)
+        self.received_N_m_s = self.received_N_m_s + received_N_m_s
+        self.given_N_m_s = self.given_N_m_s + given_N_m_s
+        self._surface, self._clamps = state.surface, clamps
         self.received_N_s = self.received_N_s + impulse_N_s(load, interval)
         self.given_N_s = self.given_N_s + impulse_N_s(state.reaction, interval)
         self.through_N_s += size_N_s(load, interval) + size_N_s(state.reaction, interval)
@@ -181,6 +213,9 @@ class MeteredParticles:
 
     def overlaps(self) -> Overlaps:
         return self._particles.overlaps()
+
+    def crossings(self) -> Crossings:
+        return self._particles.crossings()
 
     def account(self) -> Account:
         return self._particles.account()

@@ -132,4 +132,5 @@ def total(accounts: Sequence[Account]) -> Account:
         keys = dict.fromkeys(key for value in values for key in value)
         return {key: sum(value.get(key, 0.0) for value in values) for key in keys}
 
-    return Account(**{f.name: added(f.name) for f in fields(Account)})
+    # no panel tells its angular momentum
+    return Account(**{f.name: added(f.name) for f in fields(Account) if f.name != "angular"})

@@ -19,6 +19,7 @@ from scipy.sparse import csr_array
 from orchestrator.clock import Interval
 from orchestrator.crossing import (
     Account,
+    AngularAccount,
     Array,
     BrokenRecord,
     Indices,
@@ -31,15 +32,17 @@ from orchestrator.crossing import (
     Response,
     counted,
 )
-from orchestrator.particle_records import Overlaps, ParticleSnapshot, Removed, in_order
+from orchestrator.particle_records import Crossings, Overlaps, ParticleSnapshot, Removed, in_order
 
 if TYPE_CHECKING:
     from orchestrator.hermite import Path
 
 __all__ = [
     "Account",
+    "AngularAccount",
     "Array",
     "BrokenRecord",
+    "Crossings",
     "Following",
     "Frames",
     "Indices",
@@ -141,7 +144,13 @@ class Particles(Protocol):
         ...
 
     def overlaps(self) -> Overlaps:
-        """Of now; alike on every rank."""
+        """The deepest of all steps since this was last asked, the first time since t = 0; at a sync
+        point, alike on every rank (collective under MPI)."""
+        ...
+
+    def crossings(self) -> Crossings:
+        """Particles that went through the surface, looked for in every step; alike on every rank,
+        and known there without asking the others."""
         ...
 
     def account(self) -> Account:

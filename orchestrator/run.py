@@ -98,6 +98,8 @@ class Run:
         except (Interrupted, Stopped) as stopped:
             interrupted, state = stopped, stopped.state
             self._save(keeper, state)
+            recorder.last_contacts()
+            self._progress.figures["material"] = recorder.material()
         finally:
             self._progress.figures["watch"] = guard.figures(self._done)
             recorder.close()

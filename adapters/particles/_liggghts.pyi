@@ -108,13 +108,28 @@ class Engine:
     def worn_m3(self) -> Array:
         """(points,) since t = 0; empty without ``set_wear``."""
 
+    def angular_impulse_N_m_s(self) -> Array:
+        """(3,) about the world's origin, of all forces of this rank's particles on the surface
+        points since t = 0."""
+
+    def mass_moment_time_kg_m_s(self) -> Array:
+        """(3,) integral over time since t = 0 of the sum of mass times place of this rank's
+        particles."""
+
     def surface_work_J(self) -> float:
         """Done by the surface on the particles since t = 0."""
 
     def surface_energy_J(self) -> tuple[float, float]:
         """Elastic energy and (negative) energy of adhesion in contacts with the surface."""
 
-    def deepest_overlaps(self) -> tuple[float, float, float, float]: ...
+    def take_deepest_overlaps(self) -> tuple[float, float, float, float]:
+        """Of this rank's contacts in all force evaluations since this was last asked: overlap and
+        its share of a diameter, between particles and with the surface."""
+
+    def take_crossings(self) -> dict[str, npt.NDArray[Any]]:
+        """Particles of this rank whose centre went through a triangle since this was last asked:
+        tag, step of the last ``run``, from 1, (n,), and x (n, 3) at the end of that step."""
+
     def surface_contacts(self) -> int: ...
     def pair_energy_J(self) -> tuple[float, float]:
         """The same between particles; a contact with another rank's particle counts half."""

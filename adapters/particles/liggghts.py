@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from adapters.particles.liggghts_input import FIRST_EVALUATION
 from adapters.particles.liggghts_ledger import Ledger
-from adapters.particles.liggghts_records import removed, snapshot
+from adapters.particles.liggghts_records import Arrays, crossings, removed, snapshot
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
 from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
@@ -25,6 +25,7 @@ from orchestrator.ports import (
     Account,
     Array,
     BrokenRecord,
+    Crossings,
     Load,
     Overlaps,
     ParticleSnapshot,
@@ -63,6 +64,7 @@ class Liggghts:
         self._comm: Any = plan.communicator or MPI.COMM_SELF
         self._ledger = Ledger(plan, self._comm)
         self._created = 0
+        self._deepest, self._crossings = np.zeros(4), Crossings.none()
         self._unprepared = False
         self._removed: list[Removed] = []
         with ExitStack() as opened:
@@ -116,7 +118,9 @@ class Liggghts:
             ) from error
         self._ledger.fell(interval.length_s)
         self._take_out(interval, interval.length_s / steps)
-        self._check(interval.end_s)
+        crossed = self._engine.take_crossings()
+        if self._check(interval.end_s, len(crossed["tag"])):
+            self._add_crossings(crossed, interval.start_s, interval.length_s / steps)
         return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
@@ -129,9 +133,12 @@ class Liggghts:
 
     def overlaps(self) -> Overlaps:
         self._prepare()
-        mine = np.array(self._engine.deepest_overlaps())
-        self._comm.Allreduce(MPI.IN_PLACE, mine, MPI.MAX)
-        return Overlaps(*mine.tolist())
+        since, self._deepest = self._deepest_mine(), np.zeros(4)
+        self._comm.Allreduce(MPI.IN_PLACE, since, MPI.MAX)
+        return Overlaps(*since.tolist())
+
+    def crossings(self) -> Crossings:
+        return self._crossings
 
     def worn_m3(self) -> Array:
         return self._summed(self._engine.worn_m3())
@@ -157,6 +164,8 @@ class Liggghts:
             "engine": self._engine.save(),
             "ledger": self._ledger.save(),
             "created": np.array(self._created),
+            "deepest": self._deepest_mine(),
+            "crossings": as_arrays(self._crossings),
             "removed": as_arrays(in_order(self._removed)),
         }
 
@@ -164,6 +173,9 @@ class Liggghts:
         self._engine.restore(saved["engine"])
         self._ledger.restore(saved["ledger"])
         self._created = int(saved["created"])
+        self._engine.take_deepest_overlaps()  # of what was evaluated to get back there
+        self._deepest = np.array(saved["deepest"])
+        self._crossings = like(Crossings.none(), saved["crossings"])
         self._removed = [like(in_order([]), saved["removed"])]
         self._unprepared = False
 
@@ -196,7 +208,7 @@ class Liggghts:
         mine = self._engine.take_removed()
         # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_s2
-        self._ledger.removed(mine, interval.length_s - step_s * mine["step"])
+        self._ledger.removed(mine, interval.length_s - step_s * mine["step"], step_s)
         if len(mine["tag"]):
             self._removed.append(removed(mine, interval.start_s + step_s * mine["step"]))
 
@@ -206,10 +218,25 @@ class Liggghts:
             self._engine.prepare()
             self._unprepared = False
 
-    def _check(self, time_s: float) -> None:
+    def _deepest_mine(self) -> Array:
+        """Of this rank's contacts since ``overlaps`` was last asked, in the order of the record."""
+        self._deepest = np.maximum(self._deepest, self._engine.take_deepest_overlaps())
+        return self._deepest.copy()
+
+    def _add_crossings(self, mine: Arrays, start_s: float, step_s: float) -> None:
+        """Of the last interval; every rank gets those of all."""
+        ranks = self._comm.allgather(crossings(mine, start_s, step_s))
+        some = [one for one in ranks if one.number]
+        for one in sorted(some, key=lambda one: (one.first_time_s, one.first_id)):
+            self._crossings = self._crossings.followed_by(one)
+
+    def _check(self, time_s: float, crossed: int = 0) -> int:
+        """Of all ranks' ``crossed``, the sum.  Raises SolverFailed where a particle is missing, or
+        is nowhere."""
         mine = self._engine.particles()
         bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
-        present, bad = self._comm.allreduce(np.array([len(mine["x"]), bad]))
+        counts = np.array([len(mine["x"]), bad, crossed])
+        present, bad, crossed = self._comm.allreduce(counts)
         if bad:
             raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
         expected = self._created - self._ledger.removed_count
@@ -217,3 +244,4 @@ class Liggghts:
             raise SolverFailed(
                 f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
             )
+        return crossed

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.ports import Array, ParticleSnapshot, Removed
+from orchestrator.ports import Array, Crossings, ParticleSnapshot, Removed
 
 Arrays = dict[str, npt.NDArray[Any]]
 """By LIGGGHTS's names, one row per particle of this rank; ``type`` counts from 1."""
@@ -44,3 +44,13 @@ def removed(mine: Arrays, time_s: Array) -> Removed:
         material=mine["type"].astype(np.int64) - 1,
         exit=mine["exit"].astype(np.int64),
     )
+
+
+def crossings(mine: Arrays, start_s: float, step_s: float) -> Crossings:
+    """Of the particles of this rank that went through the surface in an interval from ``start_s``
+    on; of one step the lowest id counts as the first."""
+    if not len(mine["tag"]):
+        return Crossings.none()
+    first = np.lexsort((mine["tag"], mine["step"]))[0]
+    time_s = start_s + step_s * int(mine["step"][first])
+    return Crossings(len(mine["tag"]), int(mine["tag"][first]), time_s, mine["x"][first])

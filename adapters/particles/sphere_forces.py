@@ -50,7 +50,7 @@ class Forces:
     def carried(self, velocity_m_s: Array) -> Forces:
         """With the surface points at ``velocity_m_s`` (points, 3) from now on; the forces, which
         the next half step takes, stay."""
-        return replace(self, surface_m_s=self.touching.at_contacts(velocity_m_s))
+        return replace(self, surface_m_s=self.touching.at_contacts(velocity_m_s)[0])
 
     def damped(self, velocity_m_s: Array, spin_rad_s: Array) -> Forces:
         """With the dampers' power at the velocities of the full step."""
@@ -58,11 +58,13 @@ class Forces:
         return replace(self, damping_W=-float(np.vdot(self.damping_N, slip_m_s)))
 
     def spent_J(self, jump_m: Array) -> float:
-        """Work that dampers and tangential springs do when the surface points jump by ``jump_m``
-        (points, 3): neither notices, so it is stored nowhere."""
+        """Work that dampers, tangential springs and resistance to rolling do when the surface
+        points jump by ``jump_m`` (points, 3): none of them notices, so it is stored nowhere."""
         pairs = self.touching.pairs
         unaware_N = self.damping_N - self.tangential_N_m[:, None] * self.shear_m
-        return float(np.vdot(unaware_N[pairs:], self.touching.at_contacts(jump_m)))
+        moved_m, turned_rad = self.touching.at_contacts(jump_m)
+        couple_N_m = self.touching.weighted(self.couple_N_m)[pairs:]
+        return float(np.vdot(unaware_N[pairs:], moved_m) + np.vdot(couple_N_m, turned_rad))
 
     def renumbered(self, row: Indices, spheres: int) -> Forces:
         """With sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
@@ -70,9 +72,8 @@ class Forces:
         of_surface = kept[self.touching.pairs :]
         contact_N, turning_N = self.contact_N[kept], self.turning_N[of_surface]
         couple_N_m = self.couple_N_m[kept]
-        force_N, torque_N_m = contacts.on_spheres(
-            contact_N, turning_N, contacts.weighted(couple_N_m), spheres
-        )
+        weighted_N_m = contacts.weighted(couple_N_m)
+        force_N, torque_N_m = contacts.on_spheres(contact_N, turning_N, weighted_N_m, spheres)
         return Forces(
             contacts,
             self.surface_m_s[of_surface],
@@ -87,7 +88,7 @@ class Forces:
             self.adhesion_J[kept],
             force_N,
             torque_N_m,
-            contacts.on_points(contact_N, turning_N, len(self.on_points_N)),
+            contacts.on_points(contact_N, turning_N, weighted_N_m, len(self.on_points_N)),
             self.lost_J,
             self.damping_W,
         )
@@ -120,9 +121,9 @@ def forces_at(
         system.laws.normal,
         before.touching if before is not None else None,
     )
-    surface_m_s = contacts.at_contacts(motion.velocity_m_s)
+    surface_m_s, surface_rad_s = contacts.at_contacts(motion.velocity_m_s)
     slip_m_s = contacts.slip_m_s(spheres.velocity_m_s, spheres.spin_rad_s, surface_m_s)
-    two, weight = partners(contacts, spheres), contacts.weight
+    two, weight = partners(contacts, spheres, surface_rad_s), contacts.weight
     normal = system.laws.normal.at(two.materials, two.radii_m, contacts.overlap_m)
     law = springs(system.laws, two.materials, normal, two.mass_kg)
     earlier = history(contacts, before, len(spheres))
@@ -147,9 +148,8 @@ def forces_at(
     if before is not None and system.laws.normal.reach_m > 0.0:
         lost_J += _necks_J(system, spheres, contacts, earlier, before.touching)
     contact_N, turning_N = contacts.weighted(at.force_N), _turning_N(system.laws, two, contacts)
-    force_N, torque_N_m = contacts.on_spheres(
-        contact_N, turning_N, contacts.weighted(couple_N_m), len(spheres)
-    )
+    weighted_N_m = contacts.weighted(couple_N_m)
+    force_N, torque_N_m = contacts.on_spheres(contact_N, turning_N, weighted_N_m, len(spheres))
     return Forces(
         contacts,
         surface_m_s,
@@ -164,7 +164,7 @@ def forces_at(
         weight * normal.adhesion_J,
         force_N,
         torque_N_m,
-        contacts.on_points(contact_N, turning_N, len(motion)),
+        contacts.on_points(contact_N, turning_N, weighted_N_m, len(motion)),
         lost_J,
         0.0,
     )
@@ -188,10 +188,15 @@ def _necks_J(
     law, lost_J = system.laws.normal, 0.0
     for changed, sign in ((now.only(formed), -1.0), (before.only(ended), 1.0)):
         if len(changed.first):
-            two = partners(changed, spheres)
+            two = partners(changed, spheres, _still(changed))
             place_m = np.zeros(len(changed.first))
             if sign > 0.0:
                 place_m = law.separation_m(two.materials, two.radii_m)
             at = law.at(two.materials, two.radii_m, place_m)
             lost_J += sign * float(np.vdot(changed.weight, at.elastic_J + at.adhesion_J))
     return lost_J
+
+
+def _still(contacts: Touching) -> Array:
+    """Of a surface that does not turn: only radii and materials are asked for."""
+    return np.zeros((len(contacts.first) - contacts.pairs, 3))

@@ -25,7 +25,8 @@ class Partners:
     rolling_rad_s: Array
 
 
-def partners(contacts: Touching, spheres: Spheres) -> Partners:
+def partners(contacts: Touching, spheres: Spheres, surface_rad_s: Array) -> Partners:
+    """``surface_rad_s`` (surface contacts, 3): spin of the surface there."""
     first, second, pairs = contacts.first, contacts.second, contacts.pairs
     radius_m, other_m = spheres.radius_m[first], np.full(len(first), np.inf)
     other_m[:pairs] = spheres.radius_m[second]
@@ -33,6 +34,7 @@ def partners(contacts: Touching, spheres: Spheres) -> Partners:
     inverse_kg[:pairs] += 1.0 / spheres.mass_kg[second]
     spin_rad_s = spheres.spin_rad_s[first]
     spin_rad_s[:pairs] -= spheres.spin_rad_s[second]
+    spin_rad_s[pairs:] -= surface_rad_s
     rolling_rad_s = spin_rad_s.copy()
     distance_m = radius_m[pairs:] - contacts.overlap_m[pairs:]
     rolling_rad_s[pairs:] *= (contacts.lever_m[pairs:] / distance_m)[:, None]

@@ -92,7 +92,7 @@ def _springs(system: System, spheres: Spheres, now: Forces) -> tuple[Array, Arra
     """Stiffness and damping (n, 2), along and across, of the surface contacts; a contact that
     slides has neither across."""
     touching = now.touching
-    two = partners(touching, spheres)
+    two = partners(touching, spheres, np.zeros((len(touching.first) - touching.pairs, 3)))
     at = system.laws.normal.at(two.materials, two.radii_m, touching.overlap_m)
     law = springs(system.laws, two.materials, at, two.mass_kg)
     weight = touching.weight

@@ -11,6 +11,7 @@ from adapters.particles.sphere_adhesion import NormalLaw
 from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching
+from adapters.particles.triangle_spin import TriangleSpin
 from orchestrator.geometry import TriangleSurface, closest_on_triangle
 from orchestrator.ports import Array, Indices
 
@@ -41,6 +42,8 @@ def touching(
         overlap_m,
         np.concatenate([np.ones(len(i)), weight]),
         turning,
+        TriangleSpin.of(surface_m[surface.triangles[triangle]]),
+        spheres.radius_m[sphere] - overlap_m[len(i) :],
         spheres.radius_m[first] - overlap_m / 2.0,
         spheres.radius_m[j] - pair_overlap_m / 2.0,
     )

@@ -42,6 +42,11 @@ class Spheres:
     def momentum_kg_m_s(self) -> Array:
         return self.mass_kg @ self.velocity_m_s
 
+    def angular_momentum_kg_m2_s(self) -> Array:
+        """(3,) about the world's origin."""
+        orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_s)
+        return np.asarray(orbital + self.inertia_kg_m2 @ self.spin_rad_s)
+
     def kinetic_J(self) -> float:
         moving = self.mass_kg @ np.sum(self.velocity_m_s**2, axis=1)
         return float(moving + self.inertia_kg_m2 @ np.sum(self.spin_rad_s**2, axis=1)) / 2.0

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from adapters.particles.triangle_spin import TriangleSpin, cross
 from orchestrator.ports import Array, Indices, Overlaps
 
 
@@ -27,6 +28,8 @@ class Touching:
     overlap_m: Array
     weight: Array
     turning: Array  # (n - pairs, 3) m^(3/2), see smooth_patches.shared
+    triangle: TriangleSpin  # of the surface contacts
+    distance_m: Array  # (n - pairs,) of the sphere's centre from the surface
     lever_m: Array
     second_lever_m: Array  # (pairs,)
 
@@ -66,16 +69,26 @@ class Touching:
             self.overlap_m[kept],
             self.weight[kept],
             self.turning[surface],
+            self.triangle.only(surface),
+            self.distance_m[surface],
             self.lever_m[kept],
             self.second_lever_m[pair],
         )
 
-    def at_contacts(self, point_values: Array) -> Array:
-        """Values (n - pairs, 3) at the surface contacts of values at all points."""
-        return np.asarray(np.einsum("ij,ijk->ik", self.barycentric, point_values[self.points]))
+    def at_contacts(self, point_values: Array) -> tuple[Array, Array]:
+        """Velocity of what a sphere touches and spin of its triangle, (n - pairs, 3) each, of
+        velocities (or small displacements) of all points.  A contact's plane is half the overlap
+        below the surface."""
+        corners = point_values[self.points]
+        spin = self.triangle.spin(corners)
+        closest = np.einsum("ij,ijk->ik", self.barycentric, corners)
+        below_m = (self.distance_m - self.lever_m[self.pairs :])[:, None]
+        return closest + below_m * cross(spin, self.normal[self.pairs :]), spin
 
     def deepest(self, diameter_m: Array) -> Overlaps:
         """``diameter_m`` (spheres,)."""
+        if not len(self.first):
+            return Overlaps()
         smaller_m = diameter_m[self.first]
         pair, surface = slice(self.pairs), slice(self.pairs, None)
         smaller_m[pair] = np.minimum(smaller_m[pair], diameter_m[self.second])
@@ -105,22 +118,17 @@ class Touching:
         )
         return force, torque
 
-    def on_points(self, force_N: Array, turning_N: Array, points: int) -> Array:
-        """Force (points, 3) on the surface, by barycentric weights, of the same forces."""
-        given = np.zeros((points, 3))
-        from_surface_N = force_N[self.pairs :] + turning_N
+    def on_points(self, force_N: Array, turning_N: Array, couple_N_m: Array, points: int) -> Array:
+        """Force (points, 3) on the surface, of the same forces and couples: the force acts at the
+        closest point, by barycentric weights, and the couple that is left about it on the corners
+        of the triangle (of resistance to rolling, and as friction acts below the surface)."""
+        surface = slice(self.pairs, None)
+        given, normal, of_contact_N = np.zeros((points, 3)), self.normal[surface], force_N[surface]
+        from_surface_N = of_contact_N + turning_N
+        about_center_N_m = couple_N_m[surface] - self.lever_m[surface, None] * cross(
+            normal, of_contact_N
+        )
+        moment_N_m = about_center_N_m + self.distance_m[:, None] * cross(normal, from_surface_N)
         shares = self.barycentric[:, :, None] * from_surface_N[:, None, :]
-        np.subtract.at(given, self.points, shares)
+        np.subtract.at(given, self.points, shares + self.triangle.forces(moment_N_m))
         return given
-
-
-def cross(a: Array, b: Array) -> Array:
-    """Row by row, (n, 3); a third of the time of np.cross on short arrays."""
-    return np.stack(
-        [
-            a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1],
-            a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
-            a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
-        ],
-        axis=1,
-    )

@@ -11,18 +11,22 @@ import numpy.typing as npt
 from scipy.spatial.distance import cdist
 
 from adapters.particles.sphere_contacts import laws
+from adapters.particles.sphere_crossing import crossed
 from adapters.particles.sphere_forces import Forces, System, forces_at
 from adapters.particles.sphere_neighbours import near_surface, neighbours
 from adapters.particles.sphere_response import response
 from adapters.particles.sphere_rolling import rolling
 from adapters.particles.sphere_state import Spheres, spheres
 from adapters.particles.sphere_wear import wear
+from adapters.particles.triangle_spin import cross
 from orchestrator.clock import Interval
 from orchestrator.hermite import Path
-from orchestrator.plans import ParticlesPlan, SolverFailed
+from orchestrator.plans import ParticlesPlan
 from orchestrator.ports import (
     Account,
+    AngularAccount,
     Array,
+    Crossings,
     Indices,
     Load,
     Motion,
@@ -36,9 +40,18 @@ from orchestrator.ports import (
 )
 from orchestrator.state import as_arrays, like, put_back, taken
 
-DEEPEST_OVERLAP = 0.5  # of a radius: deeper means that the step is too long for the contact
-
-_SUMS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "fed")
+_SUMS = (
+    "_impulse_N_s",
+    "_supplied_J",
+    "_lost_J",
+    "_received_J",
+    "fed",
+    "_deepest",
+    "_crossings",
+    "_came",
+    "_fell_kg_m_s",
+    "_given",
+)
 _STATE = ("_spheres", "_surface_m", "_near", "_now", *_SUMS)
 
 
@@ -65,9 +78,13 @@ class SpheresSolver:
         at_rest = Motion(self._surface_m, np.zeros_like(self._surface_m))
         self._now = self._forces(at_rest, None, 0.0)
         self._impulse_N_s = np.zeros(3)
+        # angular momentum that came with particles and that went to the surface, N m s, and what
+        # gravity gives it by: the integral over time of mass times place
+        self._came, self._given, self._fell_kg_m_s = np.zeros((3, 3))
         self._supplied_J = {"feed": 0.0, "removal": 0.0}
         self._lost_J = self._received_J = 0.0
         self._removed: list[Removed] = []
+        self._deepest, self._crossings = self._deepest_now(), Crossings.none()
         self.fed = 0
 
     def initial(self) -> Load:
@@ -76,16 +93,22 @@ class SpheresSolver:
     def advance(self, interval: Interval, path: Path) -> Load:
         counted("particles' surface", path.end, len(self._surface_m))
         self._feed(interval)
+        before_m, on_surface_N_m = self._surface_m, self._on_surface_N_m()
         self._jump_to(path.start)
         steps, start_s = interval.steps(self._plan.step_s), interval.start_s
         step_s = interval.length_s / steps
+        self._given = self._given + step_s / 2.0 * on_surface_N_m
         impulse_N_s = step_s / 2.0 * self._now.on_points_N
         for step in range(1, steps + 1):
             half_way_m_s = path.velocity_m_s((step - 0.5) / steps)
+            centers_m = self._spheres.position_m.copy()
             self._step(step_s, path.at(step / steps), half_way_m_s)
             impulse_N_s += step_s * self._now.on_points_N
-            self._check(start_s + step * step_s)
+            self._given = self._given + step_s * self._on_surface_N_m()
+            self._watch(centers_m, before_m, start_s + step * step_s)
+            before_m = self._surface_m
         impulse_N_s -= step_s / 2.0 * self._now.on_points_N
+        self._given = self._given - step_s / 2.0 * self._on_surface_N_m()
         self._remove(interval.end_s)
         return Load(impulse_N_s / interval.length_s)
 
@@ -97,7 +120,11 @@ class SpheresSolver:
         return in_order(since)
 
     def overlaps(self) -> Overlaps:
-        return self._now.touching.deepest(2.0 * self._spheres.radius_m)
+        since, self._deepest = self._deepest, Overlaps()
+        return since
+
+    def crossings(self) -> Crossings:
+        return self._crossings
 
     def response(self, length_s: float) -> Response:
         return response(self._system, self._spheres, self._now, self._plan.gravity_m_s2, length_s)
@@ -121,6 +148,11 @@ class SpheresSolver:
             lost_J={"contact_dissipation": self._lost_J},
             supplied_J=dict(self._supplied_J),
             received_J={"surface": self._received_J},
+            angular=AngularAccount(
+                self._spheres.angular_momentum_kg_m2_s(),
+                self._came + np.cross(self._fell_kg_m_s, self._plan.gravity_m_s2),
+                {"surface": -self._given},
+            ),
         )
 
     def save(self) -> Saved:
@@ -140,7 +172,10 @@ class SpheresSolver:
         """Forces at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._spheres, self._now
         self._kick(step_s / 2.0)
+        falls_kg_m = now.mass_kg @ now.position_m
         now.position_m += step_s * now.velocity_m_s
+        falls_kg_m = falls_kg_m + now.mass_kg @ now.position_m
+        self._fell_kg_m_s = self._fell_kg_m_s + step_s / 2.0 * falls_kg_m
         if self._near.outdated(now.position_m, surface.position_m):
             self._near = neighbours(now, self._plan.surface, surface.position_m)
         self._now = self._forces(Motion(surface.position_m, half_way_m_s), before, step_s)
@@ -170,21 +205,31 @@ class SpheresSolver:
     def _forces(self, surface: Motion, before: Forces | None, step_s: float) -> Forces:
         return forces_at(self._system, self._spheres, surface, self._near, before, step_s)
 
+    def _on_surface_N_m(self) -> Array:
+        """Moment of the forces on the surface about the world's origin."""
+        return np.asarray(cross(self._surface_m, self._now.on_points_N).sum(axis=0))
+
     def _surface_to(self, position_m: Array, before: Forces) -> None:
         """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
         mean_N = (before.on_points_N + self._now.on_points_N) / 2.0
         self._received_J -= float(np.vdot(mean_N, position_m - self._surface_m))
         self._surface_m = position_m
 
-    def _check(self, time_s: float) -> None:
-        now, contacts = self._spheres, self._now.touching
-        wrong = contacts.first[contacts.overlap_m > DEEPEST_OVERLAP * now.radius_m[contacts.first]]
-        if len(wrong):
-            raise SolverFailed(
-                f"spheres: particle {now.id[wrong[0]]} sank into its neighbour by more than "
-                f"{DEEPEST_OVERLAP:g} radii at {time_s:g} s: step_s {self._plan.step_s:g} is too "
-                "long for its contacts, or something moved too fast"
+    def _watch(self, centers_m: Array, before_m: Array, time_s: float) -> None:
+        """Keep how deep contacts are, and who went through the surface in the step that ends now;
+        centres and surface points were at ``centers_m`` and ``before_m``."""
+        now = self._spheres
+        self._deepest = self._deepest.deepest(self._deepest_now())
+        way_m = (before_m, self._surface_m)
+        rows = crossed(now, self._now.touching, centers_m, self._plan.surface.triangles, way_m)
+        if len(rows):
+            some = Crossings(
+                len(rows), int(now.id[rows[0]]), time_s, now.position_m[rows[0]].copy()
             )
+            self._crossings = self._crossings.followed_by(some)
+
+    def _deepest_now(self) -> Overlaps:
+        return self._now.touching.deepest(2.0 * self._spheres.radius_m)
 
     def _feed(self, interval: Interval) -> None:
         if self._plan.feed is None:
@@ -200,6 +245,7 @@ class SpheresSolver:
         self.fed += len(new)
         self._supplied_J["feed"] += self._mechanical_J(new)
         self._impulse_N_s += new.momentum_kg_m_s()
+        self._came = self._came + new.angular_momentum_kg_m2_s()
         self._replace(self._spheres.joined(new), np.arange(len(self._spheres)))
 
     def _room_for(self, offered: Spheres) -> npt.NDArray[np.bool_]:
@@ -226,6 +272,7 @@ class SpheresSolver:
         ended_J = stored_J - self._contacts_J()
         self._supplied_J["removal"] -= self._mechanical_J(left) + ended_J
         self._impulse_N_s -= left.momentum_kg_m_s()
+        self._came = self._came - left.angular_momentum_kg_m2_s()
 
     def _replace(self, new: Spheres, row: Indices) -> None:
         """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""

@@ -17,7 +17,15 @@ from orchestrator.bed.material_watch import MaterialWatch
 from orchestrator.bed.particle_sizes import mass_kg
 from orchestrator.clock import Interval
 from orchestrator.plans import Exit, ParticleList, SolverFailed
-from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed, Saved
+from orchestrator.ports import (
+    Array,
+    Crossings,
+    Indices,
+    Overlaps,
+    ParticleSnapshot,
+    Removed,
+    Saved,
+)
 from orchestrator.state import as_arrays, like, put_back, taken
 
 
@@ -108,7 +116,7 @@ class Amount:
         self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_m3[rows])))
 
 
-_AMOUNTS = ("fed", "on_deck", "lost", "escaped")
+_SINCE_START = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")
 
 
 class MaterialBook:
@@ -120,6 +128,7 @@ class MaterialBook:
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
         self.escaped = Amount()  # of those through exits
         self.through = [Amount() for _ in exits]
+        self.deepest, self.crossings = Overlaps(), Crossings.none()
 
     def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
         """What happened since the last output time, and who is there now.  Raises SolverFailed
@@ -143,13 +152,18 @@ class MaterialBook:
         for feed in self.feed.feeds:
             self._watch.feed(time_s, feed)
 
+    def look_at_contacts(self, overlaps: Overlaps, crossings: Crossings) -> None:
+        """How deep contacts were since this was last called, and who went through the surface since
+        t = 0."""
+        self.deepest, self.crossings = self.deepest.deepest(overlaps), crossings
+
     def save(self) -> Saved:
         through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
         books = {"watch": self._watch.save(), "through": through}
-        return taken(self, *_AMOUNTS) | books
+        return taken(self, *_SINCE_START) | books
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_AMOUNTS)
+        put_back(self, saved, *_SINCE_START)
         self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
         self._watch.restore(saved["watch"])
 
@@ -160,6 +174,8 @@ class MaterialBook:
             "on_deck": vars(self.on_deck),
             "lost": vars(self.lost),
             "escaped": vars(self.escaped),
+            "deepest_overlaps": vars(self.deepest),
+            "crossings": self.crossings.figures(),
             "feeds": {
                 feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
                 for feed in self.feed.feeds

@@ -129,6 +129,13 @@ class Recorder:
         self._history.flush()
         return terms, bed
 
+    def last_contacts(self) -> None:
+        """What happened in contacts since the last output time, where a run ends without another
+        one; collective."""
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is not None and book is not None:
+            book.look_at_contacts(particles.overlaps(), particles.crossings())
+
     def material(self) -> dict[str, Any] | None:
         """The material's balance at the last output time, on rank 0."""
         book = self._machine.material
@@ -158,6 +165,7 @@ class Recorder:
             return None
         present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
         overlaps = particles.overlaps()
+        book.look_at_contacts(overlaps, particles.crossings())
         if self._writes:
             self._history.add("overlaps", time_s, vars(overlaps))
             self._history.events("fed", vars(fed))

@@ -78,6 +78,23 @@ def material_lines(material: dict[str, Any]) -> list[str]:
     return lines
 
 
+def contact_lines(material: dict[str, Any]) -> list[str]:
+    """How deep contacts were; a warning where particles went through the surface."""
+    deepest, crossings = material["deepest_overlaps"], material["crossings"]
+    lines = [
+        "deepest overlap since the start, of a radius: "
+        f"{2 * deepest['surface_per_diameter']:.2g} with the surface, "
+        f"{2 * deepest['between_per_diameter']:.2g} between particles"
+    ]
+    if crossings["number"]:
+        lines.append(
+            f"WARNING: {crossings['number']} times a particle went through the surface elsewhere "
+            f"than through an opening, the first one (number {crossings['first_id']}) at t = "
+            f"{crossings['first_time_s']:.6g} s"
+        )
+    return lines
+
+
 def watch_lines(watch: dict[str, Any]) -> list[str]:
     """Whether intervals had to be shortened."""
     if not watch["shortened_intervals"]:
@@ -127,6 +144,8 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         lines += iteration_lines(iterations)
     if material := summary.get("material"):
         lines += material_lines(material)
+        if "crossings" in material:  # not in a run of an older flipflow
+            lines += contact_lines(material)
     if watch := summary.get("watch"):
         lines += watch_lines(watch)
     return lines

@@ -21,6 +21,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from orchestrator.ledger import defect_shares, share_created
+from orchestrator.particle_records import LARGEST_CARRIED_OVERLAP
 
 DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
 AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
@@ -168,6 +169,32 @@ def _particles_astray(summary: Summary) -> Iterator[str]:
             )
 
 
+def _particles_held(summary: Summary) -> Iterator[str]:
+    """The surface must hold the particles: their centres stay on their side of it."""
+    crossings = (summary.get("material") or {}).get("crossings", {"number": 0})
+    if crossings["number"]:
+        place = ", ".join(f"{x:.4g}" for x in crossings["first_position_m"])
+        yield (
+            f"Particles went through the surface {crossings['number']} times, the first one "
+            f"(number {crossings['first_id']}) at ({place}) m at t = "
+            f"{crossings['first_time_s']:.6g} s; raise "
+            "particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
+        )
+
+
+def _contacts_small(summary: Summary) -> Iterator[str]:
+    """Contacts must be small against the particles, or no contact law holds."""
+    deepest = (summary.get("material") or {}).get("deepest_overlaps", {})
+    for key, what in (("surface", "the surface"), ("between", "each other")):
+        overlap = 2.0 * deepest.get(f"{key}_per_diameter", 0.0)
+        if overlap > LARGEST_CARRIED_OVERLAP:
+            yield (
+                f"Particles sank into {what} by {overlap:.2g} of a radius, more than "
+                f"{LARGEST_CARRIED_OVERLAP:g}; raise particles.largest_youngs_modulus_Pa, or "
+                "shorten particles.step_s."
+            )
+
+
 GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (
     _energy_created,
     _effects_crossed,
@@ -176,4 +203,6 @@ GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (
     _momentum,
     _unsolved_intervals,
     _particles_astray,
+    _particles_held,
+    _contacts_small,
 )

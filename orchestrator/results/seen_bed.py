@@ -59,7 +59,7 @@ def bearing(scene: Scene, data: RunData, start_s: float, end_s: float) -> Bearin
 
 
 def deepest(data: RunData) -> Deepest | None:
-    """Of all output times; None if nothing touched at any."""
+    """Of all steps; None if nothing ever touched."""
     if "overlaps" not in data.history:
         return None
     names = ("between_per_diameter", "surface_per_diameter", "surface_m")

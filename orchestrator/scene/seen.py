@@ -27,8 +27,8 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Deepest:
-    """Largest overlap at any output time, over a particle's diameter and of those with the
-    surface in m."""
+    """Largest overlap in any step of the particles, over a particle's diameter and of those with
+    the surface in m."""
 
     per_diameter: float
     surface_m: float

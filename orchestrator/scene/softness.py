@@ -49,7 +49,7 @@ def softness(scene: Scene) -> Softness:
     cap_Pa = case.particles.largest_youngs_modulus_Pa
     overlap, where = max(overlaps, default=0.0), f"at {scene.impact_m_s:.2g} m/s"
     if scene.seen.deepest is not None:
-        overlap, where = 2.0 * scene.seen.deepest.per_diameter, "deepest at the output times"
+        overlap, where = 2.0 * scene.seen.deepest.per_diameter, "deepest of the run"
     return Softness(overlap, where, cap_Pa, softened(case))
 
 

@@ -114,8 +114,8 @@ class Watch(Table):
     """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
     runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
     "stop" ends the run with its results kept (exit code 4), and names the last save from before.
-    Looked at at output times; created energy and growing modes after every sync interval
-    (docs/theory/stability.md)."""
+    Looked at at output times; created energy, growing modes and crossings some five sync
+    intervals after at the latest (docs/theory/stability.md)."""
 
     created_energy: Then = "shorten"
     """Energy that the coupling creates or destroys within some twenty intervals."""
@@ -144,6 +144,12 @@ class Watch(Table):
     """Particles that overlap each other or the surface too deeply."""
     largest_overlap: Annotated[float, Strict(), Gt(0), Le(1)] = 0.2
     """Of the smaller radius: twice what Hertz's theory wants, contacts small against bodies."""
+    crossed_surface: Literal["warn", "stop"] = "stop"
+    """Particles whose centre goes through the surface elsewhere than through an opening: contacts
+    too soft or steps too long.  Looked for in every step of the particles; a run that goes on is
+    doubtful."""
+    most_crossings: Annotated[int, Strict(), Ge(0)] = 0
+    """How often that may happen."""
     long_steps: Then = "warn"
     """Particles, or points of the surface, that move too far in a step of the particles."""
     largest_step_share: Annotated[float, Strict(), Gt(0), Le(1)] = 0.1

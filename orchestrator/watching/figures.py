@@ -39,6 +39,12 @@ WATCHED = {
         "largest_overlap",
         "particles overlap by {value:.2g} of a radius: contacts too soft or steps too long",
     ),
+    "crossed_surface": (
+        "most_crossings",
+        "{value:.0f} times a particle went through the surface, its centre to the other side, the "
+        "first time {where}: contacts too soft (particles.largest_youngs_modulus_Pa) or steps too "
+        "long",
+    ),
     "long_steps": (
         "largest_step_share",
         "{where} moves in a particle step by {value:.2g} of a radius",

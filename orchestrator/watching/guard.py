@@ -13,7 +13,7 @@ from orchestrator.clock import Interval, steps_in
 from orchestrator.coupling import State
 from orchestrator.ledger import created_shares
 from orchestrator.machine import Machine
-from orchestrator.particle_records import Bed
+from orchestrator.particle_records import Bed, Crossings
 from orchestrator.plans import SolverFailed
 from orchestrator.ports import Saved
 from orchestrator.ranks import first_rank_does, is_first
@@ -136,6 +136,7 @@ class Guard:
         """What is to be done, and why."""
         self._catch_up()
         self._coupling.look(self._figures, time_s)
+        self._look_at_crossings(time_s)
         alarms = self._figures.alarms()
         for alarm in alarms:
             if alarm.new:
@@ -143,6 +144,12 @@ class Guard:
         for alarm in sorted(alarms, key=lambda alarm: WEIGHT.index(alarm.then)):
             return alarm.then, alarm.what
         return "warn", ""
+
+    def _look_at_crossings(self, time_s: float) -> None:
+        particles = self._machine.solvers.particles
+        found = particles.crossings() if particles is not None else Crossings.none()
+        if found.number:
+            self._figures.look("crossed_surface", found.number, time_s, found.first_in_words())
 
     def _shorten(self, time_s: float, what: str) -> None:
         if self.pace.shorten():

@@ -366,3 +366,12 @@ def test_a_drive_without_run_up_under_a_panel_is_said(tmp_path: Path) -> None:
     assert "two cycles are 0.16 s" in said
     smooth = "screen.frames.driving.drive.run_up_s=0.16"
     assert [line for line in warned(tmp_path, *driven, smooth) if "run_up_s" in line] == []
+
+
+@pytest.mark.parametrize(("youngs_modulus_Pa", "said"), [(1e4, True), (1e6, False)])
+def test_contacts_that_cannot_carry_an_impact_are_a_warning(
+    tmp_path: Path, youngs_modulus_Pa: float, said: bool
+) -> None:
+    soft = f"particles.largest_youngs_modulus_Pa={youngs_modulus_Pa}"
+    found = warnings(loaded(tmp_path, [soft]))
+    assert any("particles are expected to sink into what they meet" in one for one in found) is said

@@ -49,6 +49,11 @@ class Coupled:
             self.machine.scheme.pending(self.state, self._interval())
         )
 
+    def angular_momentum_residual(self) -> dict[str, float]:
+        return self.ledger.angular_momentum_residual(
+            self.machine.scheme.pending(self.state, self._interval())
+        )
+
     def energy_J(self, book: str = "") -> dict[str, float]:
         """The ledger's terms, or those of one ``book`` ("stored", "lost", "created" ...)."""
         return {

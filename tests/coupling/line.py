@@ -17,6 +17,7 @@ from orchestrator.coupling import Solvers
 from orchestrator.hermite import Path
 from orchestrator.ports import (
     Account,
+    Crossings,
     Inertia,
     Load,
     Motion,
@@ -167,6 +168,9 @@ class Sphere:
         if overlap <= 0.0 and not self.stays:
             return 0.0
         return self.stiffness_N_m * overlap + self.damping_N_s_m * rate
+
+    def crossings(self) -> Crossings:
+        return Crossings.none()
 
     def snapshot(self) -> None:
         raise NotImplementedError

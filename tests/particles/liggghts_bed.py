@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from orchestrator.clock import Interval
-from orchestrator.plans import Jkr, ParticleList, ParticlesPlan
+from orchestrator.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan
 from orchestrator.ports import Array, Motion
 from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, spheres, travel
 
@@ -75,6 +75,10 @@ PERIODIC = {
 WET = {"adhesion": Jkr(np.full((2, 2), 0.5), 1e-2), "step_s": 2e-6}
 
 
+# so soft that some go through the sheet
+SOFT = {"materials": (GrainMaterial("grain", 2e3, 0.3), GrainMaterial("panel", 2e3, 0.25))}
+
+
 def wave(time_s: float) -> Motion:
     """The sheet shaken by 1 mm at 40 Hz, and bent by a standing wave that grows with time."""
     rest, w = SURFACE.position_m, 2 * np.pi * 40.0
@@ -98,10 +102,13 @@ def main() -> None:
 
     changes = PERIODIC if "periodic" in sys.argv else {}
     changes = WET if "wet" in sys.argv else changes
+    changes = SOFT if "soft" in sys.argv else changes
     solver = build(bed_plan(communicator=MPI.COMM_WORLD, wear_m3_N_m=np.ones((2, 2)), **changes))
     owned_first = len(solver.arrays()["x"])
     forces = travel(solver, wave, range(200))
     account, snapshot, worn_m3 = solver.account(), solver.snapshot(), solver.worn_m3()
+    overlaps, crossings = solver.overlaps(), solver.crossings()
+    turned = account.angular
     owned = MPI.COMM_WORLD.gather((owned_first, len(solver.arrays()["x"])))
     if MPI.COMM_WORLD.rank == 0:
         result = {
@@ -112,6 +119,10 @@ def main() -> None:
             "supplied": account.supplied_J["feed"],
             "removed": account.supplied_J["removal"],
             "worn": worn_m3.tolist(),
+            "overlaps": list(vars(overlaps).values()),
+            "crossings": [crossings.number, crossings.first_id, crossings.first_time_s],
+            "angular": [] if turned is None else turned.momentum_kg_m2_s.tolist(),
+            "given": [] if turned is None else turned.received_N_m_s["surface"].tolist(),
             "ids": snapshot.id.tolist(),
             "owned": owned,
         }

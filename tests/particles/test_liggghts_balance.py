@@ -148,7 +148,7 @@ def ranks(n, *words):
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize("words", [(), ("wet",)], ids=["dry", "wet"])
+@pytest.mark.parametrize("words", [(), ("wet",), ("soft",)], ids=["dry", "wet", "soft"])
 def test_two_ranks_give_the_same_as_one(words):
     # the sheet straddles the border x = 0 and the bed drifts over it by 6 mm; the order of sums
     # differs, and collisions amplify that: 1e-9 for 10 ms
@@ -159,5 +159,8 @@ def test_two_ranks_give_the_same_as_one(words):
     assert two["ids"] == one["ids"]
     assert max(one["ids"]) > len(bed())  # some were fed,
     assert len(one["ids"]) < max(one["ids"])  # some have left
-    for name in ("impulse", "momentum", "stored", "work", "supplied", "removed", "worn"):
+    assert (one["crossings"][0] > 3) is ("soft" in words)
+    assert two["crossings"] == one["crossings"]
+    sums = ("impulse", "momentum", "angular", "given", "stored", "work", "supplied", "removed")
+    for name in (*sums, "worn", "overlaps"):
         np.testing.assert_allclose(two[name], one[name], rtol=1e-9, atol=1e-12, err_msg=name)

@@ -159,3 +159,41 @@ def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
     code, said, folder = run(tmp_path, JAM, "watch.jammed_feed=warn")
     assert code == 0, said
     assert (folder / "run.log").read_text().count('feed "chute" is jammed') == 1
+
+
+SOFT = ("particles.largest_youngs_modulus_Pa=1e4", "bed.particles.ball.velocity_m_s=[0,0,-2.3]")
+THROUGH = (*SOFT, "duration_s=0.08", "output.pictures=false", "panel.solver=rigid")
+SOLVERS_OF_PARTICLES = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("solver", SOLVERS_OF_PARTICLES)
+def test_a_particle_that_goes_through_a_panel_stops_the_run(tmp_path: Path, solver: str) -> None:
+    sets = (*THROUGH, f"particles.solver={solver}")
+    done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
+    assert done.returncode == 4, done.stderr
+    assert "warning: particles are expected to sink into what they meet by 1.9 of" in done.stderr
+    assert "stopped by the watch at t = " in done.stderr
+    assert "1 times a particle went through the surface" in done.stderr
+    figures = summary(tmp_path / "run")
+    assert figures["status"] == "failed"
+    found = figures["material"]["crossings"]
+    assert (found["number"], found["first_id"]) == (1, 1)
+    assert abs(found["first_position_m"][2]) < 1e-3
+    # within five sync intervals of 1e-4 s
+    assert -1e-9 < figures["simulated_s"] - found["first_time_s"] < 5.1e-4
+    deepest = figures["material"]["deepest_overlaps"]["surface_per_diameter"]
+    assert deepest == pytest.approx(0.5, abs=0.02)  # a radius
+
+
+@pytest.mark.process
+@pytest.mark.parametrize("solver", SOLVERS_OF_PARTICLES)
+def test_a_run_that_goes_on_after_that_is_doubtful(tmp_path: Path, solver: str) -> None:
+    sets = (*THROUGH, f"particles.solver={solver}", "watch.crossed_surface=warn")
+    done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
+    assert done.returncode == 5, done.stderr
+    assert "do not trust this run: Particles went through the surface 1 times" in done.stderr
+    assert "deepest overlap since the start, of a radius: 1" in done.stderr
+    figures = summary(tmp_path / "run")
+    assert figures["status"] == "doubtful"
+    assert figures["material"]["crossings"]["number"] == 1

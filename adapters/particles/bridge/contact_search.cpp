@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "crossing.h"
+
 namespace flipflow {
 
 void ContactSearch::set(std::vector<Triangle> triangles, double largest_reach_m) {
@@ -68,18 +70,50 @@ Touch ContactSearch::nearest_place(const SurfacePath &surface, Vec3 position_m,
   return {triangle, at, away, dot(away, away)};
 }
 
-void ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
-                            double reach_m, std::vector<Touch> &found) const {
+double ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
+                              double reach_m, std::vector<Touch> &found) const {
   // no candidate has come nearer by more than this since its distance was taken
   const double approach = norm(position_m - near.position_m) + since_search_;
+  double nearest2 = reach_m * reach_m;
   found.clear();
   for (int k = near.first; k < near.end; ++k) {
     if (candidates_[k].distance_m - approach >= reach_m) break;
     const Touch touch = nearest_place(surface, image(position_m, candidates_[k].image),
                                       candidates_[k].triangle);
+    nearest2 = std::min(nearest2, touch.distance2);
     if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) found.push_back(touch);
   }
   if (found.size() > 1) keep_minima(found, joined_);
+  return nearest2;
+}
+
+bool ContactSearch::crossed(const SurfacePath &surface, int triangle, Vec3 before_m,
+                            Vec3 now_m) const {
+  MovingTriangle moving;
+  for (int k = 0; k < 3; ++k) {
+    moving.before[k] = surface.position_before(triangles_[triangle][k]);
+    moving.now[k] = surface.position(triangles_[triangle][k]);
+  }
+  return goes_through(before_m, now_m, moving);
+}
+
+bool ContactSearch::crossed(const SurfacePath &surface, const Near &near, Vec3 before_m,
+                            Vec3 now_m) const {
+  for (int k = near.first; k < near.end; ++k) {
+    const int periods = candidates_[k].image;
+    if (crossed(surface, candidates_[k].triangle, image(before_m, periods), image(now_m, periods)))
+      return true;
+  }
+  return false;
+}
+
+bool ContactSearch::crossed_any(const SurfacePath &surface, Vec3 before_m, Vec3 now_m) const {
+  const int most = period_ > 0 ? 1 : 0;
+  for (int periods = -most; periods <= most; ++periods)
+    for (size_t t = 0; t < triangles_.size(); ++t)
+      if (crossed(surface, static_cast<int>(t), image(before_m, periods), image(now_m, periods)))
+        return true;
+  return false;
 }
 
 void ContactSearch::share(const SurfacePath &surface, std::vector<Touch> &touches) const {

@@ -52,9 +52,15 @@ class ContactSearch {
   // A new grid is made at the next search: any that holds finds the same triangles.
   void restore(const SavedState &saved);
 
-  // The places nearest to a sphere at `position_m`, nearest first, up to `reach_m` away.
-  void touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
-               std::vector<Touch> &found) const;
+  // The places nearest to a sphere at `position_m`, nearest first, up to `reach_m` away.  Returns the
+  // squared distance of the nearest one, or reach_m^2 where there is none.
+  double touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
+                 std::vector<Touch> &found) const;
+
+  // Did a centre that moved evenly from `before_m` to `now_m` since the surface's last move go through
+  // one of the sphere's candidates, or through any triangle of the surface?
+  bool crossed(const SurfacePath &surface, const Near &near, Vec3 before_m, Vec3 now_m) const;
+  bool crossed_any(const SurfacePath &surface, Vec3 before_m, Vec3 now_m) const;
 
   // Makes contacts of those that count, whose depths are set.
   void share(const SurfacePath &surface, std::vector<Touch> &touches) const;
@@ -68,6 +74,7 @@ class ContactSearch {
   Vec3 image(Vec3 position_m, int periods) const {
     return {position_m.x, position_m.y + periods * period_, position_m.z};
   }
+  bool crossed(const SurfacePath &surface, int triangle, Vec3 before_m, Vec3 now_m) const;
   Touch nearest_place(const SurfacePath &surface, Vec3 position_m, int triangle) const;
   void list(const SurfacePath &surface, int sphere, Vec3 position_m, double reach_m);
   void look(const SurfacePath &surface, Vec3 position_m, int image, double reach_m);

@@ -1,32 +1,20 @@
 #include "deepest_overlap.h"
 
-#include <mpi.h>
-
-#include "atom.h"
-#include "force.h"
-#include "lammps.h"
-#include "neigh_list.h"
-#include "pair_gran.h"
-#include "vec3.h"
+#include <map>
 
 namespace flipflow {
 
-using namespace LAMMPS_NS;
+namespace {
 
-DeepestOverlap deepest_between(LAMMPS &lmp) {
-  const Atom &atom = *lmp.atom;
-  const NeighList *list = static_cast<PairGran *>(lmp.force->pair)->list;
-  DeepestOverlap deepest;
-  for (int k = 0; k < list->inum; ++k) {
-    const int i = list->ilist[k];
-    for (int n = 0; n < list->numneigh[i]; ++n) {
-      const int j = list->firstneigh[i][n] & NEIGHMASK;
-      const double apart_m = norm(from(atom.x[i]) - from(atom.x[j]));
-      deepest.add(atom.radius[i] + atom.radius[j] - apart_m,
-                  std::min(atom.radius[i], atom.radius[j]));
-    }
-  }
-  return deepest;
+std::map<LAMMPS_NS::LAMMPS *, DeepestOverlap> &of_instances() {
+  static std::map<LAMMPS_NS::LAMMPS *, DeepestOverlap> all;  // its values stay where they are
+  return all;
 }
+
+}  // namespace
+
+DeepestOverlap &deepest_between(LAMMPS_NS::LAMMPS &lmp) { return of_instances()[&lmp]; }
+
+void forget_deepest_between(LAMMPS_NS::LAMMPS &lmp) { of_instances().erase(&lmp); }
 
 }  // namespace flipflow

@@ -14,11 +14,14 @@ struct DeepestOverlap {
 
   void add(double overlap_m, double radius_m) {
     depth_m = std::max(depth_m, overlap_m);
-    share = std::max(share, overlap_m / (2.0 * radius_m));
+    if (overlap_m > share * 2.0 * radius_m) share = overlap_m / (2.0 * radius_m);
   }
 };
 
-// Of the particle-particle contacts of this rank.
-DeepestOverlap deepest_between(LAMMPS_NS::LAMMPS &lmp);
+// Of the particle-particle contacts of a LIGGGHTS instance, on this rank, in all its force
+// evaluations since it was last set to nothing; the contact models fill it in.
+DeepestOverlap &deepest_between(LAMMPS_NS::LAMMPS &lmp);
+
+void forget_deepest_between(LAMMPS_NS::LAMMPS &lmp);  // when the instance goes
 
 }  // namespace flipflow

@@ -65,8 +65,8 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
   std::vector<char *> arguments;
   for (std::string &word : words) arguments.push_back(word.data());
   const QuietErrors quiet;
-  register_contact_models();
   lammps_ = new LAMMPS(static_cast<int>(arguments.size()), arguments.data(), communicator);
+  register_contact_models();
   lammps_->neighbor->register_contact_dist_factor(contact_distance_factor);
   FixStyles &styles = *(lammps_->modify->*style_table());
   styles["wall/gran/flipflow"] = &create_fix<FixSurface>;
@@ -77,6 +77,7 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
 Engine::~Engine() {
   if (!healthy_) return;
   FILE *screen = lammps_->screen;
+  forget_deepest_between(*lammps_);
   delete lammps_;
   if (screen) std::fclose(screen);
 }

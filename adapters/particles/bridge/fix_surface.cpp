@@ -7,6 +7,7 @@
 #include "fix.h"
 #include "granular_wall.h"
 #include "neighbor.h"
+#include "triangle_spin.h"
 #include "update.h"
 
 namespace flipflow {
@@ -64,8 +65,9 @@ void FixSurface::save(SavedState &saved) const {
   response_.save(saved);
   wear_.save(saved);
   saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
-  saved.reals["surface_deepest"] = {deepest_.depth_m, deepest_.share};
   saved.wholes["surface_contacts"] = {contacts_};
+  for (Vec3 of : {mass_moment_, mass_moment_time_})
+    for (double part : {of.x, of.y, of.z}) saved.reals["mass_moments"].push_back(part);
 }
 
 void FixSurface::restore(const SavedState &saved) {
@@ -77,9 +79,30 @@ void FixSurface::restore(const SavedState &saved) {
   wear_.restore(saved);
   const auto &energy = saved.real("surface_energy_J");
   energy_ = {energy[0], energy[1]};
-  const auto &deepest = saved.real("surface_deepest");
-  deepest_ = {deepest[0], deepest[1]};
+  deepest_ = {};
+  crossings_.clear();
+  const double *moments = saved.real("mass_moments").data();
+  mass_moment_ = from(moments);
+  mass_moment_time_ = from(moments + 3);
   contacts_ = static_cast<int>(saved.whole("surface_contacts")[0]);
+}
+
+// Sum of mass times place, by which gravity gives the particles angular momentum.
+void FixSurface::weigh(double step_s) {
+  Vec3 sum = {0, 0, 0};
+  for (int i = 0; i < atom->nlocal; ++i) sum = sum + atom->rmass[i] * from(atom->x[i]);
+  mass_moment_ = sum;
+  mass_moment_time_ = mass_moment_time_ + step_s * sum;
+}
+
+void FixSurface::begin_sums(double step_s) {
+  load_.begin(surface_, step_s);
+  mass_moment_time_ = mass_moment_time_ + 0.5 * step_s * mass_moment_;
+}
+
+void FixSurface::end_sums(double step_s) {
+  load_.end(step_s);
+  mass_moment_time_ = mass_moment_time_ - 0.5 * step_s * mass_moment_;
 }
 
 void FixSurface::setup(int flag) {
@@ -102,9 +125,10 @@ void FixSurface::post_force(int) {
   responds_now_ = last && response_.asked();
   if (responds_now_) response_.clear();
   energy_ = {};
-  deepest_ = {};
   contacts_ = 0;
   touch_all_();
+  load_.end_evaluation(update->setupflag ? 0.0 : update->dt);
+  weigh(update->setupflag ? 0.0 : update->dt);
 }
 
 template <class Worn>
@@ -113,6 +137,7 @@ void FixSurface::touch_all(Worn &worn) {
 }
 
 void FixSurface::search() {
+  watch_long_steps();
   const Spheres spheres = {atom->x, atom->radius, atom->nlocal};
   search_.search(surface_, spheres, neighbor->contactDistanceFactor, neighbor->skin,
                  neighbours_listed_now_);
@@ -130,8 +155,10 @@ template <class Worn>
 void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
   const int i = near.sphere;
   const double radius = atom->radius[i];
-  search_.touches(surface_, near, from(atom->x[i]), radius * neighbor->contactDistanceFactor,
-                  touches_);
+  const double nearest2 =
+      search_.touches(surface_, near, from(atom->x[i]), radius * neighbor->contactDistanceFactor,
+                      touches_);
+  watch_crossing(near, nearest2);
   for (Touch &touch : touches_) touch.depth_m = radius - std::sqrt(touch.distance2);
   if (laws_.adhesion == ContactLaws::Adhesion::jkr) keep_necks(i);
   search_.share(surface_, touches_);
@@ -162,15 +189,25 @@ Jkr FixSurface::law(int i, const Touch &touch) const {
 // One contact through LIGGGHTS's own contact model.  What it added to the particle is measured,
 // and scaled where contacts share a force; 8/15 E* sqrt(r) overlap^2.5 is Hertz's energy.  Verlet's
 // velocities are those of the middle of the step while forces are evaluated: so is the surface's.
+//
+// The model sees the particle from the triangle, which moves and turns.  What it adds to the particle,
+// a force and a couple about its centre, the triangle gets the opposite of: the force at the closest
+// point, and by its corners the couple that is left about that point (of resistance to rolling, and as
+// LIGGGHTS lets friction act half an overlap below the surface).
 template <class Worn>
 void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   double *force = atom->f[i], *torque = atom->torque[i];
   const Vec3 force_before = from(force), torque_before = from(torque);
   const Triangle &corner = search_.triangle(touch.triangle);
   const double *w = touch.at.weight;
-  Vec3 wall = w[0] * surface_.velocity_half_way(corner[0]) +
-              w[1] * surface_.velocity_half_way(corner[1]) +
-              w[2] * surface_.velocity_half_way(corner[2]);
+  const TriangleSpin turning(surface_.position(corner[0]), surface_.position(corner[1]),
+                             surface_.position(corner[2]));
+  const Vec3 corner_m_s[3] = {surface_.velocity_half_way(corner[0]),
+                              surface_.velocity_half_way(corner[1]),
+                              surface_.velocity_half_way(corner[2])};
+  const Vec3 spin = turning.spin(corner_m_s[0], corner_m_s[1], corner_m_s[2]);
+  Vec3 wall = w[0] * corner_m_s[0] + w[1] * corner_m_s[1] + w[2] * corner_m_s[2] +
+              cross(spin, touch.away);
 
   const double overlap = atom->radius[i] - std::sqrt(touch.distance2);
   LIGGGHTS::ContactModels::SurfacesIntersectData contact;
@@ -184,7 +221,11 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   contact.contact_history = history;
   atom_type_wall_ = type_[touch.triangle];
   const auto before = worn.before(history);
+  double *particle_spin = atom->omega[i];
+  const Vec3 spin_in_world = from(particle_spin);
+  put(particle_spin, spin_in_world - spin);
   impl->compute_force(this, contact, overlap > 0, &wall.x);
+  put(particle_spin, spin_in_world);
 
   Vec3 added = from(force) - force_before, turned = {0, 0, 0};
   const Vec3 unshared = added;
@@ -197,9 +238,11 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
     put(torque, torque_before + touch.weight * (from(torque) - torque_before));
   }
   const double step = update->setupflag ? 0.0 : update->dt;
-  const Vec3 wall_now = w[0] * surface_.velocity(corner[0]) + w[1] * surface_.velocity(corner[1]) +
-                        w[2] * surface_.velocity(corner[2]);
-  load_.add(corner, w, added, wall_now, step);
+  const Vec3 couple = turning.solved(from(torque) - torque_before + cross(touch.away, added));
+  const Vec3 on_corners[3] = {-w[0] * added - cross(couple, turning.arm(0)),
+                              -w[1] * added - cross(couple, turning.arm(1)),
+                              -w[2] * added - cross(couple, turning.arm(2))};
+  load_.add(surface_, corner, on_corners, step);
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
     ++contacts_;

@@ -3,6 +3,8 @@
 #include <mpi.h>
 
 #include <functional>
+#include <utility>
+#include <vector>
 
 #include "contact_interface.h"
 #include "fix_wall_gran.h"
@@ -46,8 +48,10 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
                   const double *end_m_s, double length_s, int steps);
   int points() const { return surface_.points(); }
   LAMMPS_NS::bigint first_step() const { return first_step_; }  // before the path's first step
-  void begin_sums(double step_s) { load_.begin(surface_, step_s); }
-  void end_sums(double step_s) { load_.end(step_s); }
+  void begin_sums(double step_s);
+  void end_sums(double step_s);
+  // Integral over time since t = 0 of the sum of mass times place, of this rank's particles, kg m s.
+  Vec3 mass_moment_time() const { return mass_moment_time_; }
 
   // Is the surface, where it is now, nearer to a place than `reach_m`?
   bool reached(Vec3 place, double reach_m) const {
@@ -63,7 +67,16 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   const Wear &wear() const { return wear_; }
   ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
   int contacts() const { return contacts_; }        // last evaluation
-  DeepestOverlap deepest() const { return deepest_; }  // last evaluation
+
+  // A centre that changed the side of the surface through a triangle: where it was at the end of the
+  // step.
+  struct Crossing {
+    int tag;
+    LAMMPS_NS::bigint step;
+    Vec3 position_m;
+  };
+  std::vector<Crossing> take_crossings() { return std::exchange(crossings_, {}); }  // since last taken
+  DeepestOverlap take_deepest() { return std::exchange(deepest_, {}); }  // since last taken
 
   int setmask() override;
   void post_create() override {}  // the base class would make a history for its primitive wall
@@ -90,6 +103,12 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   template <class Worn>
   void touch(const ContactSearch::Near &near, Worn &worn);
   void keep_necks(int i);
+  void weigh(double step_s);
+  double step_length2(int i) const;
+  Vec3 place_before(int i) const;
+  void watch_crossing(const ContactSearch::Near &near, double nearest2);
+  void watch_long_steps();
+  void add_crossing(int i);
   Jkr law(int i, const Touch &touch) const;
   void respond(const Touch &touch, const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
                const double *history, Vec3 added, Vec3 turned);
@@ -114,6 +133,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   ContactEnergy energy_;
   int contacts_ = 0;
   DeepestOverlap deepest_;
+  std::vector<Crossing> crossings_;
+  Vec3 mass_moment_ = {0, 0, 0}, mass_moment_time_ = {0, 0, 0};
 };
 
 }  // namespace flipflow

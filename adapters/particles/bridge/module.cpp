@@ -4,6 +4,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <utility>
+
 #include "atom.h"
 #include "contact_energy.h"
 #include "engine.h"
@@ -124,6 +126,23 @@ py::dict take_removed(Engine &engine) {
   return arrays;
 }
 
+py::dict take_crossings(Engine &engine) {
+  const auto rows = engine.surface().take_crossings();
+  const auto count = static_cast<py::ssize_t>(rows.size());
+  py::array_t<int> tag(count), step(count);
+  Doubles position_m({count, py::ssize_t{3}});
+  for (py::ssize_t k = 0; k < count; ++k) {
+    tag.mutable_at(k) = rows[k].tag;
+    step.mutable_at(k) = static_cast<int>(rows[k].step - engine.surface().first_step());
+    flipflow::put(position_m.mutable_data(k, 0), rows[k].position_m);
+  }
+  py::dict arrays;
+  arrays["tag"] = tag;
+  arrays["step"] = step;
+  arrays["x"] = position_m;
+  return arrays;
+}
+
 void begin_path(Engine &engine, Doubles start_m, Doubles start_m_s, Doubles end_m,
                 Doubles end_m_s, double length_s, int steps) {
   engine.surface().begin_path(start_m.data(), start_m_s.data(), end_m.data(), end_m_s.data(),
@@ -161,15 +180,22 @@ std::pair<double, double> pair_of(flipflow::ContactEnergy energy) {
   return {energy.elastic_J, energy.adhesion_J};
 }
 
+Doubles triple(flipflow::Vec3 value) {
+  Doubles array(py::ssize_t{3});
+  flipflow::put(array.mutable_data(), value);
+  return array;
+}
+
 Doubles worn_m3(Engine &engine) {
   const std::vector<double> &worn = engine.surface().wear().worn_m3();
   return Doubles(static_cast<py::ssize_t>(worn.size()), worn.data());
 }
 
-// Particle-particle and surface contacts: depth and its share of a diameter, of each.
-py::tuple deepest_overlaps(Engine &engine) {
-  const flipflow::DeepestOverlap between = flipflow::deepest_between(engine.lammps());
-  const flipflow::DeepestOverlap surface = engine.surface().deepest();
+// Particle-particle and surface contacts of all steps since this was last asked, on this rank: depth
+// and its share of a diameter, of each.
+py::tuple take_deepest_overlaps(Engine &engine) {
+  const auto between = std::exchange(flipflow::deepest_between(engine.lammps()), {});
+  const auto surface = engine.surface().take_deepest();
   return py::make_tuple(between.depth_m, between.share, surface.depth_m, surface.share);
 }
 
@@ -222,9 +248,14 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("ask_response", [](Engine &e) { e.surface().response().ask(); })
       .def("response", &response)
       .def("worn_m3", &worn_m3)
+      .def("angular_impulse_N_m_s",
+           [](Engine &e) { return triple(e.surface().load().angular_impulse_N_m_s()); })
+      .def("mass_moment_time_kg_m_s",
+           [](Engine &e) { return triple(e.surface().mass_moment_time()); })
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
       .def("surface_energy_J", [](Engine &e) { return pair_of(e.surface().energy()); })
-      .def("deepest_overlaps", &deepest_overlaps)
+      .def("take_deepest_overlaps", &take_deepest_overlaps)
+      .def("take_crossings", &take_crossings)
       .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
       .def("pair_energy_J",
            [](Engine &e) { return pair_of(flipflow::pair_energy(e.lammps(), e.laws())); });

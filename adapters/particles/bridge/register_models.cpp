@@ -29,6 +29,7 @@
 
 #include "jkr_contact.h"
 #include "rolling_across.h"
+#include "watched_contact.h"
 
 namespace flipflow {
 
@@ -42,8 +43,9 @@ Interface *create(LAMMPS_NS::LAMMPS *lmp, typename Interface::ParentType *parent
   return new Style(lmp, parent, hash);
 }
 
-template <class Contact, int64_t hash>
+template <class Model, int64_t hash>
 void add() {
+  using Contact = WatchedContact<Model>;
   PairStyles::Factory::instance().addStyle(
       "gran", hash, &create<PairStyles::IGranularPairStyle, PairStyles::Granular<Contact>>);
   Walls::Factory::instance().addStyle(
@@ -74,9 +76,6 @@ void add_all() {
 }  // namespace
 
 void register_contact_models() {
-  static bool done = false;
-  if (done) return;
-  done = true;
   ContactModels::Factory::instance().addNormalModel("jkr", JkrContact<0, 0>::kModel);
   add_all<TANGENTIAL_OFF, ROLLING_OFF>();
   add_all<TANGENTIAL_HISTORY, ROLLING_OFF>();

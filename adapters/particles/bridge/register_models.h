@@ -2,9 +2,8 @@
 
 namespace flipflow {
 
-// Makes LIGGGHTS know `model jkr`, with `tangential history` and `rolling_friction cdt` or `epsd2`
-// if wanted.  Its models are templates that LIGGGHTS instantiates when it is built; those with ours
-// are instantiated here.  Calls after the first do nothing.
+// Makes the contact models of flipflow known to LIGGGHTS.  Every new instance of LIGGGHTS puts some
+// models of its own into the same tables, in the place of ours: to be called after each.
 void register_contact_models();
 
 }  // namespace flipflow

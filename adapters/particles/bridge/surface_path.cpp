@@ -6,6 +6,7 @@ namespace flipflow {
 
 SurfacePath::SurfacePath(std::vector<double> position_m)
     : position_(std::move(position_m)),
+      before_(position_),
       start_x_(position_),
       start_v_(position_.size(), 0.0),
       end_x_(position_),
@@ -31,14 +32,22 @@ double SurfacePath::begin(const double *start_m, const double *start_m_s, const 
   }
   fastest_ = std::sqrt(fastest2);
   now_ = half_way_ = Rate();
+  before_.swap(position_);
   position_ = start_x_;
-  return std::sqrt(jump2);
+  moves_ = 0;
+  jump_ = std::sqrt(jump2);
+  return jump_;
 }
 
 void SurfacePath::move(double fraction, double half_way) {
   now_ = rate(fraction);
   half_way_ = rate(half_way);
-  if (fastest_ == 0.0) return;
+  if (moves_ < 2) ++moves_;
+  if (fastest_ == 0.0) {
+    if (jump_ > 0.0 && moves_ == 2) before_ = position_;
+    return;
+  }
+  if (moves_ == 2) before_.swap(position_);
   const double t = fraction, h = length_, r = 1 - t;
   const double x0 = (1 + 2 * t) * r * r, v0 = t * r * r * h;
   const double x1 = t * t * (3 - 2 * t), v1 = -t * t * r * h;

@@ -25,6 +25,9 @@ class SurfacePath {
   void move(double fraction, double half_way);
 
   Vec3 position(int point) const { return from(&position_[3 * point]); }
+  // Where the point was before the last move; for the first move of a path, where the last path left
+  // it.
+  Vec3 position_before(int point) const { return from(&before_[3 * point]); }
   Vec3 velocity(int point) const { return velocity(point, now_); }
   Vec3 velocity_half_way(int point) const { return velocity(point, half_way_); }
   const std::vector<double> &start_velocity() const { return start_v_; }
@@ -32,6 +35,11 @@ class SurfacePath {
 
   // No point goes faster than this within the interval.
   double fastest_m_s() const { return fastest_; }
+
+  // No point is farther than this from where it was before the last move, which took `step_s`.
+  double farthest_moved_m(double step_s) const {
+    return fastest_ * step_s + (moves_ == 1 ? jump_ : 0.0);
+  }
 
  private:
   struct Rate {  // what displacement, start and end velocity count for in a velocity
@@ -41,8 +49,9 @@ class SurfacePath {
   Rate rate(double fraction) const;
   Vec3 velocity(int point, const Rate &rate) const;
 
-  std::vector<double> position_, start_x_, start_v_, end_x_, end_v_;
-  double length_ = 1.0, fastest_ = 0.0;
+  std::vector<double> position_, before_, start_x_, start_v_, end_x_, end_v_;
+  double length_ = 1.0, fastest_ = 0.0, jump_ = 0.0;
+  int moves_ = 0;  // since the path's start, 2 for more
   Rate now_, half_way_;
 };
 

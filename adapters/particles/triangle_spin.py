@@ -1,0 +1,72 @@
+"""How triangles turn, and how they take up couples, by the motion of their corners.
+
+A triangle's spin is that of the rigid body of three equal masses at its corners with the same
+angular momentum, J^-1 sum d_k x v_k with J = sum (|d_k|^2 1 - d_k d_k^T), corners at d_k from their
+centroid.  A couple C becomes the forces (J^-1 C) x d_k: their sum is zero, their moment is C, and
+their power is C . spin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports import Array, Indices
+
+THINNEST = 1e-12  # of a triangle that takes up couples: some millionth as wide as it is long
+
+
+@dataclass(frozen=True)
+class TriangleSpin:
+    """Of n triangles: ``arms_m`` (n, 3, 3) of the corners about the centroid, ``inverse`` (n, 3, 3)
+    of J; zero for a triangle without area, which takes up no couple and counts as not turning."""
+
+    arms_m: Array
+    inverse_1_m2: Array
+
+    @staticmethod
+    def of(corners_m: Array) -> TriangleSpin:
+        """Of triangles with these corners, (n, 3, 3)."""
+        arms_m = corners_m - corners_m.sum(axis=1, keepdims=True) / 3.0
+        xx, yy, zz = np.sum(arms_m**2, axis=1).T
+        x, y, z = arms_m[:, :, 0], arms_m[:, :, 1], arms_m[:, :, 2]
+        xy, yz, zx = -np.sum(x * y, axis=1), -np.sum(y * z, axis=1), -np.sum(z * x, axis=1)
+        xx, yy, zz = yy + zz, zz + xx, xx + yy  # of J
+        rows = np.array(
+            [
+                [yy * zz - yz * yz, yz * zx - xy * zz, xy * yz - yy * zx],
+                [yz * zx - xy * zz, xx * zz - zx * zx, zx * xy - xx * yz],
+                [xy * yz - yy * zx, zx * xy - xx * yz, xx * yy - xy * xy],
+            ]
+        )
+        determinant = xx * rows[0, 0] + xy * rows[0, 1] + zx * rows[0, 2]
+        takes = determinant > THINNEST * (xx + yy + zz) ** 3
+        inverse = rows * (takes / np.where(takes, determinant, 1.0))
+        return TriangleSpin(arms_m, np.moveaxis(inverse, 2, 0))
+
+    def spin(self, corners_m_s: Array) -> Array:
+        """(n, 3) of the corners' velocities (n, 3, 3)."""
+        arms_m = self.arms_m.reshape(-1, 3)
+        turning = cross(arms_m, corners_m_s.reshape(-1, 3)).reshape(-1, 3, 3).sum(axis=1)
+        return np.asarray(np.einsum("nij,nj->ni", self.inverse_1_m2, turning))
+
+    def forces(self, couple_N_m: Array) -> Array:
+        """On the corners, (n, 3, 3), of couples (n, 3)."""
+        turning = np.einsum("nij,nj->ni", self.inverse_1_m2, couple_N_m)
+        arms_m = self.arms_m.reshape(-1, 3)
+        return cross(np.repeat(turning, 3, axis=0), arms_m).reshape(-1, 3, 3)
+
+    def only(self, some: npt.NDArray[np.bool_] | Indices) -> TriangleSpin:
+        return TriangleSpin(self.arms_m[some], self.inverse_1_m2[some])
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Row by row, (n, 3); a third of the time of np.cross on short arrays."""
+    product = np.empty(a.shape)
+    (ax, ay, az), (bx, by, bz) = a.T, b.T
+    np.subtract(ay * bz, az * by, out=product[:, 0])
+    np.subtract(az * bx, ax * bz, out=product[:, 1])
+    np.subtract(ax * by, ay * bx, out=product[:, 2])
+    return product

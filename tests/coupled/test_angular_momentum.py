@@ -1,0 +1,55 @@
+"""Angular momentum about the world's origin between spinning balls and panels on free frames.
+
+Law: what the particles give the surface, in their own steps, is the moment of the mean load on the
+panel's mean place, but for  sum over intervals of the integral of (x - mean x) x (f - mean f).
+That is of second order in the sync interval H where forces last, v f' H^2 / 12 of each second.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from adapters.particles.triangle_spin import TriangleSpin
+from tests.coupled.machines import opened, written
+from tests.coupled.screen import MACHINE
+
+BALLS = [
+    f"bed.particles.ball-{i}-{j}={{position_m=[{0.03 + 0.03 * i}, {0.03 + 0.04 * j}, 0.0101], "
+    "velocity_m_s=[0.1, 0.0, -0.05], spin_rad_s=[30, -80, 10], diameter_m=0.02, "
+    'axes="deck", material="coal"}'
+    for i in range(3)
+    for j in range(2)
+]
+ROLLING = [f"contacts.{pair}.rolling_friction=0.1" for pair in (0, 1)]
+
+
+def residual(folder: Path, solver: str, law: str, sync_interval_s: float) -> dict[str, float]:
+    """After 20 ms on rigid panels, inclined by 15 degrees, on frames that move freely."""
+    settings = [
+        "panel.solver=rigid",
+        "frames.solver=planar",
+        f"particles.solver={solver}",
+        f"particles.rolling={law}",
+        f"coupling.sync_interval_s={sync_interval_s}",
+    ]
+    with opened(written(folder, MACHINE, [*BALLS, *ROLLING, *settings])) as run:
+        run.advance(round(0.02 / sync_interval_s))
+        return run.angular_momentum_residual()
+
+
+@pytest.mark.parametrize("solver", ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
+@pytest.mark.parametrize("law", ["epsd2", "cdt"])
+def test_spinning_balls_on_free_frames(tmp_path: Path, solver: str, law: str) -> None:
+    found = residual(tmp_path, solver, law, 1e-4)
+    assert found["particles"] < 1e-12
+    assert 0.0 < found["particles-panel"] < 1e-8
+    assert found["panel-frames"] < 1e-8
+
+
+def test_without_the_couple_it_does_not_close(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(TriangleSpin, "forces", lambda self, couple_N_m: 0.0 * self.arms_m)
+    assert residual(tmp_path, "spheres", "epsd2", 1e-4)["particles"] > 1e-3
