@@ -31,7 +31,7 @@ DURATION_S = {
     "empty-machine": 0.2,
     "panel-cycle": 0.2,
     "ffs0827": 0.05,
-    "ffs0827-effects": 0.08,
+    "ffs0827-effects": 0.09,
 }
 FED_SOON = ("banana", "ffs0827", "ffs0827-effects", "ffs0827-slice")
 PICTURED = "quickstart"
