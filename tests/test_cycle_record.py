@@ -37,11 +37,11 @@ MACHINE: Any = SimpleNamespace(
 
 
 def at(time_s: float) -> tuple[Any, Array]:
-    """State and forces: a frame that swings along x with an amplitude that grows from cycle to
+    """State and forces: a frame that swings along x with an amplitude that falls from cycle to
     cycle, a middle that goes up and down, a pull of 100 N and more, a load downwards."""
     phase = 2 * np.pi * time_s / CYCLE_S
     cycle = max(0, np.ceil(time_s / CYCLE_S - 1e-9) - 1)
-    clamps_m = np.array([[0.001 * (1 + cycle) * np.sin(phase), 0.0, 0.0]])
+    clamps_m = np.array([[0.001 * (3 - cycle) * np.sin(phase), 0.0, 0.0]])
     surface_m = LINE_M + np.outer([0.0, 0.01 * np.sin(phase), 0.0], [0.0, 0.0, 1.0])
     pull_N = 100.0 + 20.0 * np.sin(phase)
     forces_N = np.zeros((5, 1, 3))
@@ -75,10 +75,10 @@ def test_every_cycle_has_its_own_extremes(tmp_path: Path) -> None:
         assert set(history["point_cycles"]) == {"frame", "middle"}
         assert frame["time_s"][:] == pytest.approx([0.08, 0.16, 0.20])
         assert frame["sync_points"][:].tolist() == [17, 16, 8]
-        assert frame["most_m"][:, 0] == pytest.approx([0.001, 0.002, 0.003])
-        assert frame["least_m"][:, 0] == pytest.approx([-0.001, -0.002, 0.0], abs=1e-12)
+        assert frame["most_m"][:, 0] == pytest.approx([0.003, 0.002, 0.001])
+        assert frame["least_m"][:, 0] == pytest.approx([-0.003, -0.002, 0.0], abs=1e-12)
         assert frame["mean_m"][:2, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
-        assert frame["farthest_m"][:] == pytest.approx([0.001, 0.002, 0.003])
+        assert frame["farthest_m"][:] == pytest.approx([0.003, 0.002, 0.001])
         assert frame["fastest_m_s"][:] == pytest.approx([0.5, 0.5, 0.5])
         assert middle["most_m"][:, 2] == pytest.approx([0.01, 0.01, 0.01])
         panel = {name: rows[:] for name, rows in history["panel_cycles/deck"].items()}
