@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from orchestrator.commands.accuracy_cli import accuracy
+from orchestrator.commands.effects_cli import effects
 from orchestrator.commands.options import CasePath, Level, Overrides
 from orchestrator.commands.said import CONSOLE, FAILED, said
 from orchestrator.commands.stability_cli import stability
@@ -16,6 +17,7 @@ from orchestrator.commands.stability_cli import stability
 study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
 
 study.command()(accuracy)
+study.command()(effects)
 study.command()(stability)
 
 Out = Annotated[
