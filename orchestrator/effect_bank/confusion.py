@@ -20,9 +20,9 @@ from scipy.stats import t as student
 from orchestrator.effect_bank.trials import Trial, Tried
 from orchestrator.records import trust
 from orchestrator.results.scalars import scalar
-from orchestrator.scene.catalogue import judged
 from orchestrator.scene.effect import Verdict, in_words
 from orchestrator.scene.pair import Change
+from orchestrator.scene.weighing import weighed
 
 CONFIDENCE = 0.95
 CHANGED, UNCHANGED = "changed", "not changed"
@@ -99,9 +99,8 @@ def confusion(scenes: Sequence[Tried]) -> Confusion:
 
 
 def _rows(one: Tried) -> Iterator[Row]:
-    verdicts = {
-        each.effect: each.verdict for rows in judged(one.loaded.described).values() for each in rows
-    }
+    parts = weighed(one.loaded.described).values()
+    verdicts = {each.effect: each.verdict for rows in parts for each in rows}
     base, *others = one.trials
     for trial in others:
         verdict = verdicts.get(trial.without)

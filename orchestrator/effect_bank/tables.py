@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -35,7 +36,7 @@ CSV_HEAD = (
     "change",
     "half_width",
 )
-DIGITS = 4
+DIGITS = 3
 
 
 def confusion_table(found: Confusion) -> Table:
@@ -142,5 +143,8 @@ def _short(value: float | None) -> str:
 def _percent(one: Change) -> str:
     if one.relative is None:
         return " (too small)" if one.with_it is not None else ""
+    if math.isinf(one.relative):
+        return ""
+    percent = 100 * one.relative
     width = "" if one.uncertain is None else f" ± {100 * one.uncertain:.0f}"
-    return f" ({100 * one.relative:.3g}{width} %)"
+    return f" ({percent:.0f}{width} %)" if percent >= 10 else f" ({percent:.2g}{width} %)"

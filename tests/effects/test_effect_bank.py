@@ -12,10 +12,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from orchestrator.casefile.case import Case
 from orchestrator.casefile.levels import load
 from orchestrator.commands.cli import app
 from orchestrator.effect_bank import bank as banks
-from orchestrator.effect_bank import tables
+from orchestrator.effect_bank import confusion, tables
 from orchestrator.effect_bank.confusion import (
     BY_CHANCE,
     CANNOT_SAY,
@@ -31,10 +32,9 @@ from orchestrator.effect_bank.confusion import (
     outcome,
 )
 from orchestrator.effect_bank.trials import Countdown
-from orchestrator.scene.catalogue import EFFECTS
-from orchestrator.scene.effect import Verdict
+from orchestrator.scene.catalogue import Judged
+from orchestrator.scene.effect import Part, Verdict
 from orchestrator.scene.pair import Change
-from orchestrator.scene.scene import Scene as JudgedScene
 from orchestrator.studies import sweep
 from tests.runs.outside import ROOT
 
@@ -51,21 +51,18 @@ duration_s = 0.32
 asked = ["middle_amplitude"]
 effects = ["panel-deformation"]
 
-[scenes.taut]
-why = "a taut panel shaken slowly: it goes with its frame"
+[scenes.high]
+why = "a panel high above a beam"
 case = "CASES/panel-cycle"
 level = "draft"
 sets = [
   "panel.cells=[4, 1]",
   "panel.surface_cells=[4, 2]",
-  "screen.panels.deck.tension_m=0.015",
-  'screen.panels.deck.frames=["moving", "moving"]',
-  "screen.frames.moving.drive.amplitude_m=[0.0, 0.0, 0.002]",
-  "screen.frames.moving.drive.speed_rad_s=40.0",
+  "screen.panels.deck.stops.beam={from_m=0.13, to_m=0.17, gap_m=0.12}",
 ]
 duration_s = 0.32
 asked = ["middle_amplitude"]
-effects = ["panel-deformation"]
+effects = ["beam-contact"]
 """
 
 
@@ -80,17 +77,18 @@ def study(*words: object) -> Any:
     return CALL.invoke(app, ["study", "effects", *map(str, words), "--jobs", "1"])
 
 
-def turned_over(monkeypatch: pytest.MonkeyPatch, effect: str) -> None:
-    """Makes an effect say the opposite of what it says."""
-    judge = EFFECTS[effect].judge
+def turned_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Makes all effects say the opposite of what they say."""
+    weighed = confusion.weighed
 
-    def opposite(scene: JudgedScene) -> Verdict | None:
-        verdict = judge(scene)
-        assert verdict is not None
-        assert verdict.matters is not None
-        return replace(verdict, matters=not verdict.matters)
+    def opposite(one: Judged) -> Judged:
+        matters = None if one.verdict.matters is None else not one.verdict.matters
+        return replace(one, verdict=replace(one.verdict, matters=matters))
 
-    monkeypatch.setitem(EFFECTS, effect, replace(EFFECTS[effect], judge=opposite))
+    def all_opposite(case: Case) -> dict[Part, list[Judged]]:
+        return {part: [opposite(one) for one in rows] for part, rows in weighed(case).items()}
+
+    monkeypatch.setattr(confusion, "weighed", all_opposite)
 
 
 def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
@@ -104,16 +102,16 @@ def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
     with (out / "effects.csv").open(newline="") as text:
         rows = {row["scene"]: row for row in csv.DictReader(text)}
     assert (rows["slack"]["verdict"], rows["slack"]["outcome"]) == (MATTERS, CHANGED)
-    assert (rows["taut"]["verdict"], rows["taut"]["outcome"]) == (MAY_GO, UNCHANGED)
+    assert (rows["high"]["verdict"], rows["high"]["outcome"]) == (MAY_GO, UNCHANGED)
     assert float(rows["slack"]["without"]) < 0.2 * float(rows["slack"]["with"])
-    assert float(rows["taut"]["change"]) < 0.1
+    assert float(rows["high"]["change"]) < 0.1
 
     monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run again"))
-    turned_over(monkeypatch, "panel-deformation")
+    turned_over(monkeypatch)
     again = study(bank, "--out", out)
     assert again.exit_code == 4, again.output
     assert "wrong: slack: panel-deformation" in again.output
-    assert "false alarm: taut: panel-deformation" in again.output
+    assert "false alarm: high: beam-contact" in again.output
     assert 'wrong "may be left out": 1; false alarms: 100 %' in again.output
     assert "**WRONG**" in (out / "effects.md").read_text()
 
@@ -123,11 +121,11 @@ def test_dry_says_what_would_be_run_and_runs_nothing(
 ) -> None:
     monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run"))
     out = tmp_path / "out"
-    said = study(tiny_bank(tmp_path), "--dry", "--out", out, "--scene", "taut")
+    said = study(tiny_bank(tmp_path), "--dry", "--out", out, "--scene", "high")
     assert said.exit_code == 0, said.output
-    assert "taut: a taut panel shaken slowly" in said.output
+    assert "high: a panel high above a beam" in said.output
     assert "slack" not in said.output
-    assert "without panel-deformation: 1 to be run, about" in said.output
+    assert "without beam-contact: 1 to be run, about" in said.output
     assert "in all 2 runs, about" in said.output
     assert not out.exists()
 
@@ -136,7 +134,7 @@ def test_dry_says_what_would_be_run_and_runs_nothing(
     ("instead", "words", "said"),
     [
         ('["midle_amplitude"]', (), 'no result "midle_amplitude"; did you mean "middle_amplitude"'),
-        ('["middle_amplitude"]', ("--scene", "tout"), 'no scene "tout"; did you mean "taut"'),
+        ('["middle_amplitude"]', ("--scene", "hihg"), 'no scene "hihg"; did you mean "high"'),
     ],
 )
 def test_a_bank_with_mistakes_is_refused(
@@ -153,7 +151,7 @@ def test_mistakes_of_all_scenes_are_said_with_their_names(tmp_path: Path) -> Non
     found = study(bank, "--dry")
     assert found.exit_code == 2
     assert "scene slack, --set" in found.output
-    assert "scene taut, --set" in found.output
+    assert "scene high, --set" in found.output
     missing = study(tmp_path / "none.toml", "--dry")
     assert missing.exit_code == 2
     assert "there is no bank of scenes" in missing.output
@@ -170,9 +168,9 @@ def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     """The runs differ in what the effect is made of, and in nothing else."""
     from orchestrator.effect_bank.trials import tried
 
-    scene = banks.read(tiny_bank(tmp_path))["taut"]
+    scene = banks.read(tiny_bank(tmp_path))["high"]
     scene = scene.model_copy(update={"effects": ()})
-    found = tried("taut", scene, tmp_path, tmp_path / "out")
+    found = tried("high", scene, tmp_path, tmp_path / "out")
     kinds = {trial.without: trial.runs[0].loaded.case for trial in found.trials}
     assert kinds[""].panel.solver == "strip"
     assert kinds[""].materials["PU"].hyperelastic.maxwell
@@ -255,11 +253,11 @@ def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:
     """A run that failed gives no summary to compare; one that is doubtful does."""
     from orchestrator.effect_bank.trials import Trial
 
-    scene = banks.read(tiny_bank(tmp_path))["taut"]
+    scene = banks.read(tiny_bank(tmp_path))["high"]
     from orchestrator.effect_bank.trials import tried
 
-    runs = tried("taut", scene, tmp_path, tmp_path / "out").trials[0].runs
-    trial = Trial("taut", "", runs)
+    runs = tried("high", scene, tmp_path, tmp_path / "out").trials[0].runs
+    trial = Trial("high", "", runs)
     for status, count in (("failed", 0), ("doubtful", 1), ("done", 1), ("interrupted", 0)):
         runs[0].folder.mkdir(parents=True, exist_ok=True)
         (runs[0].folder / "summary.json").write_text(json.dumps({"status": status}))
