@@ -21,7 +21,7 @@ from orchestrator.effect_bank.trials import Trial, Tried
 from orchestrator.records import trust
 from orchestrator.results.scalars import scalar
 from orchestrator.scene.effect import Verdict, in_words
-from orchestrator.scene.pair import Change
+from orchestrator.scene.pair import Change, changed
 from orchestrator.scene.weighing import weighed
 
 CONFIDENCE = 0.95
@@ -129,9 +129,12 @@ def change(
     name: str, with_it: Sequence[Mapping[str, Any]], without: Sequence[Mapping[str, Any]]
 ) -> Change:
     """Returns how a result changes from the runs with an effect to those without, given their
-    summaries; a result that only one side has has changed by all of it."""
+    summaries; a result that only one side has has changed by all of it.  Of one run a side, the
+    interval is what the runs themselves give."""
     asked = scalar(name)
     found = [[asked.of(summary) for summary in each] for each in (with_it, without)]
+    if len(with_it) == len(without) == 1:
+        return changed(found[0][0], found[1][0], asked.floor)
     one, two = (np.array([each.value for each in side if each is not None]) for side in found)
     if not one.size and not two.size:
         return Change(None, None, None)

@@ -10,12 +10,15 @@ from orchestrator.scene.scene import Scene
 
 def judge(scene: Scene) -> Verdict:
     shaken = scene.speed_rad_s > 0
+    matters = True if scene.throw > TENTH else None
     thrown = f"particles are thrown with {scene.throw:.2g} g"
+    if matters is None:
+        thrown += "; how far a slow surface carries them, only a run tells"
     return Verdict(
         number="throw",
         value=scene.throw if shaken else None,
         threshold="0.1 (of the weight)",
-        matters=scene.throw > TENTH if shaken else None,
+        matters=matters if shaken else None,
         limit=TENTH,
         why=thrown if shaken else "nothing shakes the surface: what bends it, only a run tells",
         cost="the particles' surface is placed at every step",

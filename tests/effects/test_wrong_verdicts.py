@@ -245,6 +245,18 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
     assert not next(o for o in nothing["frames"] if o.effect == "sideways-motion").verdict.measured
 
 
+def test_a_surface_that_carries_particles_slowly_is_not_left_out() -> None:
+    """Brute force, in the scene slow-lift of cases/effects.toml: a ball that lies on a panel goes
+    up and down with it by 1.5 mm, and by 0.2 mm without the panel's motion, at a throw of 0.096."""
+    lift = (
+        "screen.frames.lift={drive={amplitude_m=[0.0, 0.0, 0.001], speed_rad_s=12.0}}",
+        "screen.panels.deck.frames=['lift', 'lift']",
+    )
+    found = of("ball-on-panel", *lift)["panel-motion"]
+    assert found.verdict.value == pytest.approx(12.0**2 * 0.001 / 9.81, rel=1e-3)
+    assert found.verdict.matters is None
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "effect", "sets", "with_it", "without"),
