@@ -15,8 +15,8 @@ from typing import Any
 from orchestrator.accuracy.points import seeded
 from orchestrator.casefile.errors import CaseError
 from orchestrator.casefile.levels import LoadedCase, load
+from orchestrator.cost import particles_at_start, predicted_s
 from orchestrator.effect_bank.bank import Scene
-from orchestrator.ladder.cost import particles_at_start, predicted_s
 from orchestrator.scene.catalogue import EFFECTS, can_go, present, with_dependents
 from orchestrator.studies import sweep
 from orchestrator.studies.sampling import sample_s
