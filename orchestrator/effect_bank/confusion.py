@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.stats import t as student
 
+from orchestrator.accuracy.points import is_random
 from orchestrator.effect_bank.trials import Trial, Tried
 from orchestrator.records import trust
 from orchestrator.results.scalars import scalar
@@ -120,21 +121,30 @@ def _compared(
         return {}, CHANGED, "the run without it failed"
     if not base.ended or not trial.ended:
         return {}, NOT_RUN, ""
-    changes = {name: change(name, base.summaries, trial.summaries) for name in asked}
+    by_chance = is_random(base.runs[0].loaded.case)
+    changes = {
+        name: change(name, base.summaries, trial.summaries, by_chance=by_chance) for name in asked
+    }
     doubtful = "the run without it is doubtful" if trust.DOUBTFUL in trial.statuses else ""
     return changes, outcome(changes), doubtful
 
 
 def change(
-    name: str, with_it: Sequence[Mapping[str, Any]], without: Sequence[Mapping[str, Any]]
+    name: str,
+    with_it: Sequence[Mapping[str, Any]],
+    without: Sequence[Mapping[str, Any]],
+    *,
+    by_chance: bool,
 ) -> Change:
     """Returns how a result changes from the runs with an effect to those without, given their
     summaries; a result that only one side has has changed by all of it.  Of one run a side, the
-    interval is what the runs themselves give."""
+    interval is what the runs themselves give, if ``by_chance`` particles lie where random numbers
+    put them; else two runs differ by the effect alone."""
     asked = scalar(name)
     found = [[asked.of(summary) for summary in each] for each in (with_it, without)]
     if len(with_it) == len(without) == 1:
-        return changed(found[0][0], found[1][0], asked.floor)
+        single = changed(found[0][0], found[1][0], asked.floor)
+        return single if by_chance else replace(single, uncertain=None)
     one, two = (np.array([each.value for each in side if each is not None]) for side in found)
     if not one.size and not two.size:
         return Change(None, None, None)

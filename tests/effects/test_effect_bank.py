@@ -181,8 +181,14 @@ def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     assert load(CASES / "panel-cycle", "draft").case.screen.frames["moving"].drive.run_up_s > 0
 
 
-def summary(value: float | None) -> dict[str, Any]:
-    return {"results": {"bed": {"velocity_m_s": {"value": value, "half_width": None}}}}
+def summary(value: float | None, half_width: float | None = None) -> dict[str, Any]:
+    return {"results": {"bed": {"velocity_m_s": {"value": value, "half_width": half_width}}}}
+
+
+def test_the_interval_of_a_run_counts_where_chance_is_at_work() -> None:
+    one, two = [summary(1.0, 0.3)], [summary(1.2, 0.4)]
+    assert change("velocity", one, two, by_chance=True) == Change(1.0, 1.2, pytest.approx(0.2), 0.5)
+    assert change("velocity", one, two, by_chance=False).uncertain is None
 
 
 @pytest.mark.parametrize(
@@ -203,7 +209,8 @@ def test_change_of_means_and_its_interval(
     relative: float | None,
     half_width: float | None,
 ) -> None:
-    found = change("velocity", [summary(v) for v in with_it], [summary(v) for v in without])
+    sides = ([summary(value) for value in side] for side in (with_it, without))
+    found = change("velocity", *sides, by_chance=True)
     assert found.relative == (relative if relative is None else pytest.approx(relative))
     expected = half_width if half_width is None else pytest.approx(half_width, rel=1e-4)
     assert found.uncertain == expected
