@@ -149,8 +149,8 @@ def change(
     if not one.size and not two.size:
         return Change(None, None, None)
     if not one.size or not two.size:
-        means = (float(side.mean()) if side.size else None for side in (one, two))
-        return Change(*means, math.inf)
+        mean, other = [float(side.mean()) if side.size else None for side in (one, two)]
+        return Change(mean, other, math.inf)
     first, second = float(one.mean()), float(two.mean())
     if max(abs(first), abs(second)) < asked.floor:
         return Change(first, second, None)
