@@ -67,7 +67,7 @@ class SeenMotion:
         """Power of the exciters in the window, and their largest torque before it, revolution by
         revolution; None where none turns at its own speed: a motor's lag would be in it."""
         exciters = list(self._data.case.screen.exciters.values())
-        path = "energy/supplied.frames.exciter"
+        path = "energy/supplied.frames.exciter_J"
         if path not in self._data.history or any(one.motor for one in exciters):
             return None
         time_s, given_J = self._data.read("energy/time_s"), self._data.read(path)

@@ -77,6 +77,21 @@ def test_rigid_panels_have_the_sag_that_their_stroke_would_give(
         assert panel.sag_m == pytest.approx(2 / math.pi * math.sqrt(0.3 * 0.006), rel=1e-6)
 
 
+def test_power_and_torque_of_the_exciters_by_hand(data: RunData, figures: dict[str, Any]) -> None:
+    """They are given 2 W all the time, at 78.5 rad/s from the start."""
+    screen = data.case.screen
+    at_once = {
+        name: exciter.model_copy(update={"run_up_s": 0.0, "start_s": 0.0})
+        for name, exciter in screen.exciters.items()
+    }
+    screen = screen.model_copy(update={"exciters": at_once})
+    data = replace(data, case=data.case.model_copy(update={"screen": screen}))
+    found = seen(data, figures).seen.turned
+    assert found is not None
+    assert found.power_W == pytest.approx(2.0, rel=1e-6)
+    assert found.largest_N_m == pytest.approx(2.0 / 78.5, rel=1e-6)
+
+
 def test_bed_and_its_speed_by_hand(data: RunData, figures: dict[str, Any]) -> None:
     """Eight bins of 0.2 kg, at 0.3 m/s."""
     found = seen(data, figures).seen
