@@ -105,12 +105,14 @@ class Ending:
             figures["reason"] = figures["reason"] or what
 
     def _check_effects(self, figures: dict[str, Any]) -> None:
-        """What was judged before the run, by what it recorded."""
+        """Judges the effects again by what the run recorded.  Under a run that failed, that stands
+        in the log only: the last lines of the console are why it failed and how to go on."""
         after = checked(self.effects, self.loaded.described, self.folder, figures["results"])
         figures["effects"] = {name: one.figures() for name, one in after.items()}
         for line in at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
-            self.console.print(line)
+            if figures["status"] != "failed":
+                self.console.print(line)
 
 
 @contextmanager
