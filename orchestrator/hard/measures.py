@@ -106,6 +106,13 @@ def later(folders: Folders, row: Criterion) -> float:
     return series(folders, row) / series(folders, before)
 
 
+def moved(folders: Folders, row: Criterion) -> float:
+    """Returns the size of the difference of ``series`` from that of the part of the time
+    ``earlier_s``."""
+    before = row.model_copy(update={"between_s": row.earlier_s})
+    return abs(series(folders, row) - series(folders, before))
+
+
 def relative_summary(folders: Folders, row: Criterion) -> float:
     """``summary`` over that of the run ``against``."""
     other = row.model_copy(update={"run": row.against})
@@ -141,6 +148,7 @@ MEASURES: dict[str, Callable[[Folders, Criterion], float]] = {
     "relative": relative,
     "relative_summary": relative_summary,
     "later": later,
+    "moved": moved,
     "trusted": trusted,
     "clear": clear,
 }

@@ -63,6 +63,16 @@ def folders(tmp_path: Path) -> dict[str, Path]:
         ({"axis": "x", "measure": "relative", "against": "two"}, 0.5),
         ({"measure": "difference", "against": "two"}, 4.0),
         ({"axis": "x", "measure": "later", "between_s": (3, 4), "earlier_s": (0, 1)}, 4.0),
+        (
+            {
+                "axis": "x",
+                "measure": "moved",
+                "take": "mean",
+                "between_s": (0, 1),
+                "earlier_s": (3, 4),
+            },
+            3.0,
+        ),
         ({"run": "two", "measure": "unexplained"}, 2.0),
         ({"run": "two", "measure": "share_unexplained"}, 1.0),
         ({"run": "two", "measure": "kept"}, 2.0),
