@@ -35,7 +35,7 @@ from orchestrator.accuracy.setting import Setting
 from orchestrator.casefile.levels import NUMERICS, LoadedCase
 from orchestrator.clock import exact
 from orchestrator.studies import sweep
-from orchestrator.studies.figures import MOVING, happens
+from orchestrator.studies.figures import QUANTITIES, happens
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
 SHORT = 5  # the short part is one of so many of the run
@@ -129,11 +129,11 @@ def studied(asked: Asked, say: Say) -> Study:
             f"{one.folder}: the run of the case as it is is {one.status()}, so that there is "
             f"nothing to compare with; {one.folder}.log says why"
         )
-    if not happens({name: first[BASE].mean(name) for name in MOVING}):
+    if not happens({name: first[BASE].mean(name) for name in QUANTITIES}):
         raise Unmeasured(
             f"{start[0].runs[0].folder}: nothing happens in the case as it is: no panel, frame or "
-            "particle moves by more than can be resolved (a nanometre), so that there are no "
-            "errors to compare; let it last until something does"
+            "particle moves by more than can be resolved (a nanometre), and no clamp's pull "
+            "changes, so that there are no errors to compare; let it last until something does"
         )
     points = afford(there.points, asked, first)
     _run(points[2:], asked, say)

@@ -63,7 +63,9 @@ RESOLVED = {
 coordinates of a few metres are rounded at 1e-15 m, resting shapes are found to 1e-11 m, and a
 nanometre at a machine's speed of 100 rad/s is 1e-6 g."""
 MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
-"""Clamps pull while nothing happens, too."""
+"""Clamps pull while nothing happens, too: what tells of them is whether their pull changes."""
+STEADY = 1e-6
+"""A pull whose peak is above its root mean square by no more than this share does not change."""
 DEFECTS = {
     "energy_defect": "energy created by the coupling, of what was exchanged and lost",
     "momentum_defect": "momentum residual of the worst member",
@@ -137,9 +139,15 @@ def is_resolved(name: str, value: float) -> bool:
 
 
 def happens(values: Mapping[str, float | None]) -> bool:
-    """Whether in a run with such ``values`` (by QUANTITIES) anything moves that can be resolved."""
+    """Returns whether anything that can be resolved moves in a run with such ``values`` (by
+    QUANTITIES), or changes the pull of a clamp, as a particle does on a rigid panel."""
     found = {name: value for name in MOVING if (value := values.get(name)) is not None}
-    return any(is_resolved(name, value) for name, value in found.items())
+    if any(is_resolved(name, value) for name, value in found.items()):
+        return True
+    peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
+    if peak_N is None or rms_N is None:
+        return False
+    return peak_N - rms_N > max(RESOLVED["clamp_peak_N"], STEADY * peak_N)
 
 
 def errors(found: Figures, reference: Figures) -> dict[str, float]:
