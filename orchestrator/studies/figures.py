@@ -75,10 +75,10 @@ DEFECTS = {
 
 @dataclass(frozen=True)
 class Figures:
-    """``values`` by QUANTITIES (without "shape", what a case does not have, and what is not above
-    RESOLVED), of the whole width where a slice was run; ``own`` the uncertainty of those that are
-    statistics; ``defects`` by DEFECTS; ``shapes_m`` (rows, values) to be compared; the ``change``
-    is that of the shape from the cycle before."""
+    """``values`` by QUANTITIES (without "shape" and what a case does not have; 0 for what is not
+    above RESOLVED, with which nothing is compared), of the whole width where a slice was run;
+    ``own`` the uncertainty of those that are statistics; ``defects`` by DEFECTS; ``shapes_m``
+    (rows, values) to be compared; the ``change`` is that of the shape from the cycle before."""
 
     values: dict[str, float]
     own: dict[str, float]
@@ -113,8 +113,10 @@ def figures(folder: Path) -> Figures:
         values |= _of_the_bed(summary.get("results", {}), own)
     for name in EXTENSIVE & values.keys():
         values[name] /= summary["share_of_width"]
-    values = {name: value for name, value in values.items() if is_resolved(name, value)}
-    if "deflection_m" not in values:  # a shape that is no more than rounding is not compared either
+    values = {name: value if is_resolved(name, value) else 0.0 for name, value in values.items()}
+    if not values.get(
+        "deflection_m"
+    ):  # a shape that is no more than rounding is not compared either
         shapes_m = shapes_m[:, :0]
     rows = round(cycle * (len(shapes_m) - 1) / (end_s - start_s)) if len(shapes_m) else 0
     change = relative(shapes_m[:-rows], shapes_m[rows:]) if 0 < rows < len(shapes_m) / 2 else None

@@ -80,7 +80,8 @@ def test_a_heavy_bed_at_rest(tmp_path: Path) -> None:
     assert limit < 4e-5
     reference = outcome(tmp_path, BED, "particles-first", 2.5e-5, 0.12, 0.02)
     found = outcome(tmp_path, BED, "robin", round(5.0 * limit, 6), 0.12, 0.02)
-    assert found.spin_rad_s < 0.01 * SPINS_RAD_S
+    # what is left is the balls' rocking with the panel's swing, which dies out in both alike
+    assert found.spin_rad_s < min(1.5 * reference.spin_rad_s, 0.1 * SPINS_RAD_S)
     assert found.sag_m == pytest.approx(reference.sag_m, rel=3e-3)
     assert abs(found.created_J) < 1e-5
     assert found.momentum_residual < 1e-12

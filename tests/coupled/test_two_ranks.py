@@ -18,8 +18,10 @@ SETTINGS = ["output.pictures=false", "output.interval_s=0.001", "probes.crosser.
 def ran(case: Path, out: Path, scheme: str, ranks: int, *more: str) -> h5py.File:
     words = run_words(str(case), out, [*SETTINGS, f"coupling.scheme={scheme}", *more])
     done = flipflow(*words, ranks=ranks)
-    assert done.returncode == 0, done.stderr
-    assert left_usable(out, "done")["momentum_residual_relative"] < 1e-12
+    # loads that come late create energy here, and the run says so
+    state = "doubtful" if scheme == "serial-staggered" else "done"
+    assert done.returncode == (5 if state == "doubtful" else 0), done.stderr
+    assert left_usable(out, state)["momentum_residual_relative"] < 1e-12
     return h5py.File(out / "history.h5")
 
 

@@ -106,7 +106,8 @@ def test_every_particle_is_accounted_for(tmp_path: Path, solver: str, ranks: int
         str(case(tmp_path / "case")), tmp_path / "run", [f"particles.solver={solver}"]
     )
     done = flipflow(*words, ranks=ranks)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 5, done.stderr
+    assert any("left" in doubt for doubt in summary(tmp_path / "run")["doubts"])
     found = checked(tmp_path / "run")
     removed = found["removed"]
     assert np.bincount(removed["exit"] + 1, minlength=3).min() > 3  # lost, and through both
