@@ -103,7 +103,7 @@ while IFS= read -r folder; do
 done < <({ cat /etc/pip.conf ~/.config/pip/pip.conf ~/.pip/pip.conf 2>/dev/null; env | grep '^PIP_' | cut -d= -f2-; } |
     tr ' =' '\n\n' | sed -n 's#^file://##; s#/simple/*$##; /^\//p' | sort -u)
 
-git clone -q --no-hardlinks "$checkout" "$tree/root/flipflow" || cannot "git cannot clone $checkout"
+git clone -q --no-hardlinks "$checkout" "$tree/flipflow" || cannot "git cannot clone $checkout"
 [ -z "$(git -C "$checkout" status --porcelain 2>/dev/null)" ] ||
     say "warning: what is not committed in $checkout is not in the tree"
 
@@ -140,7 +140,7 @@ for command in "${commands[@]}"; do
     status=0
     run unshare --mount --pid --fork --kill-child bash -c "$enter" enter "$tree" ${folders[@]+"${folders[@]}"} -- \
         /usr/bin/env -i --default-signal=INT,QUIT "${variables[@]}" \
-        bash -c "cd /root/flipflow && { $command"$'\n'"}; exit \$?" </dev/null || status=$?
+        bash -c "cd /flipflow && { $command"$'\n'"}; exit \$?" </dev/null || status=$?
     if [ $status != 0 ]; then
         echo "bare.sh: exit code $status" >&2
         exit $status
