@@ -18,15 +18,16 @@ class Say:
     def __init__(self, first: int, intervals: int, interval_s: float, console: Console) -> None:
         """Of so many ``intervals``, the ``first`` were done before."""
         self._first, self._intervals, self._interval_s = first, intervals, interval_s
+        self._console = console
+        self._draws = console.is_terminal and not console.is_dumb_terminal
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
             TextColumn("{task.percentage:>3.0f}%"),
             TimeRemainingColumn(),
             console=console,
-            disable=not console.is_terminal,
+            disable=not self._draws,
         )
-        self._console = console
         self._task = self._bar.add_task("simulating", total=intervals, completed=first)
         self._started = self._said = time.monotonic()
 
@@ -52,5 +53,5 @@ class Say:
             f"about {left_s:.0f} s left"
         )
         LOG.info(line)
-        if not self._console.is_terminal:
+        if not self._draws:
             self._console.print(line, highlight=False)

@@ -9,11 +9,12 @@ but not to be trusted, 6 done but its results could not be made, 129 (SIGHUP), 1
 from __future__ import annotations
 
 import io
+import os
 import signal
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -143,20 +144,30 @@ def carried_out(
 
 class _StandardError(io.TextIOBase):
     """Standard error, which may go away during a run: a terminal that hangs up, a pipe that nobody
-    reads any more.  What can be said to nobody is in run.log."""
+    reads any more.  What can be said to nobody is in run.log.  From then on the stream leads
+    nowhere, or Python would end with exit code 120 over what it could not write."""
 
     def __init__(self) -> None:
         # while it shows a bar, Rich puts something in the place of standard error that prints here
         self._stream = getattr(sys.stderr, "rich_proxied_file", sys.stderr)
 
     def write(self, text: str) -> int:
-        with suppress(OSError):
+        try:
             self._stream.write(text)
+        except OSError:
+            self._leads_nowhere()
         return len(text)
 
     def flush(self) -> None:
-        with suppress(OSError):
+        try:
             self._stream.flush()
+        except OSError:
+            self._leads_nowhere()
+
+    def _leads_nowhere(self) -> None:
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, self._stream.fileno())
+        os.close(nowhere)
 
     def isatty(self) -> bool:
         return bool(self._stream.isatty())

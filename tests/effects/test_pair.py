@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -126,6 +127,8 @@ def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> Non
 
 def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
     """Else it would wait for the other ranks of the run that asks for it."""
+    for name in [name for name in os.environ if name.startswith("OMPI")]:
+        monkeypatch.delenv(name)
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
     asks = "import os; print(sorted(name for name in os.environ if name.startswith('OMPI')))"
     assert python("-c", asks, capture_output=True).stdout.strip() == "['OMPI_COMM_WORLD_SIZE']"

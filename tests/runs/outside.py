@@ -30,6 +30,11 @@ needs_mpirun = pytest.mark.skipif(shutil.which("mpirun") is None, reason="no mpi
 MPIRUN = ("mpirun", "--allow-run-as-root", "--oversubscribe", "-n")
 
 
+def buffered() -> dict[str, str]:
+    """The environment with standard error buffered, as it is unless somebody wishes otherwise."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
+
+
 def command(*words: str, before: str = "", ranks: int = 1) -> list[str]:
     """``flipflow WORDS`` in a fresh process (or ``ranks`` of them under mpirun); ``before`` is
     Python that is run first, to break something on purpose."""

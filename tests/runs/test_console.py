@@ -8,7 +8,7 @@ import re
 import subprocess
 from pathlib import Path
 
-from tests.runs.outside import HANG_S, QUICK, ROOT, command, flipflow, run_words
+from tests.runs.outside import HANG_S, QUICK, ROOT, buffered, command, flipflow, run_words
 
 AT_ONCE = "from orchestrator import time_left; time_left.SAY_EVERY_S = 0.0"
 SHORT = [*QUICK, "duration_s=0.002"]
@@ -92,12 +92,24 @@ def test_a_folder_s_name_commands_no_terminal(tmp_path: Path) -> None:
     assert "exists already" in done.stderr
 
 
+def test_progress_on_a_terminal_that_draws_nothing_is_lines(tmp_path: Path) -> None:
+    ours, theirs = pty.openpty()
+    words = command(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
+    run = subprocess.Popen(
+        words, cwd=ROOT, stderr=theirs, stdin=theirs, env=os.environ | {"TERM": "dumb"}
+    )
+    os.close(theirs)
+    shown = _all_of(ours)
+    assert run.wait(timeout=HANG_S) == 0
+    assert re.search(LINE, shown)
+
+
 def test_nobody_reads_what_is_said(tmp_path: Path) -> None:
     """A pipe that is closed at its other end, as by ``| head``, is no reason to stop."""
     read, write = os.pipe()
     os.close(read)
     words = command(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
-    run = subprocess.Popen(words, cwd=ROOT, stderr=write, stdout=write)
+    run = subprocess.Popen(words, cwd=ROOT, stderr=write, stdout=write, env=buffered())
     os.close(write)
     assert run.wait(timeout=HANG_S) == 0
     assert re.search(LINE, (tmp_path / "run/run.log").read_text())

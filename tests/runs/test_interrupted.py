@@ -17,6 +17,7 @@ from tests.runs.outside import (
     HANG_S,
     QUICK,
     ROOT,
+    buffered,
     command,
     left_usable,
     run_words,
@@ -91,7 +92,8 @@ def test_nohup_keeps_what_it_promises(tmp_path: Path) -> None:
     assert "stopped by SIGTERM at t = " in said
 
 
-def test_a_terminal_that_closes(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["xterm", "dumb"])
+def test_a_terminal_that_closes(tmp_path: Path, kind: str) -> None:
     """All is written and saved, although there is nobody left to tell."""
     folder = tmp_path / "run"
     ours, theirs = pty.openpty()
@@ -101,12 +103,13 @@ def test_a_terminal_that_closes(tmp_path: Path) -> None:
         stdin=theirs,
         stdout=theirs,
         stderr=theirs,
+        env=buffered() | {"TERM": kind},
         start_new_session=True,
         preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
     )
     os.close(theirs)
     shown = b""
-    while b"simulating" not in shown:
+    while b"running quickstart" not in shown:
         shown += os.read(ours, 4096)
     wait_until(lambda: (folder / "particles.pvd").exists())
     os.close(ours)
