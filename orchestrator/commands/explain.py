@@ -16,7 +16,7 @@ from orchestrator.results.scalars import SCALARS
 from orchestrator.scene.catalogue import Judged, spared, with_dependents
 from orchestrator.scene.effect import Part, in_words
 from orchestrator.scene.pair import Pair
-from orchestrator.scene.weighing import weighed
+from orchestrator.scene.weighing import doubted, weighed
 from orchestrator.stability.choice import AUTO
 from orchestrator.studies.trials import Asked
 
@@ -70,7 +70,7 @@ def judged_of(
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
 
     def here(one: Judged) -> Judged:
-        return replace(one, present=one.present and one.effect not in loaded.left_out)
+        return doubted(replace(one, present=one.present and one.effect not in loaded.left_out))
 
     return {
         part: [here(one) for one in rows]

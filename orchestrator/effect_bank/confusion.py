@@ -23,7 +23,7 @@ from orchestrator.records import trust
 from orchestrator.results.scalars import scalar
 from orchestrator.scene.effect import Verdict, in_words
 from orchestrator.scene.pair import Change, changed
-from orchestrator.scene.weighing import weighed
+from orchestrator.scene.weighing import doubted, weighed
 
 CONFIDENCE = 0.95
 CHANGED, UNCHANGED = "changed", "not changed"
@@ -100,8 +100,8 @@ def confusion(scenes: Sequence[Tried]) -> Confusion:
 
 
 def _rows(one: Tried) -> Iterator[Row]:
-    parts = weighed(one.loaded.described).values()
-    verdicts = {each.effect: each.verdict for rows in parts for each in rows}
+    parts = weighed(one.loaded.described, asked=one.scene.asked).values()
+    verdicts = {each.effect: doubted(each).verdict for rows in parts for each in rows}
     base, *others = one.trials
     for trial in others:
         verdict = verdicts.get(trial.without)

@@ -58,4 +58,5 @@ EFFECT = Effect(
     needs=("panel-deformation",),
     key="stops of panels or decks",
     checked_by="frames_throw",
+    about=("panels",),
 )

@@ -27,4 +27,5 @@ EFFECT = Effect(
     overlay=lambda case: {"bed": {"feeds": None}} if case.bed.feeds else {},
     key="bed.feeds.<name>",
     checked_by="transport_m_s",
+    about=("particles",),
 )

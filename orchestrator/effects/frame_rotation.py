@@ -48,4 +48,5 @@ EFFECT = Effect(
     key="frames.solver",
     checked_by="rotation",
     saves=True,
+    about=("particles", "panels"),
 )

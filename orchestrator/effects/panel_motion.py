@@ -38,4 +38,5 @@ EFFECT = Effect(
     overlay=lambda case: {"hand_over": {"panel_motion": False}},
     key="hand_over.panel_motion",
     checked_by="frames_throw",
+    about=("particles",),
 )

@@ -20,4 +20,5 @@ EFFECT = Effect(
     overlay=lambda case: {"screen": {"exits": None}} if case.screen.exits else {},
     key="screen.exits.<name>",
     checked_by="transport_m_s",
+    about=("particles",),
 )

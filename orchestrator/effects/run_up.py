@@ -21,7 +21,7 @@ def judge(scene: Scene) -> Verdict | None:
     return Verdict(
         number="cycles of the run-up",
         value=cycles,
-        threshold=f"{CYCLES:g} (a tenth more acceleration)",
+        threshold=f"{CYCLES:g} (below it a tenth more acceleration)",
         matters=matters,
         why=why,
         cost="that much machine time",
@@ -40,9 +40,7 @@ def _start(cycles: float) -> tuple[bool | None, str]:
     if cycles == 0:
         return True, "the machine starts with a jump"
     over = f"at the start accelerations are up to {1 / (2 * cycles):.0%} higher"
-    if cycles >= CYCLES:
-        return True, f"{over}: smooth"
-    return None, f"{over}: matters if the start is looked at"
+    return None, f"{over}; whether its end is another without a run-up, only a run tells"
 
 
 def overlay(case: Case) -> Overlay:

@@ -49,4 +49,5 @@ EFFECT = Effect(
     key="frames.solver",
     checked_by="sideways",
     saves=True,
+    about=("particles", "panels"),
 )

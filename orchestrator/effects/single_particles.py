@@ -47,4 +47,5 @@ EFFECT = Effect(
     left_out=left_out,
     key="particles.coarse_graining",
     checked_by="bed_kg_m2",
+    about=("particles",),
 )

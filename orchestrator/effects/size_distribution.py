@@ -66,4 +66,5 @@ EFFECT = Effect(
     described=lambda case: has_particles(case) and _ratio(case) > 1,
     key="bed: sizes, curve, smallest_fed_m",
     checked_by="products",
+    about=("particles",),
 )

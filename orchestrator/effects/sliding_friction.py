@@ -44,4 +44,5 @@ EFFECT = Effect(
     overlay=overlay,
     key="contacts.sliding_friction",
     checked_by="bearing",
+    about=("particles",),
 )

@@ -114,4 +114,5 @@ EFFECT = Effect(
     described=lambda case: has_particles(case) and not softened(case),
     key="particles.largest_youngs_modulus_Pa",
     checked_by="deepest",
+    about=("particles",),
 )

@@ -55,4 +55,5 @@ EFFECT = Effect(
     needs=("panel-deformation",),
     key="panel.solver",
     saves=True,
+    about=("panels",),
 )

@@ -10,7 +10,10 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from orchestrator.casefile.case import Case
 
 Summary = Mapping[str, Any]
 
@@ -168,6 +171,30 @@ def is_of_separation(name: str) -> bool:
     """Whether a result is of what came in and went out."""
     separated = ("efficiency", "recovery", "undersize", "oversize")
     return name in separated or name.startswith("results.screening.")
+
+
+PARTS_OF_PATHS = {
+    "material.": "particles",
+    "results.screening.": "particles",
+    "results.bed.": "particles",
+    "results.motion.frames.": "frames",
+    "results.motion.relative.": "frames",
+    "results.motion.panels.": "panels",
+    "results.motion.panel_points.": "panels",
+}
+
+
+def part_of(name: str, case: Case) -> str:
+    """What part of the machine a result is of: "particles", "panels", "frames", or "" where its
+    name does not tell.  A probe is of what it is fixed to."""
+    if name in SCALARS:
+        found = SCALARS[name]
+        return "particles" if found.of_particles else "panels" if found.of_panels else "frames"
+    words = name.split(".")
+    if words[0] == "probes" and words[1] in case.probes:
+        probe = case.probes[words[1]]
+        return "panels" if probe.panel else "frames" if probe.frame else "particles"
+    return next((part for path, part in PARTS_OF_PATHS.items() if name.startswith(path)), "")
 
 
 def scalar(name: str) -> Scalar:

@@ -43,4 +43,5 @@ def contact_law(
         key=key,
         checked_by=checked_by,
         saves=True,
+        about=("particles",),
     )

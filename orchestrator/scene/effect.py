@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from orchestrator.casefile.case import Case
 from orchestrator.scene.scene import Scene
 from orchestrator.scene.seen import What
 
 Part = Literal["particles", "panels", "frames", "machine"]
+PARTS: tuple[Part, ...] = get_args(Part)
 Overlay = Mapping[str, Any]
 NOTHING_BUT_ROUNDING = 1e-9
 MARGIN = 3.0
@@ -96,7 +97,8 @@ class Effect:
     ``undescribed``: keys that take it out of the data where ``overlay`` chooses another law, for
     the benchmark.  ``checked_by``: what a run must tell (a field of ``Seen``) for ``judge`` to be
     asked again after it.  ``saves``: whether a run without it takes less time, so that it is worth
-    a trial.
+    a trial.  ``about``: the parts whose results the number is an estimate of; of others it says
+    nothing when it is above its threshold.
     """
 
     part: Part
@@ -110,6 +112,7 @@ class Effect:
     key: str = ""
     checked_by: What | None = None
     saves: bool = False
+    about: tuple[Part, ...] = PARTS
 
     @property
     def optional(self) -> bool:

@@ -159,6 +159,20 @@ def answer(ratio: float) -> float:
     return math.inf if square == 1.0 else 4 / math.pi * square / abs(1 - square)
 
 
+def change_of_answer(ratio: float, loss_factor: float, mass_ratio: float) -> float:
+    """Share by which the amplitude of the middle of a panel, clamps' motion included, changes when
+    it has neither a loss factor nor ``mass_ratio`` times its own mass upon it, which moves with it
+    and lowers its frequency; shaken as in ``answer``, where ``ratio`` is of the empty panel."""
+
+    def amplitude(square: float, loss: float) -> float:
+        against_clamps = square / complex(1 - square, loss) if square != 1.0 or loss else math.inf
+        return abs(1 + 4 / math.pi * against_clamps)
+
+    as_it_is = amplitude(ratio**2 * (1 + mass_ratio), loss_factor)
+    without = amplitude(ratio**2, 0.0)
+    return 0.0 if without == as_it_is else abs(without / as_it_is - 1)
+
+
 def mooney_ratio(law: Hyperelastic, strain: float) -> float:
     """Nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
     over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,

@@ -22,7 +22,7 @@ from orchestrator.casefile.contents import has_particles
 from orchestrator.deck.panels import axes, single_panels
 from orchestrator.planning import frames_plan, hyperelastic
 from orchestrator.plans import FramesPlan
-from orchestrator.scene.moved_panel import MovedPanel
+from orchestrator.scene.moved_panel import MovedPanel, change_of_answer
 from orchestrator.scene.seen import Seen
 from orchestrator.scene.shaking import PanelSpring, Shaking, shakings
 
@@ -102,6 +102,17 @@ class Scene:
         several times the static one."""
         ratio = self.speed_rad_s / panel.frequency_rad_s
         return RESONANT[0] < ratio < RESONANT[1]
+
+    def change_of_answer(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
+        """Largest change of the amplitude of a panel's middle without a loss factor or a mass upon
+        it (``moved_panel.change_of_answer``), if all panels are taut all the time and shaken; else
+        None: a slack panel is no oscillator."""
+        if self.speed_rad_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
+            return None
+        return max(
+            change_of_answer(self.speed_rad_s / one.frequency_rad_s, loss_factor, mass_ratio)
+            for one in self.panels
+        )
 
     @property
     def impact_m_s(self) -> float:

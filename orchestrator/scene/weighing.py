@@ -7,17 +7,22 @@ An estimate that says "may be left out" is overruled to "cannot say" where
 - something that the case has would go with the effect, as it needs it or as the solver that leaves
   the effect out does not know it, and matters or cannot be judged.
 
+An estimate that says "matters" is overruled to "cannot say" of an effect that could be left out
+
+- where it is an estimate of other parts' results than those that are asked for, and
+- within a factor of ``MARGIN`` above the threshold, where a pair of runs decides (``doubted``).
+
 Pairs of runs that have measured what an effect changes take the place of its estimate before.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence, Set
 from dataclasses import replace
 
 from orchestrator.casefile.case import Case
-from orchestrator.results.scalars import is_of_separation
-from orchestrator.scene.catalogue import Judged, judged, needs_of, taken_along
+from orchestrator.results.scalars import is_of_separation, part_of
+from orchestrator.scene.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
 from orchestrator.scene.effect import MARGIN, TENTH, Part, Verdict, in_words
 from orchestrator.scene.pair import Change, Pair
 
@@ -35,6 +40,8 @@ def weighed(
             by_name[name] = replace(by_name[name], verdict=verdict)
     if any(is_of_separation(name) for name in asked):
         by_name = {name: _separated(one) for name, one in by_name.items()}
+    parts_asked = {part_of(name, case) for name in asked}
+    by_name = {name: _about(one, parts_asked) for name, one in by_name.items()}
     close = {name: _far_enough(one) for name, one in by_name.items()}
     every = [_consistent(case, one, close.values()) for one in close.values()]
     kept = {one.effect: one for one in every}
@@ -48,6 +55,14 @@ def undecided(one: Judged) -> bool:
     if verdict.measured or not (one.present and one.can_go):
         return False
     return verdict.matters is None or (verdict.matters is True and not is_clear(verdict))
+
+
+def doubted(one: Judged) -> Judged:
+    """ "Cannot say" in place of a "matters" that is no further above its threshold than estimates
+    err, where a pair of runs can decide."""
+    if not undecided(one) or one.verdict.matters is None:
+        return one
+    return _cannot_say(one, f"within a factor of {MARGIN:g} of the threshold")
 
 
 def is_clear(verdict: Verdict) -> bool:
@@ -90,7 +105,23 @@ def _separated(one: Judged) -> Judged:
     """Without what comes and goes a run has no separation to tell of, however little that is."""
     if one.effect not in ("feed", "removal") or one.verdict.matters is not False:
         return one
-    why = f"{one.verdict.why}; yet without it there is no separation, which is asked for"
+    return _cannot_say(one, "yet without it there is no separation, which is asked for")
+
+
+def _about(one: Judged, parts: Set[str]) -> Judged:
+    """``parts``: of the results that are asked for; "" stands for any."""
+    about = EFFECTS[one.effect].about
+    if not parts or "" in parts or one.verdict.measured or one.verdict.matters is not True:
+        return one
+    if not one.present or not one.can_go or not parts.isdisjoint(about):
+        return one
+    return _cannot_say(
+        one, f"what that changes of the {' and '.join(sorted(parts))} it does not say"
+    )
+
+
+def _cannot_say(one: Judged, because: str) -> Judged:
+    why = f"{one.verdict.why}; {because}"
     return replace(one, verdict=replace(one.verdict, matters=None, why=why))
 
 
@@ -98,8 +129,7 @@ def _far_enough(one: Judged) -> Judged:
     verdict = one.verdict
     if verdict.matters is not False or not verdict.is_close:
         return one
-    why = f"{verdict.why}; within a factor of {MARGIN:g} of the threshold"
-    return replace(one, verdict=replace(verdict, matters=None, why=why))
+    return _cannot_say(one, f"within a factor of {MARGIN:g} of the threshold")
 
 
 def _consistent(case: Case, one: Judged, every: Collection[Judged]) -> Judged:
@@ -112,8 +142,6 @@ def _consistent(case: Case, one: Judged, every: Collection[Judged]) -> Judged:
         if one.verdict.measured and not (other.verdict.measured and other.verdict.matters):
             continue
         if goes and other.present and other.verdict.matters is not False:
-            why = (
-                f"{one.verdict.why}; {other.effect} goes with it: {in_words(other.verdict.matters)}"
-            )
-            return replace(one, verdict=replace(one.verdict, matters=None, why=why))
+            why = f"{other.effect} goes with it: {in_words(other.verdict.matters)}"
+            return _cannot_say(one, why)
     return one

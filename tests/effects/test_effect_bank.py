@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -83,10 +84,11 @@ def turned_over(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def opposite(one: Judged) -> Judged:
         matters = None if one.verdict.matters is None else not one.verdict.matters
-        return replace(one, verdict=replace(one.verdict, matters=matters))
+        return replace(one, verdict=replace(one.verdict, matters=matters, limit=None))
 
-    def all_opposite(case: Case) -> dict[Part, list[Judged]]:
-        return {part: [opposite(one) for one in rows] for part, rows in weighed(case).items()}
+    def all_opposite(case: Case, asked: Sequence[str]) -> dict[Part, list[Judged]]:
+        every = weighed(case, asked=asked)
+        return {part: [opposite(one) for one in rows] for part, rows in every.items()}
 
     monkeypatch.setattr(confusion, "weighed", all_opposite)
 

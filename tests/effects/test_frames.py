@@ -98,7 +98,7 @@ def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("run_up_s", "matters", "present"), [(0.0, True, False), (0.1, None, True), (0.5, True, True)]
+    ("run_up_s", "matters", "present"), [(0.0, True, False), (0.1, None, True), (0.5, None, True)]
 )
 def test_cycles_of_the_run_up(
     tmp_path: Path, run_up_s: float, matters: bool | None, present: bool

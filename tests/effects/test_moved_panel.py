@@ -13,6 +13,8 @@ from orchestrator.geometry import Apertures, Rectangle
 from orchestrator.plans import Hyperelastic
 from orchestrator.scene.moved_panel import (
     MovedPanel,
+    answer,
+    change_of_answer,
     loss_factor,
     mooney_ratio,
     one_sided,
@@ -115,3 +117,28 @@ def test_stiffness_and_mass_by_hand(tmp_path: Path) -> None:
     assert found.taut_stiffness_N_m == pytest.approx(56e3, rel=1e-9)
     assert found.mass_kg_m2 == pytest.approx(4.6, rel=1e-9)
     assert found.free_mass_kg == pytest.approx(0.276, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.3, 0.9, 1.0, 2.0])
+def test_what_loss_and_mass_change_of_a_taut_panels_middle(ratio: float) -> None:
+    """Against the forced motion of one damped oscillator, m x'' + k (1 + i eta) x = m w^2, and,
+    for the loss factor at resonance, the textbook's 1/eta."""
+    eta, mass = 0.2, 1.5
+    stiffness = 1 / ratio**2  # m = w = 1
+    of_base = 4 / math.pi / (stiffness * (1 + 1j * eta) - 1)
+    undamped = math.inf if ratio == 1.0 else 4 / math.pi / (stiffness - 1)
+    damped = abs(1 + of_base)
+    found = change_of_answer(ratio, eta, 0.0)
+    if ratio == 1.0:
+        assert damped == pytest.approx(4 / math.pi / eta, rel=0.02)
+    assert found == pytest.approx(abs(abs(1 + undamped) / damped - 1), rel=1e-12)
+    loaded_m = abs(1 + (1 + mass) * 4 / math.pi / (stiffness * (1 + 1j * eta) - (1 + mass)))
+    expected = abs(abs(1 + undamped) / loaded_m - 1)
+    assert change_of_answer(ratio, eta, mass) == pytest.approx(expected, rel=1e-12)
+    assert change_of_answer(ratio, 0.0, 0.0) == 0.0
+
+
+def test_far_below_its_frequency_nothing_changes() -> None:
+    assert change_of_answer(0.09, 0.06, 3.3) < 0.05
+    assert change_of_answer(0.09, 0.0, 0.0) == 0.0
+    assert answer(0.09) < 0.02

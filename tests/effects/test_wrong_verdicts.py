@@ -4,6 +4,7 @@ was left out by them, and what closed forms say of it now."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from orchestrator.scene.moved_panel import stiffness_share
 from orchestrator.scene.pair import Pair, key_of, remember
 from orchestrator.scene.scene import scene
 from orchestrator.scene.seen import Seen
-from orchestrator.scene.weighing import weighed
+from orchestrator.scene.weighing import doubted, weighed
 from orchestrator.studies.paired import Pairs
 from tests.case.cases import loaded, only_complaint, written
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
@@ -282,3 +283,57 @@ def test_brute_force_of_the_stroke(
     assert change is not None
     assert change.with_it == pytest.approx(with_it, rel=0.1)
     assert change.without == pytest.approx(without, rel=0.1)
+
+
+def asked_of(names: Sequence[str], case: str, *sets: str) -> dict[str, Judged]:
+    """What is said of a shipped case at level draft, by effect, for some results."""
+    described = load(CASES / case, "draft", sets).described
+    rows = (one for rows in weighed(described, asked=names).values() for one in rows)
+    return {one.effect: doubted(one) for one in rows}
+
+
+def test_an_estimate_cries_wolf_over_its_own_results_only() -> None:
+    """Brute force: without panel-damping the stroke of empty-machine changes by 8 %, accelerations
+    of its panels tenfold; without frame-rotation the stroke of ffs0827-empty changes by 2 %."""
+    of_stroke = asked_of(["stroke"], "empty-machine")["panel-damping"].verdict
+    assert of_stroke.matters is None
+    assert "of the frames it does not say" in of_stroke.why
+    for names in (["rms_g"], ["stroke", "rms_g"], ["probes.centre.cycle_peak_g"], []):
+        assert asked_of(names, "empty-machine")["panel-damping"].verdict.matters is True
+    assert asked_of(["stroke"], "ffs0827-empty")["frame-rotation"].verdict.matters is None
+    assert asked_of(["rms_g"], "ffs0827-empty")["frame-rotation"].verdict.matters is True
+
+
+def test_friction_on_the_level_is_about_what_lies_there() -> None:
+    """Brute force: a ball that falls on the middle of a level panel never slides."""
+    panel = asked_of(["probes.middle.peak_m"], "ball-on-panel")
+    ball = asked_of(["probes.ball.mean_m.2"], "ball-on-panel")
+    for name in ("sliding-friction", "rolling-friction"):
+        assert (panel[name].verdict.matters, ball[name].verdict.matters) == (None, True)
+    assert panel["particle-load"].verdict.matters is True
+
+
+def test_what_is_near_its_threshold_from_above_is_for_a_pair_to_say() -> None:
+    """Brute force: panel-damping of slow panels, 0.124 of 0.1, changes 3 %."""
+    slow = (
+        "screen.frames.moving.drive.amplitude_m=[0.0015, 0.0, 0.0]",
+        "screen.frames.moving.drive.speed_rad_s=8.0",
+    )
+    near = asked_of(["middle_amplitude"], "panel-cycle", *slow)["panel-damping"].verdict
+    assert near.value == pytest.approx(0.124, abs=0.001)
+    assert near.matters is None
+    assert "within a factor of 3" in near.why
+    assert asked_of(["stretch"], "panel-cycle")["panel-damping"].verdict.matters is True
+
+
+def test_taut_panels_far_below_resonance_move_as_their_clamps() -> None:
+    """Brute force: without panel-damping 0.0 % of a mat's middle at a sixth of its frequency."""
+    stiff = (
+        "screen.panels.deck.tension_m=0.015",
+        'screen.panels.deck.frames=["moving", "moving"]',
+        "screen.frames.moving.drive.amplitude_m=[0.0, 0.0, 0.002]",
+        "screen.frames.moving.drive.speed_rad_s=40.0",
+    )
+    found = asked_of(["middle_amplitude"], "panel-cycle", *stiff)["panel-damping"].verdict
+    assert found.matters is None
+    assert "taut panels' middles" in found.why
