@@ -23,22 +23,32 @@ class Interrupted(Exception):
         self.signal, self.state = number, state
 
 
-def told_twice(error: BaseException | None) -> bool:
-    """Whether a second signal is behind this error: libraries that it interrupts may raise another
-    one on top of it."""
+class AtOnce(KeyboardInterrupt):
+    """The user asked to stop, and nothing is waited for; the message says why not."""
+
+    def __init__(self, number: int, why: str) -> None:
+        super().__init__(why)
+        self.signal = number
+
+
+def told_at_once(error: BaseException | None) -> KeyboardInterrupt | None:
+    """The signal that is behind this error and did not wait: libraries that it interrupts may raise
+    another error on top of it."""
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
-            return True
+            return error
         error = error.__cause__ or error.__context__
-    return False
+    return None
 
 
 class Stop:
-    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait.  SIGHUP stays
-    ignored where it is: that is what nohup does."""
+    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait, nor does one
+    in a single process before there is anything to be saved (``waits``): panels of many cells take
+    minutes to open.  SIGHUP stays ignored where it is: that is what nohup does."""
 
-    def __init__(self) -> None:
+    def __init__(self, waits: bool = True) -> None:
         self.signal: int | None = None
+        self.waits = waits
 
     @contextmanager
     def listening(self) -> Iterator[Stop]:
@@ -52,8 +62,10 @@ class Stop:
                 signal.signal(name, handler)
 
     def _heard(self, number: int, _: FrameType | None) -> None:
-        if self.signal is not None:  # asked twice: at once
-            raise KeyboardInterrupt
+        if self.signal is not None:
+            raise AtOnce(number, "stopped at once")
+        if not self.waits:
+            raise AtOnce(number, f"stopped by {signal.Signals(number).name} before the start")
         self.signal = number
 
     def check(self, world: Any, state: State) -> None:

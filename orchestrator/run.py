@@ -73,8 +73,9 @@ class Run:
         """
         self._console.print("opening the solvers")
         stopwatch = self._progress.stopwatch
-        with stopwatch("rest"), Stop().listening() as stop:
+        with stopwatch("rest"), Stop(waits=self._world is not None).listening() as stop:
             machine = build(self._coupled_as, self._folder, self._world, stopwatch)
+            stop.waits = True
             LOG.info("all solvers are open after %.1f s", self._progress.wall_s)
             try:
                 self._coupled(machine, stop)

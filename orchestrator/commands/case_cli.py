@@ -83,7 +83,7 @@ def explain(
 def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:
     """Runs with and without effects, for results that are ``asked`` for; None where none are."""
     from orchestrator.results.scalars import scalar
-    from orchestrator.studies.paired import LIMIT_S, Pairs
+    from orchestrator.studies.paired import LIMIT_S, RUNS_IN_BUDGET, Pairs
     from orchestrator.studies.trials import for_results
 
     try:
@@ -93,7 +93,7 @@ def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked
         refuse(f"--for: {error.args[0]}")
     if not asked:
         return None
-    limit_s = max(LIMIT_S, budget_s / 4)  # of one run: three are the least that say anything
+    limit_s = max(LIMIT_S, budget_s / RUNS_IN_BUDGET)
     return for_results(loaded, Pairs(limit_s, ERRORS.print), budget_s)
 
 

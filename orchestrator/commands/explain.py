@@ -97,11 +97,14 @@ def about_trials(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
     used_s = sum(pair.processor_s for pair in tried.pairs.values())
     done = [name for name, pair in tried.pairs.items() if not pair.refused]
     yield f"for {', '.join(asked)}: {len(done)} effects tried out, {used_s:.0f} s of processor time"
+    refused: dict[str, list[str]] = {}
     for name, pair in tried.pairs.items():
         if pair.refused:
-            yield f"  {name}: no runs: {pair.refused}"
+            refused.setdefault(pair.refused, []).append(name)
         elif not pair.changes(asked):
             yield f"  {name}: the runs have none of these results"
+    for why, names in refused.items():
+        yield f"  no runs for {', '.join(names)}: {why}"
     if tried.omitted:
         yield f"  not tried, as --budget was used: {', '.join(tried.omitted)}"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,6 +27,12 @@ def last_good(folder: Path, world: Any) -> Iterator[str]:
 
 def go_on(folder: Path, world: Any, save: Save | None = None) -> str:
     """The command that takes the run up again, from ``save`` or the last one."""
-    with_ranks = [] if world is None else ["mpirun", "-n", str(world.size)]
+    with_ranks = [] if world is None else ["mpirun", *_as_root(), "-n", str(world.size)]
     point = [] if save is None else ["--save", str(save.sync_points)]
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
+
+
+def _as_root() -> list[str]:
+    """Open MPI's mpirun wants this of root, unless the environment says so, as in Docker."""
+    allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
+    return [] if allowed else ["--allow-run-as-root"]

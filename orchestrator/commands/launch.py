@@ -26,7 +26,7 @@ from orchestrator.casefile.levels import LoadedCase, load
 from orchestrator.checks import mistakes, warnings
 from orchestrator.commands.going_on import go_on, last_good
 from orchestrator.commands.said import TOO_LARGE
-from orchestrator.interruption import Interrupted, told_twice
+from orchestrator.interruption import AtOnce, Interrupted, told_at_once
 from orchestrator.plans import SolverFailed, SolverMissing
 from orchestrator.records import distributions, run_folder, summary, trust
 from orchestrator.records.folder_lock import OF_A_RUN, held
@@ -204,8 +204,9 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
 
 def _ending(error: BaseException) -> tuple[int, str, str]:
     """Exit code, status and reason of a run that ``error`` ended."""
-    if told_twice(error):
-        return AT_ONCE, "interrupted", "stopped at once"
+    if at_once := told_at_once(error):
+        code = 128 + at_once.signal if isinstance(at_once, AtOnce) else AT_ONCE
+        return code, "interrupted", str(at_once) or "stopped at once"
     match error:
         case CaseError():
             return WRONG, "refused", str(error)

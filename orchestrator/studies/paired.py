@@ -40,6 +40,8 @@ LIMIT_S = 30.0
 PATIENCE = 10.0
 """A run that takes this many times the limit in wall time is ended: prediction errs by a factor of
 three, and the processor may be busy with other work."""
+RUNS_IN_BUDGET = 4
+"""Of ``flipflow explain --for``, each as long as is allowed: three at least say something."""
 FEWEST_CYCLES = 6
 """Of the machine, after its run-up: half of the cycles are looked at."""
 STRIP_CELLS = 16
@@ -240,8 +242,10 @@ def _shorter(case: Case, cost_s: float, limit_s: float) -> Iterator[str]:
     wanted_s = case.duration_s * limit_s / cost_s
     duration_s = float(max(1, int(wanted_s / every)) * every)
     if duration_s < fewest_s:
-        least_s = cost_s * fewest_s / case.duration_s
+        least_s = cost_s * float(math.ceil(fewest_s / every) * every) / case.duration_s
+        budget_s = math.ceil(RUNS_IN_BUDGET * least_s)
         raise NoPair(
-            f"a trial run takes about {least_s:.0f} s, more than the {limit_s:g} s allowed"
+            f"a trial run takes about {least_s:.0f} s, more than the {limit_s:g} s allowed "
+            f"(flipflow explain CASE --for ... --budget {budget_s} allows it)"
         )
     yield f"duration_s={duration_s!r}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import json
 import os
 import pty
 import signal
@@ -76,6 +77,32 @@ def test_told_twice_it_does_not_wait(tmp_path: Path) -> None:
     assert "Traceback" not in said
     summary = left_usable(folder, "interrupted")
     assert (summary["reason"], summary["sync_intervals"]) == ("stopped at once", 2)
+
+
+# waits while the solvers are opened
+OPENING = """
+import pathlib, time
+from adapters.frames import two_mass
+def stuck(self, *given, **more):
+    pathlib.Path({marker!r}).touch()
+    time.sleep(300)
+two_mass.TwoMassFrames.__init__ = stuck
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_before_the_start_it_waits_for_nothing(tmp_path: Path, name: str) -> None:
+    folder, marker = tmp_path / "run", tmp_path / "stuck"
+    before = OPENING.format(marker=str(marker))
+    run = started(*run_words("empty-machine", folder, LONG), before=before)
+    wait_until(marker.exists)
+    run.send_signal(getattr(signal, name))
+    said = run.communicate(timeout=HANG_S)[1]
+    assert run.returncode == 128 + getattr(signal, name), said
+    assert "Traceback" not in said
+    assert f"stopped by {name} before the start" in said
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["status"], summary["sync_intervals"]) == ("interrupted", 0)
 
 
 def test_nohup_keeps_what_it_promises(tmp_path: Path) -> None:
