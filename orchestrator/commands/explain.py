@@ -94,9 +94,9 @@ def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
 
 def about_trials(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
     """What was run, what could not be, and for what the budget did not last."""
-    used_s = sum(pair.processor_s for pair in tried.pairs.values())
     done = [name for name, pair in tried.pairs.items() if not pair.refused]
-    yield f"for {', '.join(asked)}: {len(done)} effects tried out, {used_s:.0f} s of processor time"
+    spent = f"{tried.spent_s:.0f} s of processor time"
+    yield f"for {', '.join(asked)}: {len(done)} effects tried out or remembered, {spent}"
     refused: dict[str, list[str]] = {}
     for name, pair in tried.pairs.items():
         if pair.refused:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import math
+import resource
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
@@ -64,12 +65,14 @@ class Pairs:
     """Makes pairs, remembers them, and shares runs among them.
 
     ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each
-    run; ``forget`` asks again for what is remembered.
+    run; ``forget`` asks again for what is remembered.  ``spent_s``: processor time of all runs so
+    far, also of those that came to nothing.
     """
 
     limit_s: float = LIMIT_S
     say: Say = _silent
     forget: bool = False
+    spent_s: float = field(default=0.0, init=False)
     _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -110,8 +113,18 @@ class Pairs:
         if same not in self._runs:
             cost_s = _predicted_s(path, level, sets)
             self.say(f"trial run: {what}, {loaded.case.duration_s:g} s, about {cost_s:.0f} s")
-            self._runs[same] = _run(path, level, sets, PATIENCE * self.limit_s, what)
+            began_s = _of_children_s()
+            try:
+                self._runs[same] = _run(path, level, sets, PATIENCE * self.limit_s, what)
+            finally:
+                self.spent_s += _of_children_s() - began_s
         return self._runs[same]
+
+
+def _of_children_s() -> float:
+    """Processor time of all processes that this one has waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _run(

@@ -26,10 +26,12 @@ before it."""
 
 @dataclass(frozen=True)
 class Asked:
-    """Pairs that were made or remembered, and effects for which the budget did not last."""
+    """Pairs that were made or remembered, effects for which the budget did not last, and the
+    processor time that was spent."""
 
     pairs: dict[str, Pair]
     omitted: tuple[str, ...] = ()
+    spent_s: float = 0.0
 
 
 def ranked(every: Sequence[Judged]) -> list[str]:
@@ -52,15 +54,13 @@ def _over(one: Judged) -> float:
 def tried(loaded: LoadedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> Asked:
     """The pairs of effects in turn, until the budget is used; what is remembered costs nothing."""
     found = known_pairs(loaded.origin, effects)
-    omitted, used_s = [], 0.0
+    omitted = []
     for name in effects:
-        if used_s < budget_s:
-            again = name in found
+        if pairs.spent_s < budget_s:
             found[name] = pairs.of(loaded, name)
-            used_s += 0.0 if again else found[name].processor_s
-        elif name not in found:
+        elif name not in found or found[name].refused:
             omitted.append(name)
-    return Asked(found, tuple(omitted))
+    return Asked(found, tuple(omitted), pairs.spent_s)
 
 
 def for_results(loaded: LoadedCase, pairs: Pairs, budget_s: float) -> Asked:

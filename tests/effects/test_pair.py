@@ -17,6 +17,7 @@ from orchestrator.results.scalars import SCALARS, Value, scalar
 from orchestrator.scene import pair
 from orchestrator.scene.pair import Pair, agree, changed, key_of, remember, remembered
 from orchestrator.studies import paired
+from orchestrator.studies.trials import tried
 from tests.case.cases import CASE, loaded, written
 
 SHORT = "duration_s=0.02"
@@ -118,6 +119,23 @@ def test_a_pair_that_would_take_too_long_is_refused_and_says_why(tmp_path: Path)
     found = paired.Pairs(limit_s=0.01).of(case, "particle-load")
     assert "a trial run takes about" in found.refused
     assert found.change("velocity") is None
+
+
+def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A remembered refusal is asked again with more time, and that costs as much as any run: the
+    budget lasts for the run as it is and one without an effect, not for all three."""
+    case = loaded(tmp_path, ("duration_s=4.0",))
+    names = ("sliding-friction", "particle-load")
+    small = paired.Pairs(limit_s=0.01)
+    assert all(small.of(case, name).refused for name in names)
+    clock_s = iter(range(0, 1000, 10))
+    monkeypatch.setattr(paired, "_of_children_s", lambda: float(next(clock_s)))
+    monkeypatch.setattr(paired, "_run", lambda *_: summary(velocity_m_s=0.4))
+    found = tried(case, names, paired.Pairs(limit_s=30.0), budget_s=15.0)
+    assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])
+    assert found.spent_s == 20.0
 
 
 def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:
