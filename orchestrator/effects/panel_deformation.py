@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from orchestrator.casefile.case import Case
-from orchestrator.scene.effect import TENTH, Effect, Verdict
+from orchestrator.scene.effect import PARTS, TENTH, Effect, Verdict
 from orchestrator.scene.moved_panel import answer
 from orchestrator.scene.scene import NOTHING_MOVES, Scene
 from orchestrator.scene.shaking import shakings
@@ -17,7 +17,8 @@ def judge(scene: Scene) -> Verdict:
     motion alone, normal to a panel, makes of its middle; and what becomes of the stroke, as flat
     panels do not pull."""
     shaken = scene.speed_rad_s > 0
-    number, ratio, why = max(_slackening(scene), _answering(scene), _pulling(scene), key=_size)
+    shares = _slackening(scene), _answering(scene), _pulling(scene)
+    number, ratio, why = max(shares, key=_size)
     matters: bool | None = ratio > TENTH
     if not matters and scene.bed_kg_m2 > TENTH * min(panel.mass_kg_m2 for panel in scene.panels):
         matters, why = None, f"{why}; what the bed does to them, only a run tells"
@@ -29,6 +30,7 @@ def judge(scene: Scene) -> Verdict:
         limit=TENTH,
         why=why if shaken else NOTHING_MOVES,
         cost="a strip little, a sheet a tenth to a half of the particles' time",
+        about=PARTS if _size(shares[-1]) > TENTH else ("particles", "panels"),
     )
 
 

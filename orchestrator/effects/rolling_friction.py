@@ -11,13 +11,17 @@ from orchestrator.scene.slope_friction import of_weight, on_deck, takes
 def judge(scene: Scene) -> Verdict:
     friction = max((row.rolling_friction for row in on_deck(scene.case)), default=0.0)
     ratio = of_weight(scene, friction)
+    matters: bool | None = ratio > TENTH
+    why = takes(ratio, "rolling alone")
+    if matters and scene.throw > 1:
+        matters, why = None, f"{why}; but what is thrown, with {scene.throw:.2g} g, hardly rolls"
     return Verdict(
         number="mu_r / tan(slope)",
         value=ratio,
         threshold="0.1 (rolling sphere)",
-        matters=ratio > TENTH,
+        matters=matters,
         limit=TENTH,
-        why=takes(ratio, "rolling alone"),
+        why=why,
         cost="a contact history (epsd2)",
     )
 

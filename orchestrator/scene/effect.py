@@ -31,6 +31,8 @@ class Verdict:
     tell; ``why`` says so in words, ``cost`` what the effect costs.  ``limit`` is the threshold as
     a number where the estimate is only good to a factor: within ``MARGIN`` below it, the estimate
     does not decide.  ``measured`` marks a verdict by a pair of runs with and without the effect.
+    ``about``: the parts whose results the number is an estimate of, where they are others than
+    those of the effect.
     """
 
     number: str
@@ -41,6 +43,7 @@ class Verdict:
     cost: str = ""
     limit: float | None = None
     measured: bool = False
+    about: tuple[Part, ...] = ()
 
     @property
     def is_close(self) -> bool:

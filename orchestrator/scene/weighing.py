@@ -110,7 +110,7 @@ def _separated(one: Judged) -> Judged:
 
 def _about(one: Judged, parts: Set[str]) -> Judged:
     """``parts``: of the results that are asked for; "" stands for any."""
-    about = EFFECTS[one.effect].about
+    about = one.verdict.about or EFFECTS[one.effect].about
     if not parts or "" in parts or one.verdict.measured or one.verdict.matters is not True:
         return one
     if not one.present or not one.can_go or not parts.isdisjoint(about):

@@ -12,7 +12,9 @@ from dataclasses import dataclass
 from orchestrator.casefile.effect_choice import known_pairs
 from orchestrator.casefile.levels import LoadedCase
 from orchestrator.cost import particles_at_start, predicted_s
+from orchestrator.results.scalars import SCALARS
 from orchestrator.scene.catalogue import Judged
+from orchestrator.scene.effect import in_words
 from orchestrator.scene.pair import Pair
 from orchestrator.scene.weighing import undecided, weighed
 from orchestrator.studies.paired import LIMIT_S, Pairs, Say
@@ -87,4 +89,13 @@ def before(loaded: LoadedCase, say: Say) -> dict[str, Pair]:
             f'effects = "auto" cannot decide about {", ".join(names)}: short runs with and without '
             f"each, at most {BUDGET_S:g} s of processor time"
         )
-    return tried(loaded, names, Pairs(LIMIT_S, say), BUDGET_S).pairs
+    found = tried(loaded, names, Pairs(LIMIT_S, say), BUDGET_S).pairs
+    asked = loaded.choice.asked or (*SCALARS,)
+    rows = (one for rows in weighed(loaded.described, found, asked).values() for one in rows)
+    verdicts = {one.effect: one.verdict for one in rows}
+    for name, pair in found.items():
+        if pair.refused:
+            say(f"{name} stays, as there are no runs to tell: {pair.refused}")
+        else:
+            say(f"{name}: {in_words(verdicts[name].matters)}: {verdicts[name].why}")
+    return found

@@ -51,3 +51,24 @@ def test_what_effects_leave_out_is_said_and_looked_at_after_the_run(tmp_path: Pa
     with h5py.File(run / "history.h5") as one, h5py.File(again / "history.h5") as two:
         path = "frames/driven/displacement_m"
         np.testing.assert_array_equal(one[path][:], two[path][:])
+
+
+@pytest.mark.process
+def test_a_run_that_contradicts_what_was_left_out_before_it_is_doubtful(tmp_path: Path) -> None:
+    """Adhesion that shaking overcomes, and a machine that has hardly begun to shake when the run
+    ends: "auto" leaves it out, and the run, its summary and its exit code say that it should not
+    have."""
+    sticky = [
+        "contacts.0.work_of_adhesion_J_m2=0.8",
+        'effects="auto"',
+        "screen.exciters.shaft.run_up_s=20",
+        "bed.blocks.coal.count=100",
+        "duration_s=0.2",
+    ]
+    done = flipflow(*run_words("quickstart", tmp_path / "run", [*QUICK, *sticky]))
+    assert done.returncode == 5, done.stderr
+    assert "WARNING: adhesion, which is left out, matters by the run" in done.stderr
+    summary = json.loads((tmp_path / "run/summary.json").read_text())
+    assert summary["status"] == "doubtful"
+    assert any("adhesion is left out" in doubt for doubt in summary["doubts"])
+    assert summary["effects"]["adhesion"]["crossed"]
