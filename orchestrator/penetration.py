@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from orchestrator.geometry import foot_on_triangle
 from orchestrator.ports import Array, Indices
@@ -65,18 +64,20 @@ class Penetrations:
         self._triangles = np.concatenate([nothing, *(body.triangles for body in bodies)])
         counts = [len(body.triangles) for body in bodies]
         self._body = np.repeat(np.arange(len(counts)), counts)
+        self._drawn_boxes_m = boxes_of(drawn_m[self._triangles])
 
     def deepest(self, position_m: Array) -> Penetration | None:
         """Of all panels, with the points now at ``position_m`` (n, 3); None if there is none."""
-        found = [one for panel in self._panels for one in self._of(panel, position_m)]
+        boxes_m = np.stack([self._drawn_boxes_m, boxes_of(position_m[self._triangles])])
+        found = [one for panel in self._panels for one in self._of(panel, position_m, boxes_m)]
         return max(found, key=lambda one: one.thicknesses, default=None)
 
-    def _of(self, panel: ProbedPanel, position_m: Array) -> list[Penetration]:
+    def _of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> list[Penetration]:
         """The deepest of one panel, if any."""
         drawn_m, now_m = (
             points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m)
         )
-        row, triangle = self._near(panel, drawn_m, now_m, position_m)
+        row, triangle = self._near(panel, drawn_m, now_m, boxes_m)
         was_m, is_m = (
             height_m(points[self._triangles], triangle, place_m[row])
             for points, place_m in ((self._drawn_m, drawn_m), (position_m, now_m))
@@ -98,27 +99,33 @@ class Penetrations:
         return [Penetration(name, surface, depth_m, depth_m / panel.thickness_m)]
 
     def _near(
-        self, panel: ProbedPanel, drawn_m: Array, now_m: Array, position_m: Array
+        self, panel: ProbedPanel, drawn_m: Array, now_m: Array, boxes_m: Array
     ) -> tuple[Indices, Indices]:
-        """Pairs of a point (row) and a triangle (number) that the point may have gone through: it
-        is no farther from it now than both have moved."""
-        nothing = np.empty(0, dtype=np.int64)
+        """Pairs of a point (row) and a triangle (number) that the point may have gone through: on
+        no axis is the point beyond the same side of the triangle's box before and after, or it
+        would be beyond it all the way.  ``boxes_m`` (2, m, 2, 3): of all triangles as drawn and
+        now, lowest and highest corner."""
+        points_m = np.stack([drawn_m, now_m])  # (2, n, 3)
         others = np.flatnonzero(self._body != panel.body)
         if not len(now_m) or not len(others):
-            return nothing, nothing
-        corners_m = position_m[self._triangles[others]]
-        center_m = corners_m.mean(axis=1)
-        moved_m = center_m - self._drawn_m[self._triangles[others]].mean(axis=1)
-        reach_m = np.linalg.norm(corners_m - center_m[:, None], axis=2).max(axis=1)
-        reach_m += np.linalg.norm(moved_m, axis=1)
-        reach_m += np.linalg.norm(now_m - drawn_m, axis=1).max()
-        low_m, high_m = now_m.min(axis=0), now_m.max(axis=0)
-        outside_m = np.maximum(low_m - center_m, center_m - high_m).max(axis=1)
-        near = np.flatnonzero(outside_m <= reach_m)
-        rows = cKDTree(now_m).query_ball_point(center_m[near], reach_m[near])
-        triangle = np.repeat(others[near], [len(some) for some in rows])
-        row = np.concatenate([nothing, *(np.array(some, dtype=np.int64) for some in rows)])
-        return row, triangle
+            return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+        low_m, high_m = points_m.min(axis=1), points_m.max(axis=1)
+        below = high_m[:, None] < boxes_m[:, others, 0]
+        above = low_m[:, None] > boxes_m[:, others, 1]
+        others = others[~(below.all(axis=0) | above.all(axis=0)).any(axis=1)]
+        apart = np.zeros((len(now_m), len(others)), dtype=bool)
+        for axis in range(3):
+            places_m = points_m[:, :, None, axis]
+            box_m = boxes_m[:, others][..., axis]
+            apart |= (places_m < box_m[:, None, :, 0]).all(axis=0)
+            apart |= (places_m > box_m[:, None, :, 1]).all(axis=0)
+        row, column = np.nonzero(~apart)
+        return row, others[column]
+
+
+def boxes_of(corners_m: Array) -> Array:
+    """(m, 2, 3): lowest and highest corner of the boxes around triangles (m, 3, 3)."""
+    return np.stack([corners_m.min(axis=1), corners_m.max(axis=1)], axis=1)
 
 
 def height_m(corners_m: Array, triangle: Indices, place_m: Array) -> Array:

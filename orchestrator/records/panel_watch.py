@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from orchestrator.casefile.case import Case
 from orchestrator.deck.panels import single_panels
@@ -57,10 +58,9 @@ def touches_itself_m(line_m: Array, thickness_m: float) -> tuple[float, float] |
     ]
     places_m = np.vstack([*fine, line_m[-1:]])
     along_m = np.concatenate([[0.0], np.linalg.norm(np.diff(places_m, axis=0), axis=1).cumsum()])
-    apart_m = np.linalg.norm(places_m[:, None] - places_m, axis=2)
-    between_m = along_m - along_m[:, None]
-    touching = (apart_m < thickness_m) & (between_m > FOLD_LENGTHS * thickness_m)
-    if not touching.any():
+    near = cKDTree(places_m).query_pairs(thickness_m, output_type="ndarray")  # lower number first
+    touching = near[np.diff(along_m[near], axis=1)[:, 0] > FOLD_LENGTHS * thickness_m]
+    if not len(touching):
         return None
-    first, second = np.argwhere(touching)[0]
-    return float(along_m[first]), float(along_m[second])
+    first, second = along_m[min(touching.tolist())]
+    return float(first), float(second)
