@@ -127,5 +127,6 @@ def warnings(loaded: LoadedCase) -> list[str]:
         *contacts.too_soft(loaded.described),
         *recordings.other_speed(case, loaded.folder),
         *slices.doubtful_slice(case, loaded.folder),
+        *panel_meshes.beyond_this_machine(case),
         *loaded.choice.lacking,
     ]

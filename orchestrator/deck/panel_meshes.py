@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from orchestrator import adapter
 from orchestrator.casefile.case import Case
+from orchestrator.deck.panels import single_panels
 from orchestrator.planning import panel_plans
 from orchestrator.plans import MeshSize
 
@@ -19,6 +20,15 @@ def mesh_sizes(case: Case) -> dict[str, MeshSize]:
         return {}
     grids = adapter.imported("panel", "solid_grid")  # without the solver, which loads DOLFINx
     return {plan.name: grids.size(plan) for plan in panel_plans(case)}
+
+
+def memory_GiB(case: Case) -> float:
+    """What the meshes of all panels need together, good to a factor of two."""
+    if case.panel.solver == "sheet":
+        along, across = case.panel.cells
+        each_GiB: float = adapter.imported("panel", "costs").SHEET_CELL_GIB * along * across
+        return each_GiB * len(single_panels(case))
+    return sum(size.memory_GiB for size in mesh_sizes(case).values())
 
 
 def meshes(case: Case) -> Iterator[str]:
