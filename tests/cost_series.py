@@ -10,10 +10,10 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 
-from orchestrator.accuracy.calibration import timed
-from orchestrator.accuracy.measured import parts_s
-from orchestrator.casefile.levels import load
-from orchestrator.cost import particles_at_start, predicted_range_s
+from orchestrator.preflight.cost import particles_at_start, predicted_range_s
+from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy.calibration import timed
+from orchestrator.studies.accuracy.measured import parts_s
 from tests.runs.outside import ROOT
 
 CASES = {

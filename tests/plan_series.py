@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
-from orchestrator.accuracy.calibration import by_study, timed
-from orchestrator.accuracy.stored import Candidate, Stored, stored
-from orchestrator.casefile.levels import load
+from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy.calibration import by_study, timed
+from orchestrator.studies.accuracy.stored import Candidate, Stored, stored
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02)
 OF_THE_STUDY = (0.5, 1.0, 1.5)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orchestrator.clock import Interval, exact, intervals, steps_in
+from orchestrator.ports.clock import Interval, exact, intervals, steps_in
 
 
 def test_decimals_are_exact() -> None:

@@ -10,10 +10,10 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Rectangle
+from orchestrator.output.records.cycle_record import CycleRecord
+from orchestrator.output.records.history import History
 from orchestrator.ports import Array, Motion
-from orchestrator.records.cycle_record import CycleRecord
-from orchestrator.records.history import History
+from orchestrator.ports.geometry import Rectangle
 
 CYCLE_S, SYNC_POINTS = 0.08, 16
 AT = Rectangle(

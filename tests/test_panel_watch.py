@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.plans import SolverFailed
-from orchestrator.records.panel_watch import PanelWatch, touches_itself_m
+from orchestrator.output.records.panel_watch import PanelWatch, touches_itself_m
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written
 
 

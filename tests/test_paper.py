@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.casefile.errors import CaseError
+from orchestrator.case.file.errors import CaseError
 from orchestrator.studies import paper, sweep
 from orchestrator.studies.quantities import Sweep, Unknown
 from orchestrator.studies.steady import NotSteady, steady

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Rectangle
-from orchestrator.mapping import grid
-from orchestrator.penetration import Body, Penetration, Penetrations, ProbedPanel
+from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import Rectangle
+from orchestrator.ports.penetration import Body, Penetration, Penetrations, ProbedPanel
 
 THICK_M = 0.004
 FLAT = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.2, 0.019)

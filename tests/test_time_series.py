@@ -10,11 +10,11 @@ import h5py
 import numpy as np
 import pytest
 
+from orchestrator.output.records.column import CHUNK_ROWS
+from orchestrator.output.records.history import History
+from orchestrator.output.records.panel_forces import PanelForces
+from orchestrator.output.records.time_series import TimeSeries
 from orchestrator.ports import Load, Motion, PanelState
-from orchestrator.records.column import CHUNK_ROWS
-from orchestrator.records.history import History
-from orchestrator.records.panel_forces import PanelForces
-from orchestrator.records.time_series import TimeSeries
 
 REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))
 

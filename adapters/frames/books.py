@@ -14,9 +14,9 @@ from adapters.frames import linear
 from adapters.frames.poses import Attached, Poses, turned
 from adapters.frames.spatial_shaft import SpatialShaft
 from adapters.frames.trapezoidal import Forces, Instant
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.state import put_back, taken
 
 _SUMS = ("_outside_N_s", "_lost_J", "_exciter_J", "_received_J")
 

@@ -1,4 +1,4 @@
-"""What each frame solver costs; what is asked and answered: orchestrator/plans/work.py.
+"""What each frame solver costs; what is asked and answered: orchestrator/ports/plans/work.py.
 
 Processor time on one core of a 2-core AMD EPYC machine that was busy with other work.  Measured on
 drafts of shipped cases; ``python -m tests.cost_series`` measures predicted over taken.
@@ -6,7 +6,7 @@ drafts of shipped cases; ``python -m tests.cost_series`` measures predicted over
 
 from __future__ import annotations
 
-from orchestrator.plans import Cost, FramesWork
+from orchestrator.ports.plans import Cost, FramesWork
 
 
 def prescribed(work: FramesWork) -> Cost:

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from adapters.frames.poses import cross
-from orchestrator.clock import Interval
-from orchestrator.plans import Drive, FramesPlan
 from orchestrator.ports import Array, Known, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Drive, FramesPlan
 
 
 @dataclass(frozen=True)

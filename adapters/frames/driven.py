@@ -17,8 +17,8 @@ import numpy as np
 
 from adapters.frames.drive import driving
 from adapters.frames.poses import turning
-from orchestrator.plans import Body, Drive
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Body, Drive
 
 
 class Driven:

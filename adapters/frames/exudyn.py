@@ -25,10 +25,10 @@ from adapters.frames.books import Books
 from adapters.frames.drive import DrivenPoints
 from adapters.frames.poses import Attached, Poses, cross
 from adapters.frames.spatial_shaft import shafts
-from orchestrator.clock import Interval
-from orchestrator.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
+from orchestrator.ports.state import put_back, taken
 
 try:
     from adapters.frames import multibody, newmark

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
-from orchestrator.plans import Body, FramesPlan
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import Body, FramesPlan
 
 IN_BALANCE = 1e-6  # of the forces in play: ten times what panels at rest are out of balance by
 TRANSLATIONS = (0, 1, 2)

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from orchestrator.plans import Exciter, Motor
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Exciter, Motor
 
 
 def torque_N_m(motor: Motor, lag_rad_s: Array) -> Array:

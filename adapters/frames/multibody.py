@@ -10,8 +10,8 @@ import numpy as np
 
 from adapters.frames import linear
 from adapters.frames.unbalance import Unbalance
-from orchestrator.plans import Body, Bushing, FramesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Body, Bushing, FramesPlan
 
 items: Any = exudyn.itemInterface
 homogeneous: Any = exudyn.HT

@@ -14,8 +14,8 @@ import exudyn
 import numpy as np
 
 from adapters.frames.linear import LinearMachine
-from orchestrator.plans import FramesPlan, SolverFailed
 from orchestrator.ports import Saved
+from orchestrator.ports.plans import FramesPlan, SolverFailed
 
 
 def settings(plan: FramesPlan) -> Any:

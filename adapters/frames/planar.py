@@ -27,10 +27,10 @@ from adapters.frames.planar_forces import Bushings, Forces, Pulls
 from adapters.frames.plane import Complex, Poses, carrying, in_space, wrench
 from adapters.frames.rounds import Rounds
 from adapters.frames.shaft import shafts
-from orchestrator.clock import Interval
-from orchestrator.plans import FramesPlan, SolverFailed
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import FramesPlan, SolverFailed
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_coordinates", "_poses", "_added")
 LARGEST_STEP = 0.5

@@ -15,9 +15,9 @@ import numpy as np
 from adapters.frames import linear
 from adapters.frames.plane import Complex, Poses, in_plane, in_space, power
 from adapters.frames.shaft import Shaft
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Array, Indices, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.state import put_back, taken
 
 _SUMS = ("_outside_N_s", "_lost_J", "_exciter_J", "_received_J", "_pushed_J")
 

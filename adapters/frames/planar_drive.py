@@ -7,8 +7,8 @@ import numpy as np
 from adapters.frames import linear
 from adapters.frames.drive import shifted, turned
 from adapters.frames.plane import in_plane
-from orchestrator.plans import Body, Drive, FramesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Body, Drive, FramesPlan
 
 
 def planar_drives(plan: FramesPlan) -> list[PlanarDrive]:

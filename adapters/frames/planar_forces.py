@@ -9,8 +9,8 @@ import numpy as np
 from adapters.frames import linear
 from adapters.frames.plane import Complex, Poses, Symmetric, carrying, in_plane, power
 from adapters.frames.unbalance import Unbalance
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import FramesPlan
 
 
 @dataclass(frozen=True)

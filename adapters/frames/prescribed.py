@@ -10,10 +10,10 @@ import numpy as np
 
 from adapters.frames import linear
 from adapters.frames.drive import DrivenPoints
-from orchestrator.clock import Interval
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Known, Load, Motion, Saved, counted
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_now", "_impulse_N_s", "_received_J")
 

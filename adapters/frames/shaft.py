@@ -17,9 +17,9 @@ from adapters.frames import linear
 from adapters.frames.collocation import STAGES, Gauss
 from adapters.frames.motor import synchronous_rad_s, torque_N_m
 from adapters.frames.plane import Complex, carrying, in_plane, power
-from orchestrator.plans import Exciter, FramesPlan, Motor
 from orchestrator.ports import Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.plans import Exciter, FramesPlan, Motor
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("angle_rad", "speed_rad_s", "_felt_m_s2", "_growth_rad_s2", "motor_J", "lost_J")
 

@@ -16,9 +16,9 @@ import numpy as np
 from adapters.frames import linear
 from adapters.frames.motor import synchronous_rad_s, torque_N_m
 from adapters.frames.poses import Attached, Poses
-from orchestrator.plans import Exciter, FramesPlan, Motor, SolverFailed
 from orchestrator.ports import Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.plans import Exciter, FramesPlan, Motor, SolverFailed
+from orchestrator.ports.state import put_back, taken
 
 _STATE = (
     "angle_rad",

@@ -14,8 +14,8 @@ import numpy as np
 from adapters.frames import linear
 from adapters.frames.poses import Attached, Poses, cross, turned
 from adapters.frames.unbalance import Unbalance
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import FramesPlan
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,10 @@ import numpy as np
 from adapters.frames import linear
 from adapters.frames.collocation import Gauss, gauss
 from adapters.frames.unbalance import Unbalance
-from orchestrator.clock import Interval
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.state import put_back, taken
 
 _SUMS = ("_outside_N_s", "_lost_J", "_supplied_J", "_received_J")
 _STATE = ("_displacement_m", "_velocity_m_s", *_SUMS)

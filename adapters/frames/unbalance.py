@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from orchestrator.plans import Exciter
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Exciter
 
 
 class Unbalance:

@@ -21,7 +21,7 @@ from scipy.sparse import csr_matrix
 from adapters.panel.compiled import form
 from adapters.panel.maxwell import Branches
 from orchestrator.ports import Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.state import put_back, taken
 
 # 3 is the least with which the matrix has no negative eigenvalue (docs/theory/panel_sheet.md).
 PENALTY = 4.0

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.clock import Interval
 from orchestrator.ports import (
     Account,
     Array,
@@ -21,7 +20,8 @@ from orchestrator.ports import (
     Saved,
     counted,
 )
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_position_m", "_received_J")
 

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.panel.perforated_strip import left
-from orchestrator.plans import Hyperelastic, PanelPlan
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import Hyperelastic, PanelPlan
 
 
 @dataclass(frozen=True)

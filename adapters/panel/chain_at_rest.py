@@ -8,9 +8,9 @@ import numpy as np
 from scipy.optimize import minimize
 
 from adapters.panel.chain import Chain
-from orchestrator.geometry import Rectangle
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import Rectangle
+from orchestrator.ports.plans import SolverFailed
 
 NEWTON_ITERATIONS = 20
 NEGLIGIBLE_MOVE = 1e-10  # of the length; rounding leaves 1e-11 in thin slack strips

@@ -16,9 +16,9 @@ import numpy as np
 from adapters.panel._kernel import Chain as CompiledChain
 from adapters.panel.chain import Chain
 from adapters.panel.maxwell import checked
-from orchestrator.hermite import Path
 from orchestrator.ports import Array, Saved
-from orchestrator.state import taken
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.state import taken
 
 _STATE = (
     "position_m",

@@ -31,8 +31,8 @@ from dolfinx import fem
 from ffcx.codegeneration import jit
 from ffcx.parameters import FFCX_DEFAULT_PARAMETERS
 
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array
+from orchestrator.ports.plans import SolverFailed
 
 COMPILE_TIMEOUT_S = 120  # for others to compile, on a file system without locks
 SAID_AFTER_S = 3.0  # of waiting

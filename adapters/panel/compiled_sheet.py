@@ -19,10 +19,10 @@ from adapters.panel.maxwell import checked
 from adapters.panel.sheet_forms import openings, strain_entries
 from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
-from orchestrator.clock import Interval
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array, Indices, Saved
-from orchestrator.state import taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.state import taken
 
 
 def panel(

@@ -9,9 +9,6 @@ from scipy.sparse import csr_array, identity
 
 from adapters.panel.grid import Interpolating
 from adapters.panel.state import Action, HeldForce, State
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import PanelPlan, SolverFailed
 from orchestrator.ports import (
     Account,
     Array,
@@ -26,7 +23,10 @@ from orchestrator.ports import (
     Saved,
     counted,
 )
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import PanelPlan, SolverFailed
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_clamps", "_impulse_N_s", "_load_J", "_clamps_J")
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
-from orchestrator.clock import Interval
 from orchestrator.ports import Saved
+from orchestrator.ports.clock import Interval
 
 
 class Explicit:

@@ -17,10 +17,10 @@ import numpy as np
 from adapters.panel.state import Action, HeldForce, State
 from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
-from orchestrator.clock import Interval
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.ports.state import put_back, taken
 
 SPECTRAL_RADIUS = 0.8
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)

@@ -12,8 +12,8 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.geometry import Rectangle
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Rectangle
 
 
 def _with_middles(breaks_m: Array) -> Array:

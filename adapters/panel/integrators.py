@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from adapters.panel.tangent import Tangent
-from orchestrator.plans import PanelPlan
+from orchestrator.ports.plans import PanelPlan
 
 # Explicit: shares of the step at which small vibrations about the resting shape become unstable.
 # The first leaves room for stiffening in motion, the second is what step_s = 0 takes.

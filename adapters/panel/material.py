@@ -15,7 +15,7 @@ from dolfinx import fem
 from adapters.panel.compiled import expression, form, function_space
 from adapters.panel.maxwell import Branches
 from orchestrator.ports import Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.state import put_back, taken
 
 
 @dataclass(frozen=True)

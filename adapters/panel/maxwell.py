@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.ports import Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_stress", "energy_J", "lost_J")
 

@@ -15,8 +15,8 @@ from adapters.panel.resting_shape import first_guess_m, settle
 from adapters.panel.state import State
 from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import PanelPlan
 
 # From plan, structure, surface, resting shape (nodes, 3) and step in s; owns the structure.
 Explicitly = Callable[[PanelPlan, Structure, Surface[Any], Array, float], ElasticPanel]

@@ -18,9 +18,9 @@ from scipy.linalg import eigh
 
 from adapters.panel.compiled import function_space
 from adapters.panel.unit_cell import SOLID, CellStiffness, cell_stiffness
-from orchestrator.geometry import Apertures
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.plans import PanelPlan
 
 
 @dataclass(frozen=True)

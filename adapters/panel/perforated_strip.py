@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.plans import PanelPlan, SolverMissing
 from orchestrator.ports import Array
+from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
     place = N clamps + shape(angle of the machine)
 
-with N bilinear between the clamps (``orchestrator.recording``).  The shape is cubic Hermite in
-time between its samples and cubic between its grid's points, so the surface is C1 in both; it
+with N bilinear between the clamps (``orchestrator.ports.recording``).  The shape is cubic Hermite
+in time between its samples and cubic between its grid's points, so the surface is C1 in both; it
 grows from rest while the machine runs up.  No load changes it.
 
 The panel has its mass.  What moves it, f = load + m (gravity - mean acceleration) at each point,
@@ -19,9 +19,6 @@ import math
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import (
     Account,
     Array,
@@ -33,8 +30,11 @@ from orchestrator.ports import (
     Saved,
     counted,
 )
-from orchestrator.recording import Playback, RecordedGrid, both_ways, hats
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_clamps", "_surface", "_elapsed_s", "_supplied_J", "_received_J")
 

@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 
 from adapters.panel.structure import Structure
 from adapters.panel.tangent import Tangent
-from orchestrator.geometry import Rectangle
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Rectangle
+from orchestrator.ports.plans import SolverFailed
 
 TOLERANCE = 1e-7  # rounding in a solid leaves 1e-9 of the clamps' force
 NEGLIGIBLE_MOVE = 1e-10  # of the panel's size

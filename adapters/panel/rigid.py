@@ -17,8 +17,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from adapters.panel import bilinear
-from orchestrator.clock import Interval
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import (
     Account,
     Array,
@@ -30,7 +28,9 @@ from orchestrator.ports import (
     Saved,
     counted,
 )
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_now", "_elapsed_s", "_received_J")
 

@@ -7,7 +7,7 @@ carry its rotation, too.
 
 from __future__ import annotations
 
-from orchestrator.plans import PanelPlan, SolverMissing
+from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 try:
     from adapters.panel import _petsc, opening  # noqa: F401

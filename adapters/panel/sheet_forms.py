@@ -19,8 +19,8 @@ from adapters.panel.compiled import function_space
 from adapters.panel.grid import Grid, Surface
 from adapters.panel.material import Law
 from adapters.panel.structure import Structure
-from orchestrator.plans import Hyperelastic, PanelPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Hyperelastic, PanelPlan
 
 if TYPE_CHECKING:
     from adapters.panel.perforated_sheet import Perforated

@@ -6,7 +6,7 @@ All nodes under the clamps and on their inner edges, through the thickness, are 
 
 from __future__ import annotations
 
-from orchestrator.plans import PanelPlan, SolverMissing
+from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 try:
     from adapters.panel import _petsc, opening  # noqa: F401

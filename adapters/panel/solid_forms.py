@@ -21,8 +21,8 @@ from adapters.panel.material import Law
 from adapters.panel.pierced_grid import PiercedGrid
 from adapters.panel.solid_grid import bearable_grid
 from adapters.panel.structure import Structure
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import PanelPlan
 
 ISOCHORIC_DEGREE = 4  # 3 x 3 x 3 Gauss points
 VOLUMETRIC_DEGREE = 2  # 2 x 2 x 2

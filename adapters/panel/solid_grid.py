@@ -13,9 +13,9 @@ import numpy as np
 
 from adapters.panel.grid import Grid
 from adapters.panel.pierced_grid import PiercedGrid, snapped
-from orchestrator.geometry import Apertures, Rectangle
-from orchestrator.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
 
 CELLS_PER_LAND = 2
 SAME_PLACE_M = 1e-9

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestrator.hermite import Path
 from orchestrator.ports import Array, Saved
-from orchestrator.state import taken
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.state import taken
 
 
 @dataclass

@@ -20,9 +20,6 @@ from adapters.panel import bilinear
 from adapters.panel.chain import Chain, chain
 from adapters.panel.chain_at_rest import first_guess_m, settled
 from adapters.panel.perforated_strip import left
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import PanelPlan, SolverFailed, SolverMissing
 from orchestrator.ports import (
     Account,
     Array,
@@ -35,7 +32,10 @@ from orchestrator.ports import (
     Saved,
     counted,
 )
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
+from orchestrator.ports.state import put_back, taken
 
 try:
     from adapters.panel.chain_motion import ChainMotion, shares

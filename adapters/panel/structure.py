@@ -13,7 +13,7 @@ from adapters.panel.compiled import form
 from adapters.panel.material import Law, Material
 from adapters.panel.maxwell import Branches
 from orchestrator.ports import Array, Indices, Restorable, Saved
-from orchestrator.state import taken
+from orchestrator.ports.state import taken
 
 
 def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:

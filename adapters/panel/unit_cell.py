@@ -21,8 +21,8 @@ from scipy.sparse.linalg import splu
 
 from adapters.panel.compiled import form, function_space
 from adapters.panel.unit_cell_mesh import cell_m, cell_triangles
-from orchestrator.geometry import Apertures
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Apertures
 
 POISSON_RATIO = 0.5
 SHEAR_CORRECTION = 5 / 6

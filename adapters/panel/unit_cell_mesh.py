@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.geometry import Apertures
-from orchestrator.meshing import gmsh_session
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.meshing import gmsh_session
 
 TRIANGLES_PER_LAND = 6
 MOST_TRIANGLES = 6_000

@@ -18,9 +18,6 @@ import numpy.typing as npt
 from adapters.particles.liggghts_input import FIRST_EVALUATION
 from adapters.particles.liggghts_ledger import Ledger
 from adapters.particles.liggghts_records import Arrays, crossings, removed, snapshot
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
 from orchestrator.ports import (
     Account,
     Array,
@@ -34,7 +31,10 @@ from orchestrator.ports import (
     Saved,
     in_order,
 )
-from orchestrator.state import as_arrays, like
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
+from orchestrator.ports.state import as_arrays, like
 
 try:
     from mpi4py import MPI

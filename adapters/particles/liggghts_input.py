@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.clock import steps_in
-from orchestrator.plans import Jkr, ParticlesPlan, Sjkr
 from orchestrator.ports import Array
+from orchestrator.ports.clock import steps_in
+from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
 
 # LIGGGHTS wants a word of confirmation outside of these moduli
 SOFTEST_PA, HARDEST_PA = 5e6, 1e9

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adapters.particles.liggghts_input import has_sliding
-from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestrator.plans import ParticleList, ParticlesPlan
 from orchestrator.ports import Account, AngularAccount, Array, Saved
-from orchestrator.state import put_back, taken
+from orchestrator.ports.plans import ParticleList, ParticlesPlan
+from orchestrator.ports.state import put_back, taken
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine

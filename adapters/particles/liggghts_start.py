@@ -11,9 +11,9 @@ from scipy.spatial import cKDTree
 from adapters.particles._liggghts import Engine
 from adapters.particles.liggghts_input import FIRST_EVALUATION, input_text
 from adapters.particles.liggghts_laws import contact_distance_factor, set_laws
-from orchestrator.geometry import TriangleSurface
-from orchestrator.plans import ParticleList, ParticlesPlan
 from orchestrator.ports import Indices
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import ParticleList, ParticlesPlan
 
 SAME_PLACE = 1e-6  # of the period: points closer than this, one period on, are joined
 

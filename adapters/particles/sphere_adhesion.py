@@ -11,8 +11,8 @@ from typing import Protocol
 
 import numpy as np
 
-from orchestrator.plans import Jkr, ParticlesPlan, Sjkr
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
 
 Materials = tuple[Indices, Indices]
 

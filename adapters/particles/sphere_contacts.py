@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.particles.sphere_adhesion import Materials, Normal, NormalLaw, normal_law
-from orchestrator.plans import ParticlesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import ParticlesPlan
 
 
 @dataclass(frozen=True)

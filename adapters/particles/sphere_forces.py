@@ -16,8 +16,8 @@ from adapters.particles.sphere_search import touching
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching
 from adapters.particles.sphere_wear import Wear
-from orchestrator.geometry import TriangleSurface
 from orchestrator.ports import Array, Indices, Motion
+from orchestrator.ports.geometry import TriangleSurface
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from adapters.particles.sphere_state import Spheres
-from orchestrator.geometry import TriangleSurface, closest_on_triangle
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import TriangleSurface, closest_on_triangle
 
 SKIN = 0.2  # of the largest radius
 

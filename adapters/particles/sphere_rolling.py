@@ -18,8 +18,8 @@ import numpy as np
 from adapters.particles.sphere_adhesion import reduced
 from adapters.particles.sphere_contacts import ContactForces, Springs
 from adapters.particles.sphere_partners import Partners
-from orchestrator.plans import ParticlesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import ParticlesPlan
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from adapters.particles.sphere_neighbours import Neighbours
 from adapters.particles.sphere_state import Spheres
 from adapters.particles.sphere_touch import Touching
 from adapters.particles.triangle_spin import TriangleSpin
-from orchestrator.geometry import TriangleSurface, closest_on_triangle
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import TriangleSurface, closest_on_triangle
 
 
 def touching(

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.plans import ParticleList
 from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
+from orchestrator.ports.plans import ParticleList
 
 
 @dataclass

@@ -12,8 +12,8 @@ import numpy as np
 
 from adapters.particles.sphere_adhesion import Materials
 from adapters.particles.sphere_touch import Touching
-from orchestrator.plans import ParticlesPlan
 from orchestrator.ports import Array, Saved
+from orchestrator.ports.plans import ParticlesPlan
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,6 @@ from adapters.particles.sphere_rolling import rolling
 from adapters.particles.sphere_state import Spheres, spheres
 from adapters.particles.sphere_wear import wear
 from adapters.particles.triangle_spin import cross
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import ParticlesPlan
 from orchestrator.ports import (
     Account,
     AngularAccount,
@@ -38,7 +35,10 @@ from orchestrator.ports import (
     counted,
     in_order,
 )
-from orchestrator.state import as_arrays, like, put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import ParticlesPlan
+from orchestrator.ports.state import as_arrays, like, put_back, taken
 
 _SUMS = (
     "_impulse_N_s",

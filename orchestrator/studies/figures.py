@@ -16,12 +16,12 @@ from typing import Any
 import h5py
 import numpy as np
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.levels import load
-from orchestrator.deck.panels import single_panels
-from orchestrator.ledger import share_created
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.tables.case import Case
+from orchestrator.coupling.ledger import share_created
+from orchestrator.output.records.summary import cycle_s
 from orchestrator.ports import Array
-from orchestrator.records.summary import cycle_s
+from orchestrator.preflight.levels import load
 from orchestrator.studies.panel_figures import panel_figures
 
 CYCLES = 4

@@ -19,20 +19,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, level_names, load
-from orchestrator.casefile.origin import CHEAP_LEVEL
-from orchestrator.checks import mistakes
-from orchestrator.children import python
-from orchestrator.clock import exact
-from orchestrator.cost import particles_at_start, predicted_s
-from orchestrator.deck.panels import single_panels
-from orchestrator.playback import turning
-from orchestrator.records.run_folder import resolved
-from orchestrator.records.trust import DOUBTFUL, doubts, is_trusted
-from orchestrator.scene.catalogue import EFFECTS, can_go, present, with_dependents
-from orchestrator.scene.pair import Pair, key_of, remember, remembered
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.origin import CHEAP_LEVEL
+from orchestrator.case.playback import turning
+from orchestrator.case.tables.case import Case
+from orchestrator.output.children import python
+from orchestrator.output.records.run_folder import resolved
+from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
+from orchestrator.ports.clock import exact
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.preflight.judgement.pair import Pair, key_of, remember, remembered
+from orchestrator.preflight.levels import LoadedCase, level_names, load
 from orchestrator.studies.sampling import sample_s
 from orchestrator.studies.sweep import MAIN
 

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.casefile.case import Case
-from orchestrator.deck.panels import SinglePanel
+from orchestrator.case.deck.panels import SinglePanel
+from orchestrator.case.tables.case import Case
+from orchestrator.output.results.vibration import STANDARD_GRAVITY_M_S2, acceleration_m_s2
 from orchestrator.ports import Array
-from orchestrator.recording import RecordedGrid
-from orchestrator.results.vibration import STANDARD_GRAVITY_M_S2, acceleration_m_s2
+from orchestrator.ports.recording import RecordedGrid
 
 
 @dataclass(frozen=True)

@@ -15,13 +15,13 @@ from pathlib import Path
 from pydantic import ValidationError
 from rich.table import Table as Printed
 
-from orchestrator.casefile.errors import CaseError, Mistake, from_validation
-from orchestrator.casefile.toml_file import read_toml
+from orchestrator.case.file.errors import CaseError, Mistake, from_validation
+from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.tables.quantities import Name, Number, OneLine, Switch, Table
 from orchestrator.studies import sweep
 from orchestrator.studies.points import parsed
 from orchestrator.studies.quantities import QUANTITIES, UNITS, Sweep, Unknown
 from orchestrator.studies.steady import NotSteady
-from orchestrator.tables.quantities import Name, Number, OneLine, Switch, Table
 
 FILE = "paper.toml"
 

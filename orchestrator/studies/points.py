@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from orchestrator.casefile.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, Mistake
 
 MOST = 1000
 

@@ -16,14 +16,14 @@ import h5py
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.errors import CaseError, Mistake
-from orchestrator.casefile.levels import load
-from orchestrator.deck.panels import SinglePanel, single_panels
-from orchestrator.playback import Turning, shape_of, turning
+from orchestrator.case import recording_file
+from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.playback import Turning, shape_of, turning
+from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.recording import RecordedGrid, Recording
-from orchestrator.records import recording_file
+from orchestrator.ports.recording import RecordedGrid, Recording
+from orchestrator.preflight.levels import load
 
 FADE = 0.25  # of a cycle
 MOST_CYCLES = 8  # looked at for the number after which a panel repeats itself

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from orchestrator.clock import exact
+from orchestrator.ports.clock import exact
 
 SAMPLES_PER_S = 2500  # of shapes and series: enough for accelerations to 500 Hz
 

@@ -10,10 +10,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from orchestrator.casefile.levels import load
-from orchestrator.deck.panels import axes
+from orchestrator.case.deck.panels import axes
+from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
-from orchestrator.results.sampling import rows_too_seldom
+from orchestrator.preflight.levels import load
 
 CYCLES = 10
 

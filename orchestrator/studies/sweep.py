@@ -11,18 +11,18 @@ from functools import partial
 from pathlib import Path
 from typing import IO
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.casefile.overlays import changed
-from orchestrator.checks import mistakes
-from orchestrator.children import python
-from orchestrator.records import trust
-from orchestrator.records.folder_lock import at_work
-from orchestrator.records.run_folder import FolderUnusable, resolved, write_json
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.overlays import changed
+from orchestrator.output.children import python
+from orchestrator.output.records import trust
+from orchestrator.output.records.folder_lock import at_work
+from orchestrator.output.records.run_folder import FolderUnusable, resolved, write_json
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.studies.points import Vary
 from orchestrator.studies.workers import Crew
 
-MAIN = "from orchestrator.commands.cli import main; main()"
+MAIN = "from orchestrator.cli.main import main; main()"
 
 
 def status(folder: Path) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 import matplotlib
 
-from orchestrator.records import trust
+from orchestrator.output.records import trust
 from orchestrator.studies.points import Vary
 from orchestrator.studies.steady import NotSteady, Steady, steady
 from orchestrator.studies.sweep import Point

@@ -9,14 +9,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from orchestrator.casefile.effect_choice import known_pairs
-from orchestrator.casefile.levels import LoadedCase
-from orchestrator.cost import particles_at_start, predicted_s
-from orchestrator.results.scalars import SCALARS
-from orchestrator.scene.catalogue import Judged
-from orchestrator.scene.effect import in_words
-from orchestrator.scene.pair import Pair
-from orchestrator.scene.weighing import undecided, weighed
+from orchestrator.case.scalars import SCALARS
+from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.effect_choice import known_pairs
+from orchestrator.preflight.judgement.catalogue import Judged
+from orchestrator.preflight.judgement.pair import Pair
+from orchestrator.preflight.judgement.weighing import undecided, weighed
+from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.scene.effect import in_words
 from orchestrator.studies.paired import LIMIT_S, Pairs, Say
 
 BUDGET_S = 300.0

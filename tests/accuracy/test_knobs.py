@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from orchestrator.accuracy.knobs import KNOBS, offer
-from orchestrator.accuracy.points import common, seeded
-from orchestrator.casefile.levels import load
-from orchestrator.checks import mistakes
-from orchestrator.clock import exact, steps_in
-from orchestrator.schemes import SCHEMES
+from orchestrator.coupling.schemes import SCHEMES
+from orchestrator.ports.clock import exact, steps_in
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy.knobs import KNOBS, offer
+from orchestrator.studies.accuracy.points import common, seeded
 from tests.runs.outside import ROOT
 
 QUICKSTART = ROOT / "cases/quickstart"

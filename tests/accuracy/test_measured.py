@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
-from orchestrator.accuracy.points import KNOB, Point
+from orchestrator.studies.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
+from orchestrator.studies.accuracy.points import KNOB, Point
 from orchestrator.studies.figures import Figures
 
 GENERATOR = np.random.default_rng(4)

@@ -9,15 +9,15 @@ from typing import Any
 
 import pytest
 
-from orchestrator.accuracy.answers import Answer, off
-from orchestrator.accuracy.calibration import Clock, Timing, part_s
-from orchestrator.accuracy.filling import filling
-from orchestrator.accuracy.plan import Plan, planned
-from orchestrator.accuracy.stored import Stored, stored
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.level_file import write_level
-from orchestrator.casefile.levels import load
-from orchestrator.records.run_folder import write_json
+from orchestrator.case.file.errors import CaseError
+from orchestrator.output.records.run_folder import write_json
+from orchestrator.preflight.level_file import write_level
+from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy.answers import Answer, off
+from orchestrator.studies.accuracy.calibration import Clock, Timing, part_s
+from orchestrator.studies.accuracy.filling import filling
+from orchestrator.studies.accuracy.plan import Plan, planned
+from orchestrator.studies.accuracy.stored import Stored, stored
 from tests.case.cases import written
 from tests.runs.outside import ROOT
 

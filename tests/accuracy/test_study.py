@@ -9,14 +9,14 @@ from pathlib import Path
 import pytest
 from pyarrow import parquet
 
-from orchestrator.accuracy import tables
-from orchestrator.accuracy.calibration import by_study
-from orchestrator.accuracy.families import Converged
-from orchestrator.accuracy.points import Asked
-from orchestrator.accuracy.rows import pareto, recommended, rows
-from orchestrator.accuracy.stored import stored
-from orchestrator.accuracy.study import Study, Unmeasured, studied
-from orchestrator.casefile.levels import load
+from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy import tables
+from orchestrator.studies.accuracy.calibration import by_study
+from orchestrator.studies.accuracy.families import Converged
+from orchestrator.studies.accuracy.points import Asked
+from orchestrator.studies.accuracy.rows import pareto, recommended, rows
+from orchestrator.studies.accuracy.stored import stored
+from orchestrator.studies.accuracy.study import Study, Unmeasured, studied
 from orchestrator.studies.figures import DECISIVE
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.checks import mistakes
+from orchestrator.case.file.errors import CaseError
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import LoadedCase, load
 
 CASE = """
 title = "a test"

@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
-from orchestrator import ending, run
-from orchestrator.commands import cli, explain, launch, overview  # noqa: F401
-from orchestrator.report import command
-from orchestrator.report.film import Film
+from orchestrator.cli import main as cli
+from orchestrator.output.report import command
+from orchestrator.output.report.film import Film
+from orchestrator.run import ending, run
 
 MEMORY_BYTES = 4 * 1024**3  # of addresses; the libraries alone take 1.5
 PROCESSOR_S = 60  # the dearest check, of 140 000 triangles, takes 15

@@ -8,13 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
-from orchestrator.bed.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
-from orchestrator.bed.particle_step import particle_step_s
-from orchestrator.casefile.case import Case
-from orchestrator.planning import material_numbers
-from orchestrator.plans import Jkr, Sjkr
-from orchestrator.scene.catalogue import left_out
+from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
+from orchestrator.case.bed.contact_times import (
+    contact_moduli,
+    reduced_modulus_Pa,
+    shortest_rayleigh_s,
+)
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.planning import material_numbers
+from orchestrator.case.tables.case import Case
+from orchestrator.ports.plans import Jkr, Sjkr
+from orchestrator.preflight.judgement.catalogue import left_out
 from tests.case.cases import complaints, loaded, only_complaint
 
 WET = ("contacts.0.work_of_adhesion_J_m2=0.1", "contacts.1.work_of_adhesion_J_m2=0.2")

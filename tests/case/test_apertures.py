@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.commands.overview import overview
-from orchestrator.deck.openings import straight_passing
-from orchestrator.deck.panel_meshes import mesh_sizes
-from orchestrator.deck.panels import single_panels
-from orchestrator.deck.perforated_grid import BadMesh, perforated_grid, quality
-from orchestrator.deck.surface_grids import surface_grids
-from orchestrator.geometry import Apertures, Rectangle
+from orchestrator.case.deck.openings import straight_passing
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.deck.perforated_grid import BadMesh, perforated_grid, quality
+from orchestrator.case.deck.surface_grids import surface_grids
+from orchestrator.case.planning.panel_meshes import mesh_sizes
+from orchestrator.cli.overview import overview
+from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, complaints, loaded, only_complaint, written
 
 FFS0827 = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.build import build
-from orchestrator.casefile.errors import CaseError
-from orchestrator.checks import mistakes
-from orchestrator.stopwatch import Stopwatch
+from orchestrator.case.file.errors import CaseError
+from orchestrator.coupling.build import build
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.preflight.check import mistakes
 from tests.case.cases import FEED, LEVEL, loaded, written
 from tests.runs.outside import QUICK, flipflow, run_words
 

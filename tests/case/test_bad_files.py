@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.errors import LONGEST, MOST, CaseError
-from orchestrator.casefile.levels import load
+from orchestrator.case.file.errors import LONGEST, MOST, CaseError
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, LEVEL, complaints, only_complaint, written
 
 

@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.checks import drives, mistakes, warnings
-from orchestrator.plans import PanelPlan, SolverFailed
-from orchestrator.stability import plain
-from orchestrator.stability.choice import settled_card
+from orchestrator.ports.plans import PanelPlan, SolverFailed
+from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.checks import drives
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.stability import plain
+from orchestrator.preflight.stability.choice import settled_card
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'

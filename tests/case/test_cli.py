@@ -8,10 +8,10 @@ import numpy
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.casefile.levels import load
-from orchestrator.checks import mistakes, warnings
-from orchestrator.commands import launch
-from orchestrator.commands.cli import app
+from orchestrator.cli import launch
+from orchestrator.cli.main import app
+from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, LEVEL, written
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import tomli_w
 
-from orchestrator.bed.sources import initial_particles, inlets
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.planning import material_numbers
-from orchestrator.records.run_folder import resolved
+from orchestrator.case.bed.sources import initial_particles, inlets
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.planning import material_numbers
+from orchestrator.output.records.run_folder import resolved
+from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written
 from tests.case.test_apertures import SLOTTED
 

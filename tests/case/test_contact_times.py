@@ -9,15 +9,15 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from orchestrator.bed.contact_times import (
+from orchestrator.case.bed.contact_times import (
     contact_moduli,
     hertz_s,
     rayleigh_s,
     reduced_modulus_Pa,
     shortest_rayleigh_s,
 )
-from orchestrator.bed.particle_step import particle_step_s
-from orchestrator.casefile.case import Hyperelastic, Material
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.tables.case import Hyperelastic, Material
 from tests.case.cases import loaded
 
 

@@ -9,17 +9,17 @@ from typing import get_args
 
 import pytest
 
-from orchestrator.bed.cost import THICK, bed_cost
-from orchestrator.bed.particle_step import particle_step_s
-from orchestrator.casefile.levels import load
-from orchestrator.cost import (
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
+from orchestrator.case.tables.quantities import Table
+from orchestrator.preflight.bed_cost import THICK, bed_cost
+from orchestrator.preflight.cost import (
     in_words,
     particles_at_start,
     predicted_parts_s,
     predicted_range_s,
 )
-from orchestrator.tables.numerics import FramesSolver, PanelSolver
-from orchestrator.tables.quantities import Table
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written
 from tests.cost_series import IN_THE_SUITE, compared
 from tests.runs.outside import ROOT

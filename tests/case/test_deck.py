@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.checks import mistakes
-from orchestrator.deck.panels import SinglePanel, axes, single_panels, walls
+from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, walls
+from orchestrator.case.file.errors import CaseError
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import CASE, written
 
 BEFORE, AFTER = CASE.split("[screen.panels.deck]")

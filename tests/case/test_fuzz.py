@@ -12,11 +12,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import load, validated
-from orchestrator.casefile.overlays import Layers
-from orchestrator.checks import mistakes, warnings
-from orchestrator.scene.catalogue import judged
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.overlays import Layers
+from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.judgement.catalogue import judged
+from orchestrator.preflight.levels import load, validated
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 from tests.case.mutations import ROOT
 

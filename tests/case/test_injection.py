@@ -13,9 +13,9 @@ import h5py
 import pytest
 import tomli_w
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import load
-from orchestrator.checks import mistakes, table_mistakes
+from orchestrator.case.file.errors import CaseError
+from orchestrator.preflight.check import mistakes, table_mistakes
+from orchestrator.preflight.levels import load
 from tests.case.mutations import ROOT, Path_, at, lay_out, places
 
 EVIL = "x\nshell touch owned\n"

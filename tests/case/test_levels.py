@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import load
-from orchestrator.checks import mistakes
+from orchestrator.case.file.errors import CaseError
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, LEVEL, complaints, loaded, only_complaint, written
 
 DEFAULT = 'default_level = "fine"\n'

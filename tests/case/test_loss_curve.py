@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.loss_curve import Branches, Fit, fitted, moduli
-from orchestrator.commands.overview import overview
+from orchestrator.case.file.loss_curve import Branches, Fit, fitted, moduli
+from orchestrator.cli.overview import overview
+from orchestrator.output.records.run_folder import resolved
 from orchestrator.ports import Array
-from orchestrator.records.run_folder import resolved
-from orchestrator.scene.catalogue import EFFECTS, present
+from orchestrator.preflight.judgement.catalogue import EFFECTS, present
 from tests.case.cases import complaints, loaded, only_complaint
 
 FREQUENCIES_HZ = np.geomspace(10.0, 300.0, 12)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.checks import mistakes, panel_meshes, warnings
-from orchestrator.cost import predicted_parts_s
+from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.checks import panel_meshes
+from orchestrator.preflight.cost import predicted_parts_s
 from tests.case.cases import loaded
 
 SHEET = 'panel.solver="sheet"'

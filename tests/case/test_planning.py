@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.deck.panels import axes, single_panels, to_world
-from orchestrator.geometry import TriangleSurface
-from orchestrator.planning import frames_plan, material_numbers, panel_plans, particles_plan
-from orchestrator.plans import FramesPlan, ParticlesPlan
+from orchestrator.case.deck.panels import axes, single_panels, to_world
+from orchestrator.case.planning import frames_plan, material_numbers, panel_plans, particles_plan
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from tests.case.cases import loaded
 
 NO_POINTS = np.zeros((0, 3))

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile import slice_surfaces
-from orchestrator.casefile.levels import load
-from orchestrator.casefile.slice import share
-from orchestrator.checks import warnings
-from orchestrator.deck.panels import walls
-from orchestrator.planning import panel_plans, particles_plan
+from orchestrator.case.deck.panels import walls
+from orchestrator.case.file import slice_surfaces
+from orchestrator.case.file.slice import share
+from orchestrator.case.planning import panel_plans, particles_plan
+from orchestrator.preflight.check import warnings
+from orchestrator.preflight.levels import load
 from tests.case.cases import BLOCK, FEED, loaded, only_complaint
 
 # the test case's deck is 0.2 m wide, from y = 0; its ball is at y = 0.1
@@ -50,7 +50,7 @@ def test_the_bed_is_cut_and_shared(tmp_path: Path) -> None:
 def test_periodic_sides_are_the_domains(tmp_path: Path) -> None:
     case = loaded(tmp_path, SLICE).case
     nothing = np.empty((0, 3))
-    from orchestrator.geometry import TriangleSurface
+    from orchestrator.ports.geometry import TriangleSurface
 
     surface = TriangleSurface(nothing, nothing.astype(int), nothing[:, 0].astype(int))
     plan = particles_plan(case, surface)

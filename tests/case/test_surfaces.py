@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from meshes.side_walls import side_walls
-from orchestrator.checks.surfaces import faults
-from orchestrator.deck.panels import walls
-from orchestrator.deck.stl import Facets, Unreadable, read
+from orchestrator.case.deck.panels import walls
+from orchestrator.case.deck.stl import Facets, Unreadable, read
+from orchestrator.preflight.checks.surfaces import faults
 from tests.case.cases import complaints, loaded
 
 CASES = Path(__file__).parents[2] / "cases"

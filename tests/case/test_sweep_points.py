@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import tomli_w
 
-from orchestrator.records.run_folder import FolderUnusable, resolved
+from orchestrator.output.records.run_folder import FolderUnusable, resolved
 from orchestrator.studies.sweep import Point, point
 from tests.runs.outside import ROOT
 

@@ -10,10 +10,10 @@ import pytest
 from annotated_types import Le, Lt
 from pydantic import BaseModel, ValidationError
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.plausible import RANGES
-from orchestrator.commands import case_reference
-from orchestrator.tables.units import DIMENSIONLESS, unit
+from orchestrator.case.file.plausible import RANGES
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.units import DIMENSIONLESS, unit
+from orchestrator.cli import case_reference
 
 
 def tables(table: type[BaseModel] = Case) -> Iterator[type[BaseModel]]:
@@ -74,7 +74,7 @@ def test_every_table_and_key_is_described(table: type[BaseModel]) -> None:
 
 def test_the_page_on_the_case_format_is_the_tables() -> None:
     page = Path(__file__).parents[2] / "docs" / "case-format.md"
-    again = "python -m orchestrator.commands.case_reference > docs/case-format.md"
+    again = "python -m orchestrator.cli.case_reference > docs/case-format.md"
     assert page.read_text() == case_reference.reference(), again
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.casefile.case import Case
-from orchestrator.geometry import TriangleSurface
-from orchestrator.planning import particles_plan
-from orchestrator.plans import ParticlesPlan
-from orchestrator.scene.catalogue import left_out
+from orchestrator.case.planning import particles_plan
+from orchestrator.case.tables.case import Case
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import ParticlesPlan
+from orchestrator.preflight.judgement.catalogue import left_out
 from tests.case.cases import loaded, only_complaint
 
 WEARS = "contacts.0.specific_wear_m3_N_m=2e-12"

@@ -7,15 +7,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestrator import coupling
-from orchestrator.build import build
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.clock import Interval
-from orchestrator.coupling import State
-from orchestrator.ledger import Ledger
-from orchestrator.machine import Machine
+from orchestrator.coupling.build import build
+from orchestrator.coupling.ledger import Ledger
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.schemes import scheme as coupling
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import ParticleSnapshot
-from orchestrator.stopwatch import Stopwatch
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.levels import LoadedCase, load
 
 
 @dataclass

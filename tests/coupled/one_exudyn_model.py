@@ -18,10 +18,10 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from orchestrator.casefile.case import Case
-from orchestrator.deck.panels import SinglePanel, single_panels
+from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.frames import Bushing, Exciter
 from orchestrator.ports import Array
-from orchestrator.tables.frames import Bushing, Exciter
 
 items: Any = exudyn.itemInterface
 ELEMENTS = 16

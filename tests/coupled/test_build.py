@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from orchestrator import adapter
-from orchestrator.build import build
-from orchestrator.plans import SolverFailed
-from orchestrator.stopwatch import Stopwatch
+from orchestrator.case import adapter
+from orchestrator.coupling.build import build
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.ports.plans import SolverFailed
 from tests.coupled.machines import written
 from tests.coupled.screen import CASE
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from orchestrator.scene.effect import TENTH
+from orchestrator.preflight.scene.effect import TENTH
 from tests.coupled.machines import Coupled, opened, written
 from tests.coupled.shaken_bed import CASE, SPEED_RAD_S, write_walls
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.checks import mistakes
-from orchestrator.state import as_arrays
+from orchestrator.ports.state import as_arrays
+from orchestrator.preflight.check import mistakes
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, EXCITER, MACHINE
 from tests.saved_states import differences

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.checks import mistakes
-from orchestrator.records.frame_rotation import rotations
+from orchestrator.output.records.frame_rotation import rotations
+from orchestrator.preflight.check import mistakes
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, MACHINE
 

@@ -9,11 +9,11 @@ import pytest
 
 from adapters.frames import two_mass
 from adapters.particles import liggghts
-from orchestrator.clock import Interval
-from orchestrator.coupling import State
-from orchestrator.hermite import Path as PointPath
-from orchestrator.planning import frames_plan, particles_plan
+from orchestrator.case.planning import frames_plan, particles_plan
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Load, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path as PointPath
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE, EMPTY
 

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.levels import LoadedCase
-from orchestrator.checks import mistakes
-from orchestrator.deck.panels import axes
+from orchestrator.case.deck.panels import axes
 from orchestrator.ports import Array
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import LoadedCase
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator import coupling
-from orchestrator.build import build
-from orchestrator.casefile.levels import load
-from orchestrator.clock import intervals
-from orchestrator.stopwatch import Stopwatch
+from orchestrator.coupling.build import build
+from orchestrator.coupling.schemes import scheme as coupling
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.ports.clock import intervals
+from orchestrator.preflight.levels import load
 from orchestrator.studies.steady import harmonic
 
 CASE = Path(__file__).parents[2] / "cases/panel-cycle"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.schemes import SCHEMES
+from orchestrator.coupling.schemes import SCHEMES
 from tests.coupled.machines import Coupled, opened, written
 from tests.coupled.shaken_plate import (
     CONVEYING,

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.checks import mistakes
 from orchestrator.ports import Array, ParticleSnapshot
+from orchestrator.preflight.check import mistakes
 from tests.coupled.machines import Coupled, opened, written
 from tests.coupled.screen import EMPTY
 

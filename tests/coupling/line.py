@@ -12,9 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import Solvers
-from orchestrator.hermite import Path
+from orchestrator.coupling.schemes.scheme import Solvers
 from orchestrator.ports import (
     Account,
     Crossings,
@@ -26,7 +24,9 @@ from orchestrator.ports import (
     Response,
     Saved,
 )
-from orchestrator.state import put_back, taken
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.state import put_back, taken
 
 
 def point(x: float, v: float) -> Motion:

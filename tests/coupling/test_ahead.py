@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import Solvers, State, initial
-from orchestrator.hand_over import UnpushedFrames, still_clamped, unloaded
-from orchestrator.hermite import Path
-from orchestrator.mapping import mapped
-from orchestrator.metered import MeteredFrames, MeteredPanel
-from orchestrator.panel_set import PanelSet
+from orchestrator.coupling.hand_over import UnpushedFrames, still_clamped, unloaded
+from orchestrator.coupling.mapping import mapped
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel
+from orchestrator.coupling.panel_set import PanelSet
+from orchestrator.coupling.ranks import FramesOnFirstRank
+from orchestrator.coupling.schemes import SCHEMES, scheme
+from orchestrator.coupling.schemes.scheme import Solvers, State, initial
+from orchestrator.coupling.schemes.steps import ahead, extrapolated
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.timed_panel import timed
 from orchestrator.ports import Frames, Known, Load, Motion, Panel, PanelState
-from orchestrator.ranks import FramesOnFirstRank
-from orchestrator.schedule import ahead_of, carried_ahead
-from orchestrator.schemes import SCHEMES, scheme
-from orchestrator.schemes.steps import ahead, extrapolated
-from orchestrator.stopwatch import Stopwatch
-from orchestrator.timed_panel import timed
+from orchestrator.ports.ahead import ahead_of, carried_ahead
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, point, push
 
 LENGTH_S = 0.1

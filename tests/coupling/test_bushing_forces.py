@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.plans import Bushing
+from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.ports import Array, Motion
-from orchestrator.records.bushing_forces import BushingForces
+from orchestrator.ports.plans import Bushing
 
 CENTRES = {"driving": 0, "driven": 5}
 CENTRE_M = np.array([[1.0, 0.2, -0.3], [0.8, 0.3, 0.1]])

@@ -6,17 +6,17 @@ from collections.abc import Callable
 
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import Solvers, State, initial
-from orchestrator.hand_over import (
+from orchestrator.coupling.hand_over import (
     ParticlesOnStillSurface,
     UnpushedFrames,
     still_clamped,
     unloaded,
 )
+from orchestrator.coupling.schemes import SCHEMES, scheme
+from orchestrator.coupling.schemes.scheme import Solvers, State, initial
 from orchestrator.ports import Saved
-from orchestrator.schemes import SCHEMES, scheme
-from orchestrator.state import as_arrays, restorable
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import as_arrays, restorable
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members, point
 from tests.saved_states import differences
 

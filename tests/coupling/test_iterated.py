@@ -7,13 +7,13 @@ import logging
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import Scheme, initial
+from orchestrator.coupling.schemes import scheme
+from orchestrator.coupling.schemes.iterated import Relaxation
+from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
+from orchestrator.coupling.schemes.scheme import Scheme, initial
 from orchestrator.ports import Array
-from orchestrator.schemes import scheme
-from orchestrator.schemes.effort import Effort
-from orchestrator.schemes.iterated import Relaxation
-from orchestrator.schemes.relaxation import Aitken, LeastSquares
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.effort import Effort
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.coupling.test_schemes import chain, exact_chain
 

@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 import pytest
 
-from orchestrator.coupling import Pending
-from orchestrator.ledger import Ledger, Members
-from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.coupling.ledger import Ledger, Members
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.coupling.schemes.scheme import Pending
 from orchestrator.ports import Account, Array
 
 

@@ -7,8 +7,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Rectangle
-from orchestrator.mapping import Grid, grid
+from orchestrator.case.deck.triangle_grid import Grid, grid
+from orchestrator.ports.geometry import Rectangle
 
 
 def rectangle(clamp_m: float) -> Rectangle:

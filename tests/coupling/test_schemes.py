@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import initial
-from orchestrator.schemes import scheme as named
+from orchestrator.coupling.schemes import scheme as named
+from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.ports.clock import Interval
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 
 CONTACT_S = np.pi * np.sqrt(4 / 5)  # half a period of 1 kg on 4 kg through 1 N/m

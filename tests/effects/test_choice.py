@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 import tomli_w
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.checks import mistakes, warnings
-from orchestrator.commands.explain import judged_of
-from orchestrator.records.run_folder import resolved
-from orchestrator.scene.account import account, at_start
-from orchestrator.scene.catalogue import EFFECTS, present, with_dependents
+from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.explain import judged_of
+from orchestrator.output.records.run_folder import resolved
+from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.judgement.account import account, at_start
+from orchestrator.preflight.judgement.catalogue import EFFECTS, present, with_dependents
+from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complaint, written
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 

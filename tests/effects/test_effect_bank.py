@@ -13,12 +13,16 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.levels import load
-from orchestrator.commands.cli import app
-from orchestrator.effect_bank import bank as banks
-from orchestrator.effect_bank import confusion, tables
-from orchestrator.effect_bank.confusion import (
+from orchestrator.case.tables.case import Case
+from orchestrator.cli.main import app
+from orchestrator.preflight.judgement.catalogue import Judged
+from orchestrator.preflight.judgement.pair import Change
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.effect import Part, Verdict
+from orchestrator.studies import sweep
+from orchestrator.studies.effect_bank import bank as banks
+from orchestrator.studies.effect_bank import confusion, tables
+from orchestrator.studies.effect_bank.confusion import (
     BY_CHANCE,
     CANNOT_SAY,
     CHANGED,
@@ -32,11 +36,7 @@ from orchestrator.effect_bank.confusion import (
     change,
     outcome,
 )
-from orchestrator.effect_bank.trials import Countdown
-from orchestrator.scene.catalogue import Judged
-from orchestrator.scene.effect import Part, Verdict
-from orchestrator.scene.pair import Change
-from orchestrator.studies import sweep
+from orchestrator.studies.effect_bank.trials import Countdown
 from tests.runs.outside import ROOT
 
 CALL = CliRunner()
@@ -168,7 +168,7 @@ def test_the_shipped_bank_has_every_shipped_case() -> None:
 
 def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     """The runs differ in what the effect is made of, and in nothing else."""
-    from orchestrator.effect_bank.trials import tried
+    from orchestrator.studies.effect_bank.trials import tried
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
     scene = scene.model_copy(update={"effects": ()})
@@ -260,10 +260,10 @@ def test_time_left_is_scaled_by_what_the_runs_took() -> None:
 
 def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:
     """A run that failed gives no summary to compare; one that is doubtful does."""
-    from orchestrator.effect_bank.trials import Trial
+    from orchestrator.studies.effect_bank.trials import Trial
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
-    from orchestrator.effect_bank.trials import tried
+    from orchestrator.studies.effect_bank.trials import tried
 
     runs = tried("high", scene, tmp_path, tmp_path / "out").trials[0].runs
     trial = Trial("high", "", runs)

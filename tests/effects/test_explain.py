@@ -11,14 +11,14 @@ import pytest
 from rich.console import Console
 from typer.testing import CliRunner
 
-from orchestrator import effects
-from orchestrator.casefile.levels import load
-from orchestrator.checks import table_mistakes
-from orchestrator.commands.cli import app
-from orchestrator.commands.explain import COLUMNS, table
-from orchestrator.results.scalars import SCALARS
-from orchestrator.scene.catalogue import EFFECTS, judged, spared
-from orchestrator.scene.weighing import weighed
+from orchestrator.case.scalars import SCALARS
+from orchestrator.cli.explain import COLUMNS, table
+from orchestrator.cli.main import app
+from orchestrator.preflight import effects
+from orchestrator.preflight.check import table_mistakes
+from orchestrator.preflight.judgement.catalogue import EFFECTS, judged, spared
+from orchestrator.preflight.judgement.weighing import weighed
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written
 from tests.effects.verdicts import STILL_CASE
 
@@ -136,7 +136,7 @@ def test_nothing_of_the_solvers_is_imported() -> None:
     """In a process of its own: neither a solver nor its adapter nor MPI."""
     say = (
         "import sys\n"
-        "from orchestrator.commands.cli import app\n"
+        "from orchestrator.cli.main import app\n"
         f"app(['explain', {str(CASES / 'ffs0827-slice')!r}], standalone_mode=False)\n"
         "heads = {name.split('.')[0] for name in sys.modules}\n"
         "bad = heads & {'adapters', 'dolfinx', 'ufl', 'petsc4py', 'exudyn', 'mpi4py'}\n"

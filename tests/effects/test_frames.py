@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.levels import load
+from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written
 from tests.effects.verdicts import by_name, of_driven, verdict
 

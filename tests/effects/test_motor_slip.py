@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.planning import frames_plan
-from orchestrator.results.seen_motion import angle_rad
-from orchestrator.scene.catalogue import EFFECTS, present
-from orchestrator.scene.scene import scene
-from orchestrator.scene.seen import Seen, Turned
-from orchestrator.tables.frames import Exciter
+from orchestrator.case.planning import frames_plan
+from orchestrator.case.tables.frames import Exciter
+from orchestrator.output.results.seen_motion import angle_rad
+from orchestrator.preflight.judgement.catalogue import EFFECTS, present
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.scene.seen import Seen, Turned
 from tests.case.cases import loaded, only_complaint
 from tests.effects.verdicts import verdict
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from orchestrator.geometry import Apertures, Rectangle
-from orchestrator.plans import Hyperelastic
-from orchestrator.scene.moved_panel import (
+from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.plans import Hyperelastic
+from orchestrator.preflight.scene.moved_panel import (
     MovedPanel,
     answer,
     change_of_answer,
@@ -21,7 +21,7 @@ from orchestrator.scene.moved_panel import (
     sine_arch_m,
     stiffness_share,
 )
-from orchestrator.scene.scene import scene
+from orchestrator.preflight.scene.scene import scene
 from tests.case.cases import loaded
 
 LAW = Hyperelastic(1150.0, 0.7e6, 2.8e6, 2e9)

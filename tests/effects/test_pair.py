@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.casefile.levels import load
-from orchestrator.children import python
-from orchestrator.commands.cli import app
-from orchestrator.results.scalars import SCALARS, Value, scalar
-from orchestrator.scene import pair
-from orchestrator.scene.pair import Pair, agree, changed, key_of, remember, remembered
+from orchestrator.case.scalars import SCALARS, Value, scalar
+from orchestrator.cli.main import app
+from orchestrator.output.children import python
+from orchestrator.preflight.judgement import pair
+from orchestrator.preflight.judgement.pair import Pair, agree, changed, key_of, remember, remembered
+from orchestrator.preflight.levels import load
 from orchestrator.studies import paired
 from orchestrator.studies.trials import tried
 from tests.case.cases import CASE, loaded, written

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.bed.contact_times import hertz_overlap_m
-from orchestrator.casefile.levels import load
+from orchestrator.case.bed.contact_times import hertz_overlap_m
+from orchestrator.preflight.levels import load
 from tests.case.cases import BLOCK, FEED, written
 from tests.effects.verdicts import (
     APERTURES,

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.case import Probe
-from orchestrator.casefile.levels import load
-from orchestrator.deck.panels import axes, to_world
-from orchestrator.scene.scene import Scene, scene
-from orchestrator.scene.shaking import Shaking, shakings
+from orchestrator.case.deck.panels import axes, to_world
+from orchestrator.case.tables.case import Probe
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.scene import Scene, scene
+from orchestrator.preflight.scene.shaking import Shaking, shakings
 from tests.case.cases import BLOCK, FEED, loaded, written
 from tests.effects.verdicts import DRIVEN_CASE
 

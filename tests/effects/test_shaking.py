@@ -9,8 +9,8 @@ import pytest
 
 from adapters.frames import linear
 from adapters.frames.two_mass import steady_amplitudes_m
-from orchestrator.plans import Drive
-from orchestrator.scene.shaking import PanelSpring, shakings
+from orchestrator.ports.plans import Drive
+from orchestrator.preflight.scene.shaking import PanelSpring, shakings
 from tests.frames.machines import bushing, exciter, two_bodies
 
 ENDS_M = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]])

@@ -10,16 +10,22 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.results.scalars import SCALARS
-from orchestrator.scene.account import account
-from orchestrator.scene.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
-from orchestrator.scene.effect import Verdict
-from orchestrator.scene.moved_panel import stiffness_share
-from orchestrator.scene.pair import Pair, key_of, remember
-from orchestrator.scene.scene import scene
-from orchestrator.scene.seen import Seen
-from orchestrator.scene.weighing import doubted, weighed
+from orchestrator.case.scalars import SCALARS
+from orchestrator.preflight.judgement.account import account
+from orchestrator.preflight.judgement.catalogue import (
+    EFFECTS,
+    Judged,
+    judged,
+    needs_of,
+    taken_along,
+)
+from orchestrator.preflight.judgement.pair import Pair, key_of, remember
+from orchestrator.preflight.judgement.weighing import doubted, weighed
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.effect import Verdict
+from orchestrator.preflight.scene.moved_panel import stiffness_share
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.scene.seen import Seen
 from orchestrator.studies.paired import Pairs
 from tests.case.cases import loaded, only_complaint, written
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from orchestrator.casefile.levels import LoadedCase, load
-from orchestrator.scene.catalogue import Judged, judged
+from orchestrator.preflight.judgement.catalogue import Judged, judged
+from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import CASE, loaded, written
 
 APERTURES = (

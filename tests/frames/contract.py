@@ -13,9 +13,9 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.plans import Drive, FramesPlan
 from orchestrator.ports import Account, Array, Frames, Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Drive, FramesPlan
 from tests.frames.machines import exciter, two_bodies
 
 INTERVAL_S = 5e-4

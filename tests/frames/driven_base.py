@@ -8,8 +8,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from orchestrator.plans import Body, Bushing, Drive, FramesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Body, Bushing, Drive, FramesPlan
 from tests.frames.machines import body
 
 MASS_kg, STIFFNESS_N_m, DAMPING_N_s_m, SPEED_rad_s = 20.0, 1e5, 600.0, 60.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.plans import Body, Bushing, Exciter, FramesPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import Body, Bushing, Exciter, FramesPlan
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 ALONG, ACROSS, UP = np.eye(3)

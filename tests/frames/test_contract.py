@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
 from orchestrator.ports import BrokenRecord, Load
-from orchestrator.schedule import carried_ahead
-from orchestrator.state import as_arrays
+from orchestrator.ports.ahead import carried_ahead
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import as_arrays
 from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
 from tests.frames.machines import POINTS_M, body, two_bodies
 from tests.saved_states import differences

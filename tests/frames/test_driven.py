@@ -9,9 +9,9 @@ import pytest
 
 from adapters.frames import exudyn, prescribed, two_mass
 from adapters.frames.drive import moved
-from orchestrator.clock import Interval, intervals
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array, Load
+from orchestrator.ports.clock import Interval, intervals
+from orchestrator.ports.plans import FramesPlan
 from tests.frames.contract import both_driven, compared, defect_J, drive, loads, one_driven
 from tests.frames.driven_base import (
     NONE,

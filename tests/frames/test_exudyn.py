@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from adapters.frames import exudyn, two_mass
-from orchestrator.clock import Interval, intervals
-from orchestrator.plans import FramesPlan, SolverFailed
 from orchestrator.ports import Array, Load
+from orchestrator.ports.clock import Interval, intervals
+from orchestrator.ports.plans import FramesPlan, SolverFailed
 from tests.frames.machines import (
     ACROSS,
     ALONG,

@@ -17,9 +17,9 @@ from scipy.optimize import brentq
 
 from adapters.frames import planar
 from adapters.frames.motor import torque_N_m
-from orchestrator.clock import Interval
-from orchestrator.plans import FramesPlan, Motor
 from orchestrator.ports import Array, Frames, Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import FramesPlan, Motor
 from tests.frames.contract import INTERVAL_S, accounts, defect_J, loads
 from tests.frames.machines import UP, body, bushing, exciter, two_bodies
 

@@ -9,9 +9,9 @@ import pytest
 from scipy.special import ellipk
 
 from adapters.frames import exudyn, planar, prescribed, two_mass
-from orchestrator.clock import Interval
-from orchestrator.plans import Body, Bushing, FramesPlan, SolverFailed
 from orchestrator.ports import Array, Frames, Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Body, Bushing, FramesPlan, SolverFailed
 from tests.frames.contract import both_driven, compared, drive, driven, loads, one_driven
 from tests.frames.driven_base import carried_along_m, rocked
 from tests.frames.machines import ACROSS, ALONG, POINTS_M, UP, body, bushing, exciter, two_bodies

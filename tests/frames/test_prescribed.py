@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from adapters.frames.drive import angular_velocity, moved
 from adapters.frames.prescribed import build
-from orchestrator.clock import Interval
-from orchestrator.plans import Drive, FramesPlan
 from orchestrator.ports import Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Drive, FramesPlan
 from tests.frames.machines import POINTS_M, exciter, two_bodies
 
 DRIVE = Drive(

@@ -10,9 +10,9 @@ import scipy.linalg
 
 from adapters.frames import linear
 from adapters.frames.two_mass import build, steady_amplitudes_m
-from orchestrator.clock import Interval, intervals
-from orchestrator.plans import FramesPlan
 from orchestrator.ports import Array, Load
+from orchestrator.ports.clock import Interval, intervals
+from orchestrator.ports.plans import FramesPlan
 from tests.frames.machines import ALONG, GRAVITY, POINTS_M, body, exciter, two_bodies
 
 

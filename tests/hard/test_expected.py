@@ -9,10 +9,11 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.hard import cases, measures, verdicts
-from orchestrator.hard.expected import Criterion, Expected, read
-from orchestrator.hard.outcome import outcome
+from orchestrator.case.file.errors import CaseError
+from orchestrator.studies.hard import cases, measures, verdicts
+from orchestrator.studies.hard.criterion import Criterion
+from orchestrator.studies.hard.expected import Expected, read
+from orchestrator.studies.hard.outcome import outcome
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
 HEAD = 'number = 1\nhappens = "a"\nexpected = "b"\n[runs.one]\n[runs.two]\n'

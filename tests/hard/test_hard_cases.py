@@ -10,10 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.hard import cases, verdicts
-from orchestrator.hard.expected import Criterion, read
-from orchestrator.records import trust
+from orchestrator.output.records import trust
 from orchestrator.studies import sweep
+from orchestrator.studies.hard import cases, verdicts
+from orchestrator.studies.hard.criterion import Criterion
+from orchestrator.studies.hard.expected import read
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import has_results
 

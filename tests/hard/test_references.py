@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.bed.contact_times import contact_moduli, reduced_modulus_Pa
-from orchestrator.bed.sources import initial_particles
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.levels import load
-from orchestrator.hard.expected import Criterion, read
-from orchestrator.scene.scene import bed_kg
+from orchestrator.case.bed.contact_times import contact_moduli, reduced_modulus_Pa
+from orchestrator.case.bed.sources import initial_particles
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.scene import bed_kg
+from orchestrator.studies.hard.criterion import Criterion
+from orchestrator.studies.hard.expected import read
 from tests.hard import closed_forms as known
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"

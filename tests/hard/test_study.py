@@ -13,11 +13,11 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.hard import cases, pictures, stability_map, verdicts
-from orchestrator.records.run_folder import write_case
-from orchestrator.schemes import SCHEMES
+from orchestrator.case.file.errors import CaseError
+from orchestrator.coupling.schemes import SCHEMES
+from orchestrator.output.records.run_folder import write_case
 from orchestrator.studies import sweep
+from orchestrator.studies.hard import cases, pictures, stability_map, verdicts
 from orchestrator.studies.sweep import Point
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow, said_plainly

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.cost import particles_at_start, predicted_s
-from orchestrator.ladder.rungs import LADDERS, rungs
+from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.levels import load
+from orchestrator.studies.ladder.rungs import LADDERS, rungs
 from tests.runs.outside import ROOT
 
 GOOD_TO = 3.0  # a factor, as cost.py says; busy machines differ by as much

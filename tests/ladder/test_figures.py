@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.checks import mistakes
-from orchestrator.clock import exact
-from orchestrator.cost import predicted_s
-from orchestrator.ladder.rungs import rungs
 from orchestrator.ports import Array
+from orchestrator.ports.clock import exact
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.cost import predicted_s
+from orchestrator.preflight.levels import load
 from orchestrator.studies.figures import Figures, errors, relative
+from orchestrator.studies.ladder.rungs import rungs
 from orchestrator.studies.sampling import sampled_at
 from tests.runs.outside import ROOT
 

@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from orchestrator.casefile.errors import CaseError
-from orchestrator.casefile.levels import load
-from orchestrator.commands.cli import app
-from orchestrator.ladder.stored import measured, stored
-from orchestrator.scene.catalogue import judged
+from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.main import app
+from orchestrator.preflight.judgement.catalogue import judged
+from orchestrator.preflight.levels import load
+from orchestrator.studies.ladder.stored import measured, stored
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/panel-cycle"

@@ -11,10 +11,10 @@ from importlib import import_module
 
 import numpy as np
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import Apertures
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Account, Array, Load, MeshedPanel, Motion, Panel, PanelState
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.plans import PanelPlan
 from tests.panel.elastic_plans import plan
 from tests.panel.recordings import playback
 

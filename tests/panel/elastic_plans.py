@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import Apertures, Rectangle
-from orchestrator.plans import Hyperelastic, PanelPlan
 from orchestrator.ports import Array, Load, Motion, Panel, PanelState
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.plans import Hyperelastic, PanelPlan
 
 # Polyurethane of the FFS0827 screen: C10 and C01 as the paper prints them, K = 2 GPa.
 C10_PA, C01_PA, BULK_PA = 7e5, 2.8e6, 2e9

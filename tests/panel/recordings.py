@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array
-from orchestrator.recording import Playback, RecordedGrid, Recording
+from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.recording import Playback, RecordedGrid, Recording
 
 CELLS = (8, 2)
 SAMPLES = 64

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from adapters.panel.carried import build
-from orchestrator.clock import Interval
 from orchestrator.ports import BrokenRecord, Load, Motion
+from orchestrator.ports.clock import Interval
 from tests.panel.contract import INTERVAL_S, held
 from tests.saved_states import differences
 

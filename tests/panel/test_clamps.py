@@ -11,7 +11,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from orchestrator.plans import PanelPlan
+from orchestrator.ports.plans import PanelPlan
 from tests.panel.elastic_plans import plan
 
 pytestmark = pytest.mark.solver

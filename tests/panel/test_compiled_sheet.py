@@ -7,10 +7,10 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import Apertures
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.plans import SolverFailed
 from tests.panel.elastic_plans import BRANCHES, difference, plan, shaken
 
 pytestmark = pytest.mark.solver

@@ -8,11 +8,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.mapping import mapped
+from orchestrator.coupling.mapping import mapped
 from orchestrator.ports import Array, BrokenRecord, Known, Load
-from orchestrator.schedule import ahead_of
-from orchestrator.state import as_arrays, restorable
+from orchestrator.ports.ahead import ahead_of
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import as_arrays, restorable
 from tests.panel.contract import (
     CASES,
     INTERVAL_S,

@@ -7,11 +7,11 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.inertia import inertia_of
-from orchestrator.mapping import mapped
-from orchestrator.panel_set import PanelSet
+from orchestrator.coupling.mapping import mapped
+from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.inertia import inertia_of
 from tests.panel.contract import CASES, Case
 
 SHORT_S = 1e-7  # far less than the period of any mode: a load is an impulse

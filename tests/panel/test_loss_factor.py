@@ -15,9 +15,9 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from orchestrator.casefile.loss_curve import fitted
-from orchestrator.clock import Interval
+from orchestrator.case.file.loss_curve import fitted
 from orchestrator.ports import Array, Load, Motion
+from orchestrator.ports.clock import Interval
 from tests.panel.elastic_plans import plan
 
 WANTED = 0.12

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Apertures
+from orchestrator.ports.geometry import Apertures
 from tests.panel.elastic_plans import BRANCHES, plan, pull_N
 
 pytestmark = pytest.mark.solver

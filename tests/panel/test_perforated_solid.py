@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import Apertures
 from orchestrator.ports import Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import Apertures
 from tests.panel.contract import driven, pierced
 from tests.panel.elastic_plans import BRANCHES, difference, plan, pull_N, shaken
 

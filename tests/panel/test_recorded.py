@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from adapters.panel import recorded, rigid
-from orchestrator.clock import Interval
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import PanelPlan
 from tests.panel import test_contract as contract_tests
 from tests.panel.contract import CASES, INTERVAL_S, Case, held, shifted, small
 from tests.panel.recordings import PULL_N, SAMPLES, arch, moved, playback, rate

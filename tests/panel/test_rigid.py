@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from adapters.panel.rigid import build
-from orchestrator.clock import Interval
 from orchestrator.ports import Load, Motion
+from orchestrator.ports.clock import Interval
 from tests.panel.contract import INTERVAL_S, held, shifted
 from tests.panel.elastic_plans import plan
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import Load, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import SolverFailed
 from tests.panel.elastic_plans import (
     BRANCHES,
     defect_J,

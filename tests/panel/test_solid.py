@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from orchestrator.clock import Interval
-from orchestrator.plans import Hyperelastic
 from orchestrator.ports import Load
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Hyperelastic
 from tests.panel.elastic_plans import (
     BRANCHES,
     C01_PA,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adapters.panel.solid_grid import bearable_grid, size, solid_grid
-from orchestrator.geometry import Apertures
+from orchestrator.ports.geometry import Apertures
 from tests.panel.elastic_plans import plan
 
 SLOTS = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.004)

@@ -11,10 +11,10 @@ import pytest
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
-from orchestrator.clock import Interval
-from orchestrator.plans import PanelPlan, Stop
+from orchestrator.coupling.stopped_panel import StoppedPanel
 from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState
-from orchestrator.stopped_panel import StoppedPanel
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import PanelPlan, Stop
 from tests.panel.elastic_plans import plan
 from tests.saved_states import differences
 

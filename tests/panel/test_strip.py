@@ -11,9 +11,9 @@ from scipy.special import ellipe, ellipk
 
 from adapters.panel import chain, strip
 from adapters.panel.chain_motion import ChainMotion
-from orchestrator.clock import Interval
-from orchestrator.plans import Hyperelastic, PanelPlan, SolverFailed
 from orchestrator.ports import Array, Load, Motion, PanelState
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Hyperelastic, PanelPlan, SolverFailed
 from tests.panel.contract import held, swung
 from tests.panel.elastic_plans import BRANCHES, C01_PA, C10_PA, difference, plan
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from adapters.panel import sheet, strip
-from orchestrator.plans import PanelPlan
 from orchestrator.ports import Array
+from orchestrator.ports.plans import PanelPlan
 from tests.panel.elastic_plans import BRANCHES, difference, plan, pull_N, shake
 
 pytestmark = pytest.mark.solver

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Apertures
+from orchestrator.ports.geometry import Apertures
 
 pytestmark = pytest.mark.solver
 

@@ -14,9 +14,9 @@ from adapters.particles.sphere_contacts import laws
 from adapters.particles.sphere_forces import System, forces_at
 from adapters.particles.sphere_neighbours import neighbours
 from adapters.particles.sphere_state import spheres as rows
-from orchestrator.geometry import TriangleSurface
-from orchestrator.plans import ParticlesPlan, SolverMissing
 from orchestrator.ports import Array, Motion
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import ParticlesPlan, SolverMissing
 from tests.particles.liggghts_plans import make_plan, sheet, spheres
 
 RADIUS_M = 2.5e-3

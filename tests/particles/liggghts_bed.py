@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.clock import Interval
-from orchestrator.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan
 from orchestrator.ports import Array, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan
 from tests.particles.liggghts_plans import INTERVAL_S, make_plan, sheet, spheres, travel
 
 LINE_M = np.linspace(-0.05, 0.05, 26)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import TriangleSurface
-from orchestrator.hermite import Path
-from orchestrator.plans import GrainMaterial, ParticleList, ParticlesPlan
 from orchestrator.ports import Array, Motion, Particles
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
 
 INTERVAL_S = 5e-5
 

@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.bed.feed import Feeds, Inlet
-from orchestrator.bed.material_book import CountedFeed
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.metered import MeteredParticles
-from orchestrator.plans import Exit, ParticlesPlan
+from orchestrator.case.bed.feed import Feeds, Inlet
+from orchestrator.case.bed.material_book import CountedFeed
+from orchestrator.coupling.metered import MeteredParticles
+from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import Motion
-from orchestrator.state import as_arrays
-from orchestrator.stopwatch import Stopwatch
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import Exit, ParticlesPlan
+from orchestrator.ports.state import as_arrays
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.sizes import Sizes

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from orchestrator.plans import ParticleList
 from orchestrator.ports import Array
+from orchestrator.ports.plans import ParticleList
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import TriangleSurface
-from orchestrator.hermite import Path
-from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan
 from orchestrator.ports import Array, Motion, Particles
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
 RADIUS_M, WORK_J_M2, DENSITY_KG_M3 = 1e-3, 0.05, 2500.0

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres as numpy_spheres
-from orchestrator.clock import Interval
-from orchestrator.plans import GrainMaterial, Jkr, Sjkr, SolverMissing
 from orchestrator.ports import Array, Particles
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import GrainMaterial, Jkr, Sjkr, SolverMissing
 from tests.particles.contract import energy_defect_J
 from tests.particles.liggghts_plans import flat, make_plan, sheet, spheres, still, travel
 from tests.particles.sticky import (

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import Jkr, ParticleList, ParticlesPlan, SolverMissing
 from orchestrator.ports import Account, Array, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import Jkr, ParticleList, ParticlesPlan, SolverMissing
 from tests.particles.contract import (
     Run,
     energy_defect_J,

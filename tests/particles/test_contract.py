@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
 from orchestrator.ports import BrokenRecord, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
 from tests.particles.contract import (
     G_M_S2,
     WEIGHTLESS,

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.geometry import TriangleSurface
-from orchestrator.hermite import Path
-from orchestrator.plans import GrainMaterial, ParticlesPlan, SolverMissing
 from orchestrator.ports import Array, Motion
-from orchestrator.state import restorable
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import GrainMaterial, ParticlesPlan, SolverMissing
+from orchestrator.ports.state import restorable
 from tests.particles.contract import (
     WEIGHTLESS,
     Run,

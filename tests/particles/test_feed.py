@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
-from orchestrator.bed.feed import Feeds, Inlet, RateFeed
-from orchestrator.bed.particle_sizes import mass_kg
-from orchestrator.clock import Interval
-from orchestrator.plans import ParticleList
+from orchestrator.case.bed.feed import Feeds, Inlet, RateFeed
+from orchestrator.case.bed.particle_sizes import mass_kg
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import ParticleList
 from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
 
 INLET = Inlet(

@@ -9,8 +9,8 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.plans import ParticleList
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import ParticleList
 from tests.particles.liggghts_bed import WET, bed, bed_plan, impulse_N_s, wave
 from tests.particles.liggghts_plans import INTERVAL_S, flat, make_plan, spheres, still, travel
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from orchestrator.plans import GrainMaterial
 from orchestrator.ports import Motion
+from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orchestrator.geometry import TriangleSurface
-from orchestrator.plans import SolverFailed
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import SolverFailed
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")

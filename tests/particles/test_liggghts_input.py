@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from adapters.particles.liggghts_input import contact_model, input_text, smallest_box_m
-from orchestrator.plans import GrainMaterial
+from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
 GOLDEN = """\

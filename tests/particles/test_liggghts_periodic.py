@@ -5,7 +5,7 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from orchestrator.geometry import TriangleSurface
+from orchestrator.ports.geometry import TriangleSurface
 from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, travel
 from tests.particles.test_liggghts_balance import ranks
 

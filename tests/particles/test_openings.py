@@ -9,10 +9,10 @@ import pytest
 from scipy.stats import binom
 
 from adapters.particles import spheres
-from orchestrator.deck.openings import straight_passing
-from orchestrator.deck.perforated_grid import perforated_grid
-from orchestrator.geometry import Apertures, Rectangle, TriangleSurface
+from orchestrator.case.deck.openings import straight_passing
+from orchestrator.case.deck.perforated_grid import perforated_grid
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import Apertures, Rectangle, TriangleSurface
 from tests.particles.contract import Run, one, particles, plan
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres

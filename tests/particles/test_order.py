@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import ParticlesPlan, SolverMissing
 from orchestrator.ports import Array, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import ParticlesPlan, SolverMissing
 from tests.particles.contract import WEIGHTLESS, one, particles, plan, plate
 
 RADIUS_M, SPEED_M_S = 0.005, 0.5

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from orchestrator.bed.packing import block
-from orchestrator.bed.particle_sizes import counts, diameters_m, shares
-from orchestrator.plans import ParticleList
+from orchestrator.case.bed.packing import block
+from orchestrator.case.bed.particle_sizes import counts, diameters_m, shares
 from orchestrator.ports import Array
+from orchestrator.ports.plans import ParticleList
 from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
 
 CUBE_M = np.array([[0.0, -0.1, 0.2], [0.2, 0.1, 0.4]])

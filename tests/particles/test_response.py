@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from orchestrator.clock import Interval
-from orchestrator.hermite import Path
-from orchestrator.plans import Jkr, ParticlesPlan, SolverMissing
 from orchestrator.ports import Array, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import Jkr, ParticlesPlan, SolverMissing
 from tests.particles.folds import VALLEY, fold
 from tests.particles.liggghts_plans import flat, make_plan
 from tests.particles.liggghts_plans import spheres as spheres_at

@@ -16,9 +16,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.geometry import TriangleSurface
-from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan
 from orchestrator.ports import Array, Motion, ParticleSnapshot
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 from tests.particles.test_adhesion import module
 

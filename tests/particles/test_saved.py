@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from orchestrator.clock import Interval
+from orchestrator.ports.clock import Interval
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.restored_bed import OPEN_END, astray, fed, hesitating, resumed

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from orchestrator.geometry import closest_on_triangle
-from orchestrator.plans import Exit, GrainMaterial
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import closest_on_triangle
+from orchestrator.ports.plans import Exit, GrainMaterial
 from tests.particles.contract import (
     WEIGHTLESS,
     Run,

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from orchestrator.geometry import TriangleSurface
-from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr, SolverMissing
 from orchestrator.ports import Account, Array, ParticleSnapshot
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr, SolverMissing
 from tests.particles.contract import Run, particles, plan, plate
 from tests.particles.folds import furrows, pit
 from tests.particles.liggghts_plans import make_plan

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from orchestrator.geometry import TriangleSurface
-from orchestrator.plans import GrainMaterial, Jkr, ParticlesPlan, SolverMissing
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, SolverMissing
 from tests.particles.contract import WEIGHTLESS, Run, one, particles, plan, plate
 
 Build = Callable[[ParticlesPlan], Run]

@@ -19,14 +19,14 @@ import h5py
 import numpy as np
 import tomli_w
 
-from orchestrator.casefile.case import Case
-from orchestrator.casefile.levels import load
-from orchestrator.deck.panels import axes, single_panels
+from orchestrator.case.deck.panels import axes, single_panels
+from orchestrator.case.tables.case import Case
+from orchestrator.output.records.history import History
+from orchestrator.output.records.run_folder import write_json
+from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.output.records.wear_record import PATCHES
 from orchestrator.ports import Array, Motion, ParticleSnapshot
-from orchestrator.records.history import History
-from orchestrator.records.run_folder import write_json
-from orchestrator.records.snapshots import Series, particle_mesh, surface_mesh
-from orchestrator.records.wear_record import PATCHES
+from orchestrator.preflight.levels import load
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5

@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.results.compute import results
-from orchestrator.results.store import store
+from orchestrator.output.results.compute import results
+from orchestrator.output.results.store import store
 from tests.results.synthetic import (
     BIN_KG,
     CYCLE_S,
@@ -259,7 +259,7 @@ def test_a_part_that_fails_loses_no_other(tmp_path: Path, monkeypatch: pytest.Mo
         raise IndexError("list index out of range")
 
     folder = folder_of(tmp_path / "run")
-    monkeypatch.setattr("orchestrator.results.compute.bed_figures", broken)
+    monkeypatch.setattr("orchestrator.output.results.compute.bed_figures", broken)
     found = results(folder)
     assert set(found["failed"]) == {"bed"}
     assert found["failed"]["bed"].startswith("IndexError: list index out of range (test_compute.py")

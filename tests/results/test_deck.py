@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.deck.line import DeckLine, deck_line, joined, over
-from orchestrator.deck.opening_places import openings_m
-from orchestrator.deck.panels import axes
+from orchestrator.case.deck.line import DeckLine, deck_line, joined, over
+from orchestrator.case.deck.opening_places import openings_m
+from orchestrator.case.deck.panels import axes
+from orchestrator.output.records.deck_profile import bins_m, profile
+from orchestrator.output.records.held import HELD_CYCLES, Held
+from orchestrator.output.results.run_data import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
-from orchestrator.records.deck_profile import bins_m, profile
-from orchestrator.records.held import HELD_CYCLES, Held
-from orchestrator.results.run_data import cut_size_m
+from orchestrator.preflight.levels import load
 from tests.results.synthetic import ROOT
 
 ACROSS = np.array([0.0, 1.0, 0.0])

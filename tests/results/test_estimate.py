@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.results.estimate import Estimate, batch_sums, estimate, half_width, mean
+from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, half_width, mean
 
 
 def test_of_independent_batches_it_is_students() -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Rectangle
+from orchestrator.output.records.panel_lines import PanelLines, clamped_m, tension_N
 from orchestrator.ports import Array
-from orchestrator.records.panel_lines import PanelLines, clamped_m, tension_N
+from orchestrator.ports.geometry import Rectangle
 
 AT = Rectangle(
     corner_m=np.zeros(3),

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.results import placement
-from orchestrator.results.events import Exits
+from orchestrator.output.results import placement
+from orchestrator.output.results.events import Exits
 
 EXITS = Exits(("one", "two", "end"), ("undersize", "undersize", "oversize"))
 OUT = np.array([[20.0, 1.0], [10.0, 2.0], [10.0, 57.0]])

@@ -13,11 +13,11 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from orchestrator.records.folder_lock import OF_A_RUN, held
-from orchestrator.records.run_folder import FolderUnusable
-from orchestrator.report.command import report
-from orchestrator.report.effects import left_out_rows
-from orchestrator.report.words import interval, number
+from orchestrator.output.records.folder_lock import OF_A_RUN, held
+from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.output.report.command import report
+from orchestrator.output.report.effects import left_out_rows
+from orchestrator.output.report.words import interval, number
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly
@@ -147,7 +147,7 @@ def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.Mon
     """As HDF5 does on some damaged files, which the fuzzer finds; which, hangs on its version."""
     folder = folder_of(tmp_path / "run", cycles=15)
     crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
-    monkeypatch.setattr("orchestrator.report.command.results", crash)
+    monkeypatch.setattr("orchestrator.output.report.command.results", crash)
     with pytest.raises(FolderUnusable, match=r"reading history\.h5 crashed"):
         report(folder)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.results.sampling import phases_missed, rows_too_seldom
+from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 
 CYCLE_S = 0.08004
 

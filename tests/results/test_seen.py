@@ -12,18 +12,18 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.deck.panels import single_panels
-from orchestrator.results.compute import results
-from orchestrator.results.run_data import RunData, run_data
-from orchestrator.results.seen import checked, seen_scene
-from orchestrator.results.seen_bed import products
-from orchestrator.results.seen_forces import loss_factor, spring_N_m
-from orchestrator.scene.account import Entry, account, at_end
-from orchestrator.scene.catalogue import EFFECTS
-from orchestrator.scene.effect import Verdict
-from orchestrator.scene.scene import Scene, scene, stroke_m
-from orchestrator.scene.seen import Bearing, Deepest, Products, Seen
-from orchestrator.scene.shaking import shakings
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.output.results.compute import results
+from orchestrator.output.results.run_data import RunData, run_data
+from orchestrator.output.results.seen import checked, seen_scene
+from orchestrator.output.results.seen_bed import products
+from orchestrator.output.results.seen_forces import loss_factor, spring_N_m
+from orchestrator.preflight.judgement.account import Entry, account, at_end
+from orchestrator.preflight.judgement.catalogue import EFFECTS
+from orchestrator.preflight.scene.effect import Verdict
+from orchestrator.preflight.scene.scene import Scene, scene, stroke_m
+from orchestrator.preflight.scene.seen import Bearing, Deepest, Products, Seen
+from orchestrator.preflight.scene.shaking import shakings
 from tests.results.synthetic import CYCLE_S, FRAMES_M, LEAVES, SIZES_M, TURNED_RAD, folder_of
 
 DECK_RAD = math.radians(15)

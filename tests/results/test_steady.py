@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.output.results.steady import steady, truncation
 from orchestrator.ports import Array
-from orchestrator.results.steady import steady, truncation
 
 
 def filling(cycles: int, residence: float, noise: float = 0.0) -> tuple[Array, Array]:

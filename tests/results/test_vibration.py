@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.results.vibration import (
+from orchestrator.output.results.vibration import (
     STANDARD_GRAVITY_M_S2,
     acceleration_m_s2,
     ellipse,

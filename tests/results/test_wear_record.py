@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.geometry import Rectangle, TriangleSurface
-from orchestrator.machine import PanelPoints
-from orchestrator.mapping import grid
-from orchestrator.records.wear_record import PATCHES, WearRecord, point_area_m2
+from orchestrator.case.deck.triangle_grid import grid
+from orchestrator.coupling.machine import PanelPoints
+from orchestrator.output.records.wear_record import PATCHES, WearRecord, point_area_m2
+from orchestrator.ports.geometry import Rectangle, TriangleSurface
 
 AT = Rectangle(
     corner_m=np.array([0.1, 0.2, 0.3]),

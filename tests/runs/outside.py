@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from orchestrator.report.film import Film
-from orchestrator.report.page import page
-from orchestrator.results.compute import results
+from orchestrator.output.report.film import Film
+from orchestrator.output.report.page import page
+from orchestrator.output.results.compute import results
 
 ROOT = Path(__file__).parents[2]
 HANG_S = 240  # nothing here takes so long; a guard against processes that wait for ever
@@ -38,7 +38,7 @@ def buffered() -> dict[str, str]:
 def command(*words: str, before: str = "", ranks: int = 1) -> list[str]:
     """``flipflow WORDS`` in a fresh process (or ``ranks`` of them under mpirun); ``before`` is
     Python that is run first, to break something on purpose."""
-    main = f"{before}\nfrom orchestrator.commands.cli import main\nmain()\n"
+    main = f"{before}\nfrom orchestrator.cli.main import main\nmain()\n"
     launcher = [*MPIRUN, str(ranks)] if ranks > 1 else []
     return [*launcher, sys.executable, "-c", main, *words]
 

@@ -9,8 +9,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from orchestrator.output.saves import files
 from orchestrator.ports import Saved
-from orchestrator.saves import files
 from tests.saved_states import differences
 
 OF_THE_CLOCK = (

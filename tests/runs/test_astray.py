@@ -7,7 +7,7 @@ from pathlib import Path
 import h5py
 import pytest
 
-from orchestrator.records import trust
+from orchestrator.output.records import trust
 from tests.case.cases import CASE, written
 from tests.runs.outside import flipflow, run_words, summary
 

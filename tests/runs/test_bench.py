@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.bed.particle_step import particle_step_s
-from orchestrator.casefile.levels import load
-from orchestrator.clock import Interval
-from orchestrator.commands.bench import BLOCK, Runner, bench
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.cli.bench import BLOCK, Runner, bench
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.levels import load
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/ball-on-panel"

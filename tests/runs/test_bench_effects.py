@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.commands.bench_effects import Asked, Timed, bench, ratio, sets
-from orchestrator.commands.loaded import loaded_by
-from orchestrator.deck.panels import single_panels
-from orchestrator.geometry import TriangleSurface
-from orchestrator.planning import particles_plan
-from orchestrator.scene.catalogue import EFFECTS, present
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.planning import particles_plan
+from orchestrator.cli.bench_effects import Asked, Timed, bench, ratio, sets
+from orchestrator.cli.loaded import loaded_by
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.preflight.judgement.catalogue import EFFECTS, present
+from orchestrator.preflight.levels import load
 from tests.runs.outside import ROOT
 
 BALL = ROOT / "cases/ball-on-panel"

@@ -13,7 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
-from orchestrator.report.headline import headline
+from orchestrator.output.report.headline import headline
 from tests.runs.outside import (
     QUICK,
     ROOT,
@@ -221,7 +221,8 @@ def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
 def test_a_mistake_in_the_results_is_said_and_has_its_exit_code(tmp_path: Path) -> None:
     """The rest of the results is made, and the report says what is not."""
     broken = (
-        "import orchestrator.results.compute as compute\ncompute.bed_figures = lambda *_: [][0]\n"
+        "import orchestrator.output.results.compute as compute\n"
+        "compute.bed_figures = lambda *_: [][0]\n"
     )
     words = run_words("quickstart", tmp_path / "run", [*QUICK, "duration_s=0.1"])
     done = flipflow(*words, before=broken)

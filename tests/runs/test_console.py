@@ -10,7 +10,7 @@ from pathlib import Path
 
 from tests.runs.outside import HANG_S, QUICK, ROOT, buffered, command, flipflow, run_words
 
-AT_ONCE = "from orchestrator import time_left; time_left.SAY_EVERY_S = 0.0"
+AT_ONCE = "from orchestrator.run import time_left; time_left.SAY_EVERY_S = 0.0"
 SHORT = [*QUICK, "duration_s=0.002"]
 LINE = r"t = 0\.0010 of 0\.002 s, 50 %, \d+ s spent, about \d+ s left"
 

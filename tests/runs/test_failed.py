@@ -181,7 +181,7 @@ def test_a_folder_that_vanishes(tmp_path: Path) -> None:
 def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:
     """Exit code 1; the traceback is for the log."""
     folder = tmp_path / "run"
-    before = "from orchestrator import run\nrun.check_stable = lambda *_: {}['absent']"
+    before = "from orchestrator.run import run\nrun.check_stable = lambda *_: {}['absent']"
     done = flipflow(*run_words("panel-cycle", folder), before=before)
     assert done.returncode == 1
     said_plainly(done)

@@ -19,7 +19,7 @@ SAVED = [*QUICK, "bed.blocks.coal.count=30", "duration_s=0.012", "output.interva
 SAVED += ["save.every_s=0.0003"]
 # something else takes what is left of the disk when the save at 0.0057 s begins
 FILLED = """
-from orchestrator.saves import files
+from orchestrator.output.saves import files
 parts = files._parts
 def filled(mine, *rest):
     if mine.parent.name == ".000000000057":
@@ -78,7 +78,7 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     """A write that fails where no reserve helps: the series are lost, the process is not."""
     folder = tmp_path / "run"
     before = (
-        "import resource; from orchestrator.records import full_disk\n"
+        "import resource; from orchestrator.output.records import full_disk\n"
         "full_disk.RESERVE_BYTES = 4096\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))"
     )
@@ -91,7 +91,7 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
 def test_a_summary_that_cannot_be_written(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     before = (
-        "from orchestrator import ending\n"
+        "from orchestrator.run import ending\n"
         "def full(path, value): raise OSError(28, 'No space left on device')\n"
         "ending.write_json = full"
     )

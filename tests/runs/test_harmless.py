@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 import tomli_w
 
-from orchestrator.report.film import Film
-from orchestrator.report.page import page
-from orchestrator.results.compute import results
+from orchestrator.output.report.film import Film
+from orchestrator.output.report.page import page
+from orchestrator.output.results.compute import results
 from tests.case.cases import CASE, written
 from tests.results.synthetic import folder_of
 from tests.runs.outside import HANG_S, ROOT, left_usable
@@ -62,7 +62,7 @@ interval_s = 1e-3
 def flipflow(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     """As installed: what is in the folder that it is started in is not on Python's path."""
     return subprocess.run(
-        [sys.executable, "-P", "-c", "from orchestrator.commands.cli import main; main()", *words],
+        [sys.executable, "-P", "-c", "from orchestrator.cli.main import main; main()", *words],
         cwd=cwd,
         env=os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
         capture_output=True,

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.schemes import scheme
+from orchestrator.coupling.schemes import scheme
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words, summary
 
 MANUAL = (ROOT / "docs/run-folder.md").read_text()

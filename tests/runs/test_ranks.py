@@ -13,7 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
-from orchestrator.records.folder_lock import at_work
+from orchestrator.output.records.folder_lock import at_work
 from tests.runs.outside import (
     ENDED_S,
     HANG_S,
@@ -38,7 +38,7 @@ SHORT = [*QUICK, "duration_s=0.02"]
 ONE_RANK_FAILS = """
 from mpi4py import MPI
 from adapters.panel import strip
-from orchestrator.plans import SolverFailed
+from orchestrator.ports.plans import SolverFailed
 advance = strip.Strip.advance
 def broken(self, interval, clamps, load):
     if interval.index == 2 and MPI.COMM_WORLD.rank == {rank}:

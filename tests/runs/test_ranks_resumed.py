@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.records.folder_lock import at_work
+from orchestrator.output.records.folder_lock import at_work
 from tests.runs.outside import (
     ENDED_S,
     HANG_S,
@@ -49,7 +49,7 @@ two_mass.TwoMassFrames.advance = slowly
 FULL = """
 import pathlib
 from mpi4py import MPI
-from orchestrator.saves import files
+from orchestrator.output.saves import files
 savez = files.np.savez
 def full(file, **arrays):
     savez(file, **arrays)

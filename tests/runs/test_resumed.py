@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.commands import launch
-from orchestrator.commands.resume import resume
-from orchestrator.saves import files
+from orchestrator.cli import launch
+from orchestrator.cli.resume import resume
+from orchestrator.output.saves import files
 from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
 from tests.runs.same_run import run_differences
 
@@ -230,7 +230,7 @@ def test_told_to_stop_it_saves_and_says_how_to_go_on(
 # the first rank waits where everything is written but the name that makes a save one
 STUCK = """
 import pathlib, time
-from orchestrator.saves import files
+from orchestrator.output.saves import files
 sync = files._sync
 def stuck(path):
     if path.is_dir() and path.name == ".{at:012d}":

@@ -8,8 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from orchestrator.records.folder_lock import OF_A_RUN, at_work, held
-from orchestrator.records.run_folder import make
+from orchestrator.output.records.folder_lock import OF_A_RUN, at_work, held
+from orchestrator.output.records.run_folder import make
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -82,7 +82,7 @@ def test_a_folder_is_let_go_of_by_a_holder_that_is_killed(tmp_path: Path) -> Non
     folder = make(tmp_path / "run")
     hold = (
         "import sys, time; from pathlib import Path\n"
-        "from orchestrator.records.folder_lock import held\n"
+        "from orchestrator.output.records.folder_lock import held\n"
         "with held(Path(sys.argv[1])): print('held', flush=True); time.sleep(300)"
     )
     words = [sys.executable, "-c", hold, str(folder / OF_A_RUN)]

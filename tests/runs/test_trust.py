@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from orchestrator.accuracy import points as study_points
-from orchestrator.accuracy.measured import read
-from orchestrator.casefile.levels import load
-from orchestrator.commands.launch import run
-from orchestrator.hard.outcome import outcome
-from orchestrator.ladder.climb import Step, source_of
-from orchestrator.ladder.rungs import Rung
-from orchestrator.ledger import created_shares, share_created
-from orchestrator.records import trust
+from orchestrator.cli.launch import run
+from orchestrator.coupling.ledger import created_shares, share_created
+from orchestrator.output.records import trust
+from orchestrator.preflight.levels import load
 from orchestrator.studies import sweep
+from orchestrator.studies.accuracy import points as study_points
+from orchestrator.studies.accuracy.measured import read
+from orchestrator.studies.hard.outcome import outcome
+from orchestrator.studies.ladder.climb import Step, source_of
+from orchestrator.studies.ladder.rungs import Rung
 from orchestrator.studies.points import Vary
 from orchestrator.studies.quantities import Sweep, Unknown, amplitude
 from tests.runs.outside import ROOT, summary

@@ -9,11 +9,11 @@ from pathlib import Path
 import h5py
 import pytest
 
-from orchestrator.commands import launch
-from orchestrator.commands.resume import resume
-from orchestrator.ledger import share_created
-from orchestrator.records import trust
-from orchestrator.saves import files
+from orchestrator.cli import launch
+from orchestrator.cli.resume import resume
+from orchestrator.coupling.ledger import share_created
+from orchestrator.output.records import trust
+from orchestrator.output.saves import files
 from tests.runs.outside import flipflow, left_usable, run_words, said_plainly, summary
 from tests.runs.same_run import run_differences
 from tests.runs.test_failed import FAR_TOO_LONG

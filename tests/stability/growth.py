@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import State
+from orchestrator.coupling.schemes import scheme as named
+from orchestrator.coupling.schemes.robin import Robin
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Array, PanelState
-from orchestrator.schemes import scheme as named
-from orchestrator.schemes.effort import Effort
-from orchestrator.schemes.robin import Robin
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.effort import Effort
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members, point, push
 
 NUMBERS = 12  # sphere, plate, load and where the sphere saw the plate; frame, its acceleration,

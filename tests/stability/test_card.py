@@ -8,15 +8,15 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.commands.launch import run
-from orchestrator.records import trust
-from orchestrator.scene.scene import scene
-from orchestrator.schemes import SCHEMES
-from orchestrator.stability import plain, words
-from orchestrator.stability.bound import Bound, Card
-from orchestrator.stability.choice import settled_card
-from orchestrator.stability.panel_masses import lightest_point_kg
+from orchestrator.cli.launch import run
+from orchestrator.coupling.schemes import SCHEMES
+from orchestrator.output.records import trust
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.stability import plain, words
+from orchestrator.preflight.stability.bound import Bound, Card
+from orchestrator.preflight.stability.choice import settled_card
+from orchestrator.preflight.stability.panel_masses import lightest_point_kg
 from tests.case.cases import BLOCK, CASE, loaded
 from tests.effects.verdicts import BARE, written
 

@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.casefile.levels import load
-from orchestrator.plans import SolverFailed
 from orchestrator.ports import BrokenRecord
-from orchestrator.scene.scene import scene
-from orchestrator.stability.frame_limits import (
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.scene import scene
+from orchestrator.preflight.stability.frame_limits import (
     LARGEST_MASS,
     carried_share,
     extrapolated_clamps_s,
     late_reaction_s,
 )
-from orchestrator.stability.frame_modes import frame_matrices
+from orchestrator.preflight.stability.frame_modes import frame_matrices
 from tests.case.cases import written
 from tests.coupled.machines import opened
 from tests.coupling.line import FreeFrame, HungPlate, Sphere

@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from orchestrator import schemes
-from orchestrator.clock import Interval
-from orchestrator.coupling import Solvers, State, initial
-from orchestrator.geometry import TriangleSurface
-from orchestrator.ledger import Members
-from orchestrator.machine import Machine
-from orchestrator.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.penetration import Penetrations
+from orchestrator.coupling import schemes
+from orchestrator.coupling.bushing_forces import BushingForces
+from orchestrator.coupling.ledger import Members
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.coupling.schemes.scheme import Solvers, State, initial
+from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import Saved
-from orchestrator.records.bushing_forces import BushingForces
-from orchestrator.stopwatch import Stopwatch
-from orchestrator.watching.guard import Guard
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.penetration import Penetrations
+from orchestrator.run.watching.guard import Guard
 from tests.case.cases import loaded
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 

@@ -7,12 +7,12 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import initial
+from orchestrator.coupling.schemes import scheme
+from orchestrator.coupling.schemes.scheme import initial
 from orchestrator.ports import Array
-from orchestrator.schemes import scheme
-from orchestrator.stability.contact_limits import light_point_s
-from orchestrator.watching.alternation import Alternation
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.stability.contact_limits import light_point_s
+from orchestrator.run.watching.alternation import Alternation
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.stability.growth import CONTACT, Line, limit_s
 

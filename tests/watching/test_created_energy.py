@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import initial
-from orchestrator.watching.created_energy import Balance, ClampWork, ContactWork, Exchange
-from orchestrator.watching.crossed import crossed
+from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.ports.clock import Interval
+from orchestrator.run.watching.created_energy import Balance, ClampWork, ContactWork, Exchange
+from orchestrator.run.watching.crossed import crossed
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
 from tests.coupling.line import FreeFrame, HungPlate, Sphere

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.clock import Interval
-from orchestrator.coupling import Scheme, Solvers, State
-from orchestrator.machine import Machine
-from orchestrator.stability.contact_limits import light_point_s
-from orchestrator.watching.guard import Stopped
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.stability.contact_limits import light_point_s
+from orchestrator.run.watching.guard import Stopped
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.watching.machines import guarded, on_a_line
 

@@ -7,15 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orchestrator.coupling import State
-from orchestrator.geometry import Edges
-from orchestrator.machine import PanelPoints
-from orchestrator.particle_records import Overlaps
-from orchestrator.penetration import Penetrations
+from orchestrator.case.tables.numerics import Watch
+from orchestrator.coupling.machine import PanelPoints
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
-from orchestrator.tables.numerics import Watch
-from orchestrator.watching.figures import Figures
-from orchestrator.watching.output_watch import OutputWatch, largest_stretch
+from orchestrator.ports.geometry import Edges
+from orchestrator.ports.particle_records import Overlaps
+from orchestrator.ports.penetration import Penetrations
+from orchestrator.run.watching.figures import Figures
+from orchestrator.run.watching.output_watch import OutputWatch, largest_stretch
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from orchestrator.bed.feed import Feeds
-from orchestrator.clock import Interval
-from orchestrator.coupling import State, initial
-from orchestrator.schemes import SCHEMES, scheme
-from orchestrator.watching.pace import Pace
+from orchestrator.case.bed.feed import Feeds
+from orchestrator.coupling.schemes import SCHEMES, scheme
+from orchestrator.coupling.schemes.scheme import State, initial
+from orchestrator.ports.clock import Interval
+from orchestrator.run.watching.pace import Pace
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.particles.test_feed import INLET
 

@@ -7,7 +7,7 @@
 namespace flipflow {
 
 // Points that move smoothly from start to end of a sync interval: cubic Hermite in position and
-// velocity, the same formula as orchestrator/hermite.py.
+// velocity, the same formula as orchestrator/ports/hermite.py.
 class SurfacePath {
  public:
   explicit SurfacePath(std::vector<double> position_m);

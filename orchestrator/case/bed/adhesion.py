@@ -1,0 +1,187 @@
+"""Adhesion of wet particles: from the case's works of adhesion to a law for the solver.
+
+docs/theory/adhesion.md has equations, sources and limits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.case.bed.contact_times import (
+    contact_moduli,
+    hertz_s,
+    impact_speed_m_s,
+    reduced_modulus_Pa,
+    smallest_diameters_m,
+)
+from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array
+from orchestrator.ports.plans import Jkr, Sjkr
+
+STEPS_PER_CONTACT = 20  # of an adhesive contact, at least
+
+
+@dataclass(frozen=True)
+class StickyContact:
+    """The smallest particles of two materials that stick, or such a particle on a surface:
+    ``contact`` numbers the case's rows; reduced modulus, mass and radius; ``radius_m`` is the
+    smaller particle's own."""
+
+    contact: int
+    work_J_m2: float  # as the solver gets it
+    reduced_Pa: float
+    reduced_kg: float
+    reduced_m: float
+    radius_m: float
+
+    @property
+    def pull_off_N(self) -> float:
+        return 1.5 * math.pi * self.work_J_m2 * self.reduced_m
+
+    @property
+    def neck_m(self) -> float:
+        """Radius of the contact without any load."""
+        cube_m3 = 4.5 * math.pi * self.work_J_m2 * self.reduced_m**2 / self.reduced_Pa
+        return math.pow(cube_m3, 1 / 3)
+
+    @property
+    def separation_m(self) -> float:
+        """Gap at which the neck snaps: its radius is then 36^(-1/3) of that without load."""
+        return 3.0 * self.neck_m**2 / (math.pow(36.0, 2 / 3) * self.reduced_m)
+
+    @property
+    def half_period_s(self) -> float:
+        """Of a small oscillation about the place without load, where the stiffness is
+        0.3 * 6^(2/3) pull-off forces per gap at separation."""
+        stiffness_N_m = 0.3 * math.pow(6.0, 2 / 3) * self.pull_off_N / self.separation_m
+        return math.pi * math.sqrt(self.reduced_kg / stiffness_N_m)
+
+
+def adhesion_law(case: Case) -> str:
+    """ "jkr", "sjkr", or "none": also where nothing sticks."""
+    sticks = any(contact.work_of_adhesion_J_m2 for contact in case.contacts)
+    return (case.particles.adhesion or "jkr") if sticks else "none"
+
+
+def sticky_contacts(case: Case) -> Iterator[StickyContact]:
+    """All pairs that can meet and stick, with their smallest particles; none without a law."""
+    if adhesion_law(case) == "none":
+        return
+    for number, contact in enumerate(case.contacts):
+        if contact.work_of_adhesion_J_m2 > 0:
+            for one, two in _bodies(case, contact.between):
+                yield _sticky(case, number, one, two)
+
+
+Body = tuple[float, float]  # radius (infinite: a surface) and mass
+
+
+def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]:
+    """Particle and particle, then particle and surface, as far as the case has them."""
+    grains = {}
+    for name, diameter_m in smallest_diameters_m(case).items():
+        mass_kg = math.pi / 6 * diameter_m**3 * case.materials[name].density_kg_m3
+        grains[name] = (diameter_m / 2, mass_kg)
+    one, two = between
+    if one in grains and two in grains:
+        yield grains[one], grains[two]
+    for grain, surface in {(one, two), (two, one)}:
+        if grain in grains and surface in surface_materials(case):
+            yield grains[grain], (math.inf, math.inf)
+
+
+def surface_materials(case: Case) -> set[str]:
+    """Of all that particles can touch but particles."""
+    panels = {panel.material for panel in case.screen.panels.values()}
+    return panels | {surface.material for surface in case.screen.surfaces.values()}
+
+
+def _sticky(case: Case, number: int, one: Body, two: Body) -> StickyContact:
+    contact = case.contacts[number]
+    return StickyContact(
+        contact=number,
+        work_J_m2=softened_work_J_m2(case, number),
+        reduced_Pa=_reduced_Pa(case, contact.between, case.particles.largest_youngs_modulus_Pa),
+        reduced_kg=1 / (1 / one[1] + 1 / two[1]),
+        reduced_m=1 / (1 / one[0] + 1 / two[0]),
+        radius_m=min(one[0], two[0]),
+    )
+
+
+def _reduced_Pa(case: Case, between: tuple[str, str], cap_Pa: float | None) -> float:
+    one, two = (contact_moduli(case.materials[name], cap_Pa) for name in between)
+    return reduced_modulus_Pa(one, two)
+
+
+def softened_work_J_m2(case: Case, number: int) -> float:
+    """Work of adhesion for contacts that may be softer than the case's materials.
+
+    "sticking" keeps the speed below which particles stick: the energy that a neck takes goes with
+    (w^5 R^4 / E*^2)^(1/3), so w goes with E*^0.4 (Haervig, J., Kleinhans, U., Wieland, C.,
+    Spliethoff, H., Jensen, A. L., Sorensen, K. and Condra, T. J., Powder Technology 319, 2017,
+    472-482).  "pull-off" keeps the pull-off force, which does
+    not know E*: w stays.
+    """
+    contact = case.contacts[number]
+    if case.particles.softened_adhesion == "pull-off":
+        return contact.work_of_adhesion_J_m2
+    cap_Pa = case.particles.largest_youngs_modulus_Pa
+    ratio = _reduced_Pa(case, contact.between, cap_Pa) / _reduced_Pa(case, contact.between, None)
+    return contact.work_of_adhesion_J_m2 * math.pow(ratio, 0.4)
+
+
+def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
+    """The law with its strengths; ``numbers`` are the materials'."""
+    law = adhesion_law(case)
+    if law == "none":
+        return None
+    strength: Array = np.zeros((len(numbers), len(numbers)))
+    for number, contact in enumerate(case.contacts):
+        if set(contact.between) <= set(numbers):
+            one, two = (numbers[name] for name in contact.between)
+            value = softened_work_J_m2(case, number)
+            if law == "sjkr":
+                value = _energy_density_J_m3(case, number, value)
+            strength[one, two] = strength[two, one] = value
+    if law == "sjkr":
+        return Sjkr(strength)
+    stretch = (pair.separation_m / pair.radius_m for pair in sticky_contacts(case))
+    return Jkr(strength, max(stretch, default=0.0))
+
+
+def sjkr_diameter_m(case: Case) -> float:
+    """The diameter for which sjkr pulls as JKR does: given, or the geometric mean of the
+    smallest and the largest."""
+    if case.particles.sjkr_diameter_m is not None:
+        return case.particles.sjkr_diameter_m
+    smallest_m = min(smallest_diameters_m(case).values())
+    return math.sqrt(smallest_m * largest_diameter_m(case))
+
+
+def _energy_density_J_m3(case: Case, number: int, work_J_m2: float) -> float:
+    """k of ``sjkr`` with JKR's pull-off force at its diameter: Hertz less  2 pi k R* overlap  pulls
+    with  2/3 pi^3 k^3 R*^2 / E*^2  at most, JKR with  3/2 pi w R*."""
+    between = case.contacts[number].between
+    radius_m = sjkr_diameter_m(case) / 2
+    if not surface_materials(case) & set(between):
+        radius_m /= 2  # two particles
+    reduced_Pa = _reduced_Pa(case, between, case.particles.largest_youngs_modulus_Pa)
+    return math.pow(9 * work_J_m2 * reduced_Pa**2 / (4 * math.pi**2 * radius_m), 1 / 3)
+
+
+def adhesive_step_s(case: Case) -> float:
+    """Longest step for JKR contacts: 1/20 of the shortest impact (see ``impact_speed_m_s``) and
+    of half an oscillation on the neck; infinite without."""
+    found = [math.inf]
+    if adhesion_law(case) == "jkr":
+        for pair in sticky_contacts(case):
+            impact_s = hertz_s(
+                pair.reduced_kg, pair.reduced_m, pair.reduced_Pa, impact_speed_m_s(case)
+            )
+            found += [impact_s, pair.half_period_s]
+    return min(found) / STEPS_PER_CONTACT

@@ -1,0 +1,110 @@
+"""Times that bound the step of the particles and the sync interval, and what they come from."""
+
+from __future__ import annotations
+
+import math
+
+from orchestrator.case.bed.size_distribution import classes
+from orchestrator.case.tables.case import Case, Material
+
+LARGEST_RAYLEIGH_FRACTION = 0.2
+
+
+def contact_moduli(
+    material: Material, largest_youngs_modulus_Pa: float | None
+) -> tuple[float, float]:
+    """Young's modulus, softened, and Poisson's ratio of a material in contacts.
+
+    A hyperelastic material has its small-strain values: mu = 2 (C10 + C01),
+    E = 9 K mu / (3 K + mu), nu = (3 K - 2 mu) / (6 K + 2 mu).
+    """
+    youngs_Pa, poisson = material.youngs_modulus_Pa, material.poisson_ratio
+    if material.hyperelastic is not None:
+        law = material.hyperelastic
+        mu, bulk = 2 * (law.c10_Pa + law.c01_Pa), law.bulk_modulus_Pa
+        youngs_Pa = 9 * bulk * mu / (3 * bulk + mu) if youngs_Pa is None else youngs_Pa
+        poisson = (3 * bulk - 2 * mu) / (6 * bulk + 2 * mu) if poisson is None else poisson
+    assert youngs_Pa is not None, "checks.references refuses this"
+    assert poisson is not None, "checks.references refuses this"
+    return min(youngs_Pa, largest_youngs_modulus_Pa or math.inf), poisson
+
+
+def reduced_modulus_Pa(one: tuple[float, float], two: tuple[float, float]) -> float:
+    """E* of two bodies, each (E, nu):  1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
+    return 1 / ((1 - one[1] ** 2) / one[0] + (1 - two[1] ** 2) / two[0])
+
+
+def rayleigh_s(
+    diameter_m: float, density_kg_m3: float, youngs_modulus_Pa: float, poisson_ratio: float
+) -> float:
+    """Time of a Rayleigh wave across a sphere:
+    pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
+
+    Li, Y., Xu, Y. and Thornton, C., Powder Technology 160, 2005, 219-228,
+    doi 10.1016/j.powtec.2005.09.002.
+    """
+    shear_Pa = youngs_modulus_Pa / (2 * (1 + poisson_ratio))
+    wave = math.pi * diameter_m / 2 * math.sqrt(density_kg_m3 / shear_Pa)
+    return wave / (0.1631 * poisson_ratio + 0.8766)
+
+
+def hertz_s(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float) -> float:
+    """Duration of an elastic impact:  2.87 (m^2 / (R E*^2 v))^(1/5), with reduced mass, radius
+    and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
+    return 2.87 * math.pow(mass_kg**2 / (radius_m * reduced_Pa**2 * speed_m_s), 0.2)
+
+
+def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float) -> float:
+    """Largest overlap of an elastic impact:  (15 m v^2 / (16 sqrt(R) E*))^(2/5), with reduced mass,
+    radius and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
+    return math.pow(15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)
+
+
+def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -> float:
+    """Overlap under a constant force:  (9 F^2 / (16 R E*^2))^(1/3), with reduced radius and
+    modulus.
+    Johnson, K. L., Contact Mechanics, 1985, section 4.2."""
+    return math.pow(9 * force_N**2 / (16 * radius_m * reduced_Pa**2), 1 / 3)
+
+
+def smallest_diameters_m(case: Case) -> dict[str, float]:
+    """The smallest diameter of each material that particles are made of."""
+    bed = case.bed
+    sizes = [(p.material, p.diameter_m) for p in bed.particles.values()]
+    for source in bed.sources:
+        sizes += [(source.material, row.smallest_m) for row in classes(source)]
+    smallest: dict[str, float] = {}
+    for name, diameter_m in sizes:
+        smallest[name] = min(diameter_m, smallest.get(name, math.inf))
+    return smallest
+
+
+def largest_diameters_m(case: Case) -> dict[str, float]:
+    """The largest diameter of each material that particles are made of."""
+    bed = case.bed
+    sizes = [(p.material, p.diameter_m) for p in bed.particles.values()]
+    for source in bed.sources:
+        sizes += [(source.material, row.largest_m) for row in classes(source)]
+    largest: dict[str, float] = {}
+    for name, diameter_m in sizes:
+        largest[name] = max(diameter_m, largest.get(name, 0.0))
+    return largest
+
+
+def shortest_rayleigh_s(case: Case) -> float:
+    """Of all particles; infinite without any."""
+    cap = case.particles.largest_youngs_modulus_Pa
+    found = [math.inf]
+    for name, diameter_m in smallest_diameters_m(case).items():
+        material = case.materials[name]
+        moduli = contact_moduli(material, cap)
+        found.append(rayleigh_s(diameter_m, material.density_kg_m3, *moduli))
+    return min(found)
+
+
+def impact_speed_m_s(case: Case) -> float:
+    """An estimate for choosing the sync interval, on which it depends weakly (power -1/5):
+    1 m/s, as particles thrown by a screen, or the highest speed that the case gives."""
+    bed = case.bed
+    speeds = [math.hypot(*row.velocity_m_s) for row in (*bed.particles.values(), *bed.sources)]
+    return max([1.0, *speeds])

@@ -1,0 +1,207 @@
+"""Particles fed at a mass rate through an inlet box.  Theory: docs/theory/feed.md."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import combinations, product
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.case.bed.packing import places
+from orchestrator.case.bed.particle_lists import joined, nobody
+from orchestrator.case.bed.particle_sizes import SizeClass, mass_kg, shares
+from orchestrator.case.bed.random_state import set_words, words
+from orchestrator.ports import Array, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import ParticleList
+from orchestrator.ports.state import put_back, taken
+
+SAME_PLACE_M = 1e-9
+ROUNDS = 20  # of proposals for the particles of one interval
+FULL_SHARE = 0.2  # of the box's volume that can be kept full at a steady flow through it
+
+
+@dataclass(frozen=True)
+class Inlet:
+    """Where, what and how fast: ``box_m`` (2, 3) is the lowest and highest corner.
+
+    ``velocity_m_s`` (3,) carries the particles out of the box; ``stop_s`` may be infinite.  Both
+    are in the inlet's own axes, which are the columns of ``axes`` (3, 3) in the world.  Particles
+    come in batches, ``batch_s`` apart.
+    """
+
+    sizes: tuple[SizeClass, ...]
+    rate_kg_s: float
+    box_m: Array
+    velocity_m_s: Array
+    density_kg_m3: float
+    material: int
+    start_s: float = 0.0
+    stop_s: float = math.inf
+    seed: int = 1
+    name: str = ""
+    axes: Array = field(default_factory=lambda: np.eye(3))
+    batch_s: float = 0.0
+
+    def due_kg(self, time_s: float) -> float:
+        """Mass to be fed by then."""
+        return self.rate_kg_s * max(0.0, min(time_s, self.stop_s) - self.start_s)
+
+    @property
+    def largest_rate_kg_s(self) -> float:
+        """Estimate of the rate that finds room: what leaves a box that is filled by 20 %, or
+        what fills an empty one so far with each batch, if that is less."""
+        length_m = self.box_m[1] - self.box_m[0]
+        box_m3 = float(np.prod(length_m))
+        leaving_m3_s = float(np.abs(self.velocity_m_s) @ (box_m3 / length_m))
+        if self.batch_s > 0:
+            leaving_m3_s = min(leaving_m3_s, box_m3 / self.batch_s)
+        return FULL_SHARE * self.density_kg_m3 * leaving_m3_s
+
+    @property
+    def largest_kg(self) -> float:
+        """Mass of the largest particle."""
+        largest_m = np.array(max(row.largest_m for row in self.sizes))
+        return float(mass_kg(largest_m, self.density_kg_m3))
+
+    @property
+    def corners_m(self) -> Array:
+        """(8, 3) of the box, in the world."""
+        corners = np.array(list(product(*self.box_m.T)))
+        return np.asarray(corners @ self.axes.T)
+
+
+_STATE = ("_drawn_kg", "_waiting_m", "_offered", "_next_m", "_class", "due_kg", "fed_kg")
+
+
+class RateFeed:
+    """``Feed`` of one inlet.  Picklable; the same inlet gives the same particles everywhere.
+
+    What is drawn stays within half a particle of ``due_kg``; the class of each particle is the
+    one whose mass lags most behind its share.  What finds no room waits and is tried again.
+    """
+
+    def __init__(self, inlet: Inlet) -> None:
+        self.inlet = inlet
+        self._shares = shares(inlet.sizes)
+        self._generator = np.random.default_rng(inlet.seed)
+        self._drawn_kg = np.zeros(len(inlet.sizes))
+        self._waiting_m = np.empty(0)
+        self._offered = np.empty(0, dtype=np.int64)
+        self._next_m = self._diameter_m()
+        self.due_kg = self.fed_kg = 0.0
+
+    @property
+    def next_kg(self) -> float:
+        """Mass of the particle that is drawn next; it comes when half of it is due."""
+        return float(mass_kg(self._next_m, self.inlet.density_kg_m3))
+
+    @property
+    def backlog_kg(self) -> float:
+        """Mass that was due at the interval last asked for and is not fed: it grows without
+        bound if the rate is larger than the inlet can take."""
+        return self.due_kg - self.fed_kg
+
+    def due(self, interval: Interval) -> ParticleList:
+        self.due_kg = self.inlet.due_kg(interval.start_s)
+        self._draw()
+        self._waiting_m = np.sort(self._waiting_m)[::-1]
+        center_m, placed = places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
+        self._offered = np.flatnonzero(placed)
+        return self._list(center_m[placed], self._waiting_m[placed])
+
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        """Raises ValueError if ``accepted`` has not one entry for each particle offered."""
+        if len(accepted) != len(self._offered):
+            raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
+        fed = self._offered[accepted]
+        self.fed_kg += float(np.sum(mass_kg(self._waiting_m[fed], self.inlet.density_kg_m3)))
+        self._waiting_m = np.delete(self._waiting_m, fed)
+        self._offered = np.empty(0, dtype=np.int64)
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE) | {"generator": words(self._generator)}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+        set_words(self._generator, saved["generator"])
+
+    def _draw(self) -> None:
+        drawn_m = []
+        while True:
+            next_kg = self.next_kg
+            if self._drawn_kg.sum() + next_kg / 2.0 > self.due_kg:
+                break
+            drawn_m.append(float(self._next_m))
+            self._drawn_kg[self._class] += next_kg
+            self._next_m = self._diameter_m()
+        self._waiting_m = np.append(self._waiting_m, drawn_m)
+
+    def _diameter_m(self) -> Array:
+        lag_kg = self._shares * self._drawn_kg.sum() - self._drawn_kg
+        self._class = int(np.argmax(lag_kg))
+        row = self.inlet.sizes[self._class]
+        return np.asarray(self._generator.uniform(row.smallest_m, row.largest_m))
+
+    def _list(self, center_m: Array, diameter_m: Array) -> ParticleList:
+        n = len(diameter_m)
+        return ParticleList(
+            center_m @ self.inlet.axes.T,
+            np.tile(self.inlet.axes @ self.inlet.velocity_m_s, (n, 1)),
+            np.zeros((n, 3)),
+            diameter_m.copy(),
+            np.full(n, self.inlet.density_kg_m3),
+            np.full(n, self.inlet.material, dtype=np.int64),
+        )
+
+
+class Feeds:
+    """Several feeds as one."""
+
+    def __init__(self, inlets: Sequence[Inlet], every: int = 1) -> None:
+        """A batch comes every so many intervals.  Raises ValueError for boxes that overlap: their
+        particles could."""
+        for first, second in combinations(inlets, 2):
+            if not apart(first, second):
+                raise ValueError(
+                    f"feed boxes overlap: {first.box_m.tolist()} and {second.box_m.tolist()}"
+                )
+        self._every = every
+        self.feeds = [RateFeed(inlet) for inlet in inlets]
+        self._offered: list[int] = []
+
+    def due(self, interval: Interval) -> ParticleList:
+        if interval.index % (self._every * interval.parts):
+            self._offered = [0] * len(self.feeds)
+            return nobody()
+        offers = [feed.due(interval) for feed in self.feeds]
+        self._offered = [len(offer) for offer in offers]
+        return joined(offers)
+
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        if not sum(self._offered):
+            return
+        parts = np.split(accepted, np.cumsum(self._offered)[:-1])
+        for feed, part in zip(self.feeds, parts, strict=True):
+            feed.settle(part)
+
+    def save(self) -> Saved:
+        return {str(number): feed.save() for number, feed in enumerate(self.feeds)}
+
+    def restore(self, saved: Saved) -> None:
+        for number, feed in enumerate(self.feeds):
+            feed.restore(saved[str(number)])
+
+
+def apart(one: Inlet, two: Inlet) -> bool:
+    """Whether two boxes cannot overlap, by their bounds along the axes of either."""
+    for axes in (one.axes, two.axes):
+        first, second = one.corners_m @ axes, two.corners_m @ axes
+        if (first.max(axis=0) <= second.min(axis=0) + SAME_PLACE_M).any():
+            return True
+        if (second.max(axis=0) <= first.min(axis=0) + SAME_PLACE_M).any():
+            return True
+    return False

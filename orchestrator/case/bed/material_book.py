@@ -1,0 +1,179 @@
+"""Where every particle went: fed, on deck, out through an exit, lost.
+
+By number the balance  fed = on deck + through exits + lost  holds exactly, and is checked; by mass
+to rounding, because a particle leaves with the diameter and density that it came with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.case.bed.feed import Feeds, RateFeed
+from orchestrator.case.bed.material_watch import MaterialWatch
+from orchestrator.case.bed.particle_sizes import mass_kg
+from orchestrator.ports import Array, Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Exit, ParticleList, SolverFailed
+from orchestrator.ports.state import as_arrays, like, put_back, taken
+
+
+@dataclass(frozen=True)
+class Fed:
+    """Particles that came in, in the order of their ids.  Arrays of n rows."""
+
+    id: Indices
+    time_s: Array
+    diameter_m: Array
+    density_kg_m3: Array
+    material: Indices
+
+
+class CountedFeed:
+    """A feed (or none) that remembers who came in, and when; the particles of t = 0 did so then.
+
+    Solvers give ids in order, so that ids need not cross the port.
+    """
+
+    def __init__(self, particles: ParticleList, feed: Feeds | None) -> None:
+        self._feed = feed
+        self._offered, self._time_s = particles, 0.0
+        self._count = 0
+        self._since: list[Fed] = []
+        self._note(np.ones(len(particles), dtype=bool))
+
+    def due(self, interval: Interval) -> ParticleList:
+        assert self._feed is not None
+        self._offered, self._time_s = self._feed.due(interval), interval.start_s
+        return self._offered
+
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        assert self._feed is not None
+        self._feed.settle(accepted)
+        self._note(accepted)
+
+    @property
+    def feeds(self) -> list[RateFeed]:
+        """The feeds that it is made of."""
+        return self._feed.feeds if self._feed is not None else []
+
+    def taken(self) -> Fed:
+        """Who came in since this was last asked."""
+        since, self._since = self._noted(), []
+        return since
+
+    def save(self) -> Saved:
+        feeds = self._feed.save() if self._feed is not None else {}
+        return taken(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_count")
+        self._since = [like(self._noted(), saved["since"])]
+        if self._feed is not None:
+            self._feed.restore(saved["feeds"])
+
+    def _noted(self) -> Fed:
+        since = self._since or [_rows(self._offered, np.empty(0, dtype=np.int64), 1, 0.0)]
+        return Fed(*(np.concatenate([getattr(one, f.name) for one in since]) for f in fields(Fed)))
+
+    def _note(self, accepted: npt.NDArray[np.bool_]) -> None:
+        rows = np.flatnonzero(accepted)
+        if len(rows):
+            self._since.append(_rows(self._offered, rows, self._count + 1, self._time_s))
+            self._count += len(rows)
+
+
+def _rows(some: ParticleList, rows: Indices, first_id: int, time_s: float) -> Fed:
+    return Fed(
+        first_id + np.arange(len(rows)),
+        np.full(len(rows), time_s),
+        some.diameter_m[rows],
+        some.density_kg_m3[rows],
+        some.material[rows],
+    )
+
+
+@dataclass
+class Amount:
+    """How many particles, and their mass."""
+
+    number: int = 0
+    mass_kg: float = 0.0
+
+    def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
+        self.number += len(some.diameter_m[rows])
+        self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_m3[rows])))
+
+
+_SINCE_START = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")
+
+
+class MaterialBook:
+    """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
+    particles that it feeds."""
+
+    def __init__(self, feed: CountedFeed, exits: tuple[Exit, ...], watch: MaterialWatch) -> None:
+        self.feed, self.exits, self._watch = feed, exits, watch
+        self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
+        self.escaped = Amount()  # of those through exits
+        self.through = [Amount() for _ in exits]
+        self.deepest, self.crossings = Overlaps(), Crossings.none()
+
+    def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
+        """What happened since the last output time, and who is there now.  Raises SolverFailed
+        when a particle is not accounted for, or the watch wants it."""
+        self.fed.add(fed)
+        self.lost.add(removed, removed.exit < 0)
+        self.escaped.add(removed, self._watch.too_large(removed, self.exits))
+        for number, amount in enumerate(self.through):
+            amount.add(removed, removed.exit == number)
+        self.on_deck = Amount()
+        self.on_deck.add(present)
+        gone = self.lost.number + sum(amount.number for amount in self.through)
+        missing = self.fed.number - gone - self.on_deck.number
+        if missing:
+            raise SolverFailed(
+                f"{missing} of {self.fed.number} particles are not accounted for at t = "
+                f"{time_s:.6g} s: {self.on_deck.number} are there and {gone} were removed"
+            )
+        self._watch.lost(removed)
+        self._watch.escaped(removed, self.exits)
+        for feed in self.feed.feeds:
+            self._watch.feed(time_s, feed)
+
+    def look_at_contacts(self, overlaps: Overlaps, crossings: Crossings) -> None:
+        """How deep contacts were since this was last called, and who went through the surface since
+        t = 0."""
+        self.deepest, self.crossings = self.deepest.deepest(overlaps), crossings
+
+    def save(self) -> Saved:
+        through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
+        books = {"watch": self._watch.save(), "through": through}
+        return taken(self, *_SINCE_START) | books
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_SINCE_START)
+        self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
+        self._watch.restore(saved["watch"])
+
+    def figures(self) -> dict[str, Any]:
+        """For ``summary.json``."""
+        return {
+            "fed": vars(self.fed),
+            "on_deck": vars(self.on_deck),
+            "lost": vars(self.lost),
+            "escaped": vars(self.escaped),
+            "deepest_overlaps": vars(self.deepest),
+            "crossings": self.crossings.figures(),
+            "feeds": {
+                feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
+                for feed in self.feed.feeds
+            },
+            "exits": {
+                one.name: {"product": one.product, **vars(amount)}
+                for one, amount in zip(self.exits, self.through, strict=True)
+            },
+        }

@@ -1,0 +1,122 @@
+"""From ``[bed]`` to particles at t = 0 and to the feed, in world axes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from orchestrator.case.bed.feed import Feeds, Inlet
+from orchestrator.case.bed.packing import block
+from orchestrator.case.bed.particle_lists import joined
+from orchestrator.case.bed.size_distribution import classes, share_left_out
+from orchestrator.case.deck.panels import axes, to_world
+from orchestrator.case.tables.bed import Particle
+from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array
+from orchestrator.ports.plans import Feed, ParticleList
+
+
+class NoRoom(Exception):
+    """A block's box is too small for its particles; ``block`` is its name."""
+
+    def __init__(self, block: str, why: str) -> None:
+        super().__init__(why)
+        self.block = block
+
+
+def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
+    """Single particles, then blocks; ``numbers`` are the materials'.  Raises NoRoom."""
+    blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
+    return joined([_single_particles(case, numbers), *blocks])
+
+
+def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
+    rows = tuple(case.bed.particles.values())
+    materials = [case.materials[row.material] for row in rows]
+    return ParticleList(
+        position_m=_in_world(case, rows, "position_m"),
+        velocity_m_s=_in_world(case, rows, "velocity_m_s"),
+        spin_rad_s=_in_world(case, rows, "spin_rad_s"),
+        diameter_m=np.array([row.diameter_m for row in rows], dtype=float),
+        density_kg_m3=np.array([material.density_kg_m3 for material in materials]),
+        material=np.array([numbers[row.material] for row in rows], dtype=np.int64),
+    )
+
+
+def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
+    given = [getattr(row, name) for row in rows]
+    turned = [
+        to_world(case, vector) if row.axes == "deck" else vector
+        for row, vector in zip(rows, given, strict=True)
+    ]
+    return np.array(turned, dtype=float).reshape(-1, 3)
+
+
+def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
+    """The particles of one block.  Raises NoRoom."""
+    row = case.bed.blocks[name]
+    try:
+        particles = block(
+            classes(row),
+            row.count,
+            np.array(row.box_m),
+            case.materials[row.material].density_kg_m3,
+            numbers[row.material],
+            np.array(row.velocity_m_s),
+            row.seed,
+        )
+    except ValueError as error:
+        raise NoRoom(name, str(error)) from None
+    if row.axes == "world":
+        return particles
+    return replace(
+        particles,
+        position_m=to_world(case, particles.position_m),
+        velocity_m_s=to_world(case, particles.velocity_m_s),
+    )
+
+
+def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
+    """The feeds by name."""
+    return {
+        name: Inlet(
+            name=name,
+            sizes=classes(feed),
+            rate_kg_s=feed.rate_kg_s * (1.0 - share_left_out(feed)),
+            box_m=np.array(feed.box_m),
+            velocity_m_s=np.array(feed.velocity_m_s),
+            density_kg_m3=case.materials[feed.material].density_kg_m3,
+            material=numbers[feed.material],
+            start_s=feed.start_s,
+            stop_s=math.inf if feed.stop_s is None else feed.stop_s,
+            seed=feed.seed,
+            axes=axes(case) if feed.axes == "deck" else np.eye(3),
+            batch_s=batch_s(case),
+        )
+        for name, feed in case.bed.feeds.items()
+    }
+
+
+def batch_s(case: Case) -> float:
+    """Time between two batches of fed particles: a whole number of sync intervals."""
+    interval_s = case.coupling.sync_interval_s
+    return interval_s * max(1, round(case.particles.feed_interval_s / interval_s))
+
+
+def combined_feed(case: Case, numbers: dict[str, int]) -> Feed | None:
+    """All feeds as one; None without any."""
+    if not case.bed.feeds:
+        return None
+    every = round(batch_s(case) / case.coupling.sync_interval_s)
+    return Feeds(list(inlets(case, numbers).values()), every)
+
+
+def largest_diameter_m(case: Case) -> float:
+    """Of all particles that are or will be there."""
+    bed = case.bed
+    found = [row.diameter_m for row in bed.particles.values()]
+    for source in bed.sources:
+        found += [row.largest_m for row in classes(source)]
+    return max(found)

@@ -1,0 +1,71 @@
+"""What a panel's openings mean for its particles, in words and numbers for ``flipflow check``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from orchestrator.case.deck.panels import perforated
+from orchestrator.case.tables.case import Case
+from orchestrator.ports.geometry import Apertures, Rectangle
+
+
+def straight_passing(apertures: Apertures, diameter_m: float) -> float:
+    """Chance that a sphere falling straight down somewhere on the pattern touches nothing.
+
+    (a - d)(b - d) / (pitch_along pitch_across) for rectangles a x b, the single-attempt
+    probability of Gaudin (Principles of Mineral Dressing, 1939) and Taggart (Handbook of Mineral
+    Dressing, 1945); for a slot its area shrunk by half a diameter all around, likewise.
+    """
+    a, b = apertures.length_m - diameter_m, apertures.width_m - diameter_m
+    if min(a, b) <= 0.0:
+        return 0.0
+    free = Apertures(apertures.shape, a, b, apertures.pitch_along_m, apertures.pitch_across_m)
+    return 1.0 - free.solid_share
+
+
+def openings(case: Case) -> Iterator[str]:
+    """Lines about panels with openings, equal ones together, and what these let through."""
+    sizes_m = sorted(_diameters_m(case))
+    for panel, *others in perforated(case):
+        pattern = panel.apertures
+        assert pattern is not None, "only panels with apertures are perforated"
+        who = f"{panel.name} and {len(others)} more" if others else panel.name
+        yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)}"
+        if sizes_m:
+            yield f"             {_passing(pattern, sizes_m)}"
+
+
+def _pattern(pattern: Apertures, rectangle: Rectangle) -> str:
+    count = len(pattern.centres_m(rectangle))
+    free_m2 = rectangle.length_m * rectangle.width_m
+    lands = (
+        pattern.pitch_along_m - pattern.length_m,
+        pattern.pitch_across_m - pattern.width_m,
+    )
+    return (
+        f"{count} {pattern.shape}s of {pattern.length_m * 1e3:g} x {pattern.width_m * 1e3:g} mm in "
+        f"{pattern.counts(rectangle)[0]} rows, lands {lands[0] * 1e3:.3g} and "
+        f"{lands[1] * 1e3:.3g} mm, {1 - pattern.solid_share:.1%} open within the pattern, "
+        f"{count * pattern.opening_m2 / free_m2:.1%} of the free panel"
+    )
+
+
+def _passing(pattern: Apertures, sizes_m: list[float]) -> str:
+    limit_m = min(pattern.length_m, pattern.width_m)
+    low, high = sizes_m[0], sizes_m[-1]
+    span = f"particles of {low * 1e3:.3g} to {high * 1e3:.3g} mm"
+    if low >= limit_m:
+        return f"none of the {span} can pass"
+    who = "all" if high < limit_m else f"those below {limit_m * 1e3:g} mm"
+    return (
+        f"of the {span} {who} can pass; falling straight onto the pattern, the smallest does so "
+        f"untouched with probability {straight_passing(pattern, low):.2g}"
+    )
+
+
+def _diameters_m(case: Case) -> Iterator[float]:
+    for particle in case.bed.particles.values():
+        yield particle.diameter_m
+    for source in case.bed.sources:
+        for row in source.sizes:
+            yield from (row.smallest_m, row.largest_m)

@@ -1,0 +1,137 @@
+"""Reading STL files, binary or text.
+
+A text is read strictly: libraries skip what they do not know, and differ by version in what they
+say of a file that holds nothing."""
+
+from __future__ import annotations
+
+import struct
+from array import array
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator.case.file.toml_file import is_outside
+from orchestrator.ports import Array, Indices
+
+LARGEST_BYTES = 200_000_000  # four million triangles
+BINARY_HEAD = struct.Struct("<80xI")  # words, then the number of triangles
+BINARY_TRIANGLE = np.dtype(
+    [("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
+)
+WORDS_BETWEEN = (b"outer", b"endloop")  # of a text, around the three corners of each facet
+TAIL_BYTES = 400  # of a text, with room for the solid's name after its last word
+
+
+class Unreadable(Exception):
+    """The file is missing, empty or no STL; the message says which."""
+
+
+@dataclass(frozen=True)
+class Facets:
+    """``position_m`` (n, 3) each corner once, ``triangles`` (m, 3), ``normal`` (m, 3) as the
+    file states them (zero where it states none)."""
+
+    position_m: Array
+    triangles: Indices
+    normal: Array
+
+
+def read(folder: Path, name: str) -> Facets:
+    """The file of this name in the case's ``folder``.  Raises Unreadable."""
+    file = found(folder, name)
+    try:
+        if _is_binary(file):
+            normal, corner_m = _binary(file)
+        elif not _ends(file):
+            raise Unreadable("is cut off, or no STL file: it does not end with endsolid")
+        else:
+            normal, corner_m = _text(file)
+    except OSError as error:
+        raise Unreadable(f"cannot be read ({error.strerror})") from None
+    if len(normal) == 0:
+        raise Unreadable("has no triangles")
+    if not np.isfinite(corner_m).all():
+        raise Unreadable("has coordinates that are no numbers")
+    return Facets(*_each_corner_once(corner_m), normal)
+
+
+def _binary(file: Path) -> tuple[Array, Array]:
+    """Normal (n, 3) and corners (3 n, 3) of each triangle."""
+    triangles = np.fromfile(file, dtype=BINARY_TRIANGLE, offset=BINARY_HEAD.size)
+    return triangles["normal"].astype(float), triangles["corners"].reshape(-1, 3).astype(float)
+
+
+def _text(file: Path) -> tuple[Array, Array]:
+    """The same of a text.  Raises Unreadable with the first line that has no place in an STL."""
+    normal, corner_m = array("d"), array("d")
+    inside = False  # a solid
+    with file.open("rb") as lines:
+        for number, line in enumerate(lines, start=1):
+            words = line.split()
+            word = words[0].lower() if words else b""
+            try:
+                if word == b"vertex" and inside and len(corner_m) < 3 * len(normal):
+                    corner_m.extend(_three_numbers(words[1:]))
+                elif word == b"facet" and inside and words[1].lower() == b"normal":
+                    normal.extend(_three_numbers(words[2:]))
+                elif word in (b"solid", b"endsolid") and inside == (word == b"endsolid"):
+                    inside = not inside
+                elif word == b"endfacet" and len(corner_m) == 3 * len(normal):
+                    continue
+                elif word and not (word in WORDS_BETWEEN and inside):
+                    raise ValueError
+            except (ValueError, IndexError):
+                said = line[:80].decode(errors="replace").strip()
+                raise Unreadable(f"is no STL file (line {number}: {said!r})") from None
+    if len(corner_m) != 3 * len(normal):
+        raise Unreadable("is no STL file (its last triangle lacks a corner)")
+    return np.array(normal).reshape(-1, 3), np.array(corner_m).reshape(-1, 3)
+
+
+def _three_numbers(words: list[bytes]) -> list[float]:
+    """Raises ValueError."""
+    x, y, z = words
+    return [float(x), float(y), float(z)]
+
+
+def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
+    """Positions in the order in which they first appear, and the triangles' corners among them."""
+    _, first, which = np.unique(corner_m, axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3).astype(np.int64)
+
+
+def found(folder: Path, name: str) -> Path:
+    """A file that is really in ``folder``.  Raises Unreadable."""
+    file = folder / name
+    try:
+        if not file.is_file():
+            raise Unreadable("no such file")
+        if is_outside(file, folder):
+            raise Unreadable("is outside of the case's folder: copy it there")
+        if file.stat().st_size > LARGEST_BYTES:
+            raise Unreadable(f"is larger than {LARGEST_BYTES} bytes")
+    except (OSError, ValueError):  # a name that is too long, or has a NUL
+        raise Unreadable("is no name of a file") from None
+    return file
+
+
+def _is_binary(file: Path) -> bool:
+    """Whether the file is as long as the number of triangles in its head says.  Text may begin
+    with anything, and binary files with "solid"."""
+    with file.open("rb") as opened:
+        head = opened.read(BINARY_HEAD.size)
+    if len(head) < BINARY_HEAD.size:
+        return False
+    (count,) = BINARY_HEAD.unpack(head)
+    size: int = BINARY_HEAD.size + BINARY_TRIANGLE.itemsize * count
+    return file.stat().st_size == size
+
+
+def _ends(file: Path) -> bool:
+    """Whether a text ends as it must."""
+    with file.open("rb") as opened:
+        opened.seek(max(0, file.stat().st_size - TAIL_BYTES))
+        return b"endsolid" in opened.read().lower()

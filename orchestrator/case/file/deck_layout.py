@@ -1,0 +1,206 @@
+"""From a deck's parameters to its panels and surfaces, in deck axes.
+
+``laid_out`` replaces every deck of a case; nothing downstream knows that there were any.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.file.plausible import wrong_sizes
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.deck import Deck
+from orchestrator.case.tables.quantities import Vector
+from orchestrator.case.tables.screen import Panel, Surface
+from orchestrator.ports import Array
+
+LARGEST_STRAIN = 0.1  # tension_m over length_m: a panel at work is stretched by some 0.025
+ACROSS, UP = np.eye(3)[1:]
+
+
+def laid_out(case: Case) -> Case:
+    """The case with its decks' panels and surfaces in the place of the decks.
+
+    Raises CaseError with every mistake in the decks, and with every size out of all proportion in
+    the case: those would overflow here.
+    """
+    screen = case.screen
+    if not screen.decks:
+        return case
+    found = [*wrong_sizes(case)]
+    if not found:
+        found = [mistake for name, deck in screen.decks.items() for mistake in mistakes(name, deck)]
+    panels, surfaces = dict(screen.panels), dict(screen.surfaces)
+    if not found:
+        for name, deck in screen.decks.items():
+            beams_m = beams(deck, screen.inclination_deg)
+            new_panels = dict(panels_of(name, deck, beams_m))
+            new_surfaces = dict(surfaces_of(name, deck, beams_m, screen.inclination_deg))
+            for taken in (panels.keys() & new_panels) | (surfaces.keys() & new_surfaces):
+                found.append(Mistake(("screen", "decks", name), f'"{taken}" is there already'))
+            panels, surfaces = panels | new_panels, surfaces | new_surfaces
+    if found:
+        raise CaseError(found)
+    update = {"panels": panels, "surfaces": surfaces, "decks": {}}
+    return case.model_copy(update={"screen": screen.model_copy(update=update)})
+
+
+def mistakes(name: str, deck: Deck) -> Iterator[Mistake]:
+    """Counts that do not fit, tension that no panel takes, and panels that would overlap."""
+    key: Key = ("screen", "decks", name)
+    segments = len(deck.slopes_deg)
+    if segments and deck.panels % segments:
+        what = f"{segments} segments do not divide {deck.panels} panels"
+        fitting = [count for count in (deck.panels // segments, deck.panels // segments + 1)]
+        hint = "take " + " or ".join(str(count * segments) for count in fitting if count)
+        yield Mistake((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
+    if len(deck.tension_m) not in (1, deck.panels):
+        what = f"{len(deck.tension_m)} values for {deck.panels} panels"
+        yield Mistake((*key, "tension_m"), what, "give one for all, or one for each")
+        return
+    for tension_m in sorted(set(tensions(deck))):
+        strain = tension_m / deck.length_m
+        if abs(strain) > LARGEST_STRAIN:
+            what = f"{tension_m:g} m on {deck.length_m:g} m is a strain of {strain:.3g}"
+            limit_m = LARGEST_STRAIN * deck.length_m
+            hint = f"at most {LARGEST_STRAIN:g}, which is {limit_m:.3g} m, taut or slack"
+            yield Mistake((*key, "tension_m"), what, hint)
+    needed_m = deck.length_m + max(tensions(deck)) + 2 * deck.clamp_m
+    if deck.pitch_m < needed_m - 1e-12:
+        what = f"{deck.pitch_m:g} m lets neighbours overlap"
+        hint = f"length, tension and two clamps need {needed_m:g} m"
+        yield Mistake((*key, "pitch_m"), what, hint)
+
+
+def as_given(mistake: Mistake, decks: Mapping[str, Any]) -> Mistake:
+    """A mistake in a panel or surface of a deck, at the deck's key; others as they are."""
+    match mistake.key:
+        case ("screen", "panels" | "surfaces", str(part), *inner):
+            name = next((name for name in decks if part.startswith(f"{name}-")), None)
+            if name is not None:
+                field = inner[:1] if inner and inner[0] in Deck.model_fields else []
+                if field in (["apertures"], ["stops"]):  # the same tables in both
+                    field = inner
+                key = ("screen", "decks", name, *field)
+                what = mistake.what if part in mistake.what else f"{part}: {mistake.what}"
+                return replace(mistake, key=key, what=what)
+    return mistake
+
+
+def tensions(deck: Deck) -> tuple[float, ...]:
+    """One for each panel."""
+    return deck.tension_m if len(deck.tension_m) == deck.panels else deck.tension_m * deck.panels
+
+
+def directions(deck: Deck, inclination_deg: float) -> Array:
+    """Unit vectors (panels, 3) along the panels, downhill."""
+    slopes_deg = deck.slopes_deg or (inclination_deg,)
+    each = np.repeat(slopes_deg, deck.panels // len(slopes_deg))
+    down = np.radians(each - inclination_deg)
+    return np.column_stack([np.cos(down), np.zeros_like(down), -np.sin(down)])
+
+
+def beams(deck: Deck, inclination_deg: float) -> Array:
+    """Middles (panels + 1, 3) of the cross beams' tops at the first side."""
+    steps_m = deck.pitch_m * directions(deck, inclination_deg)
+    return np.vstack([np.zeros(3), np.cumsum(steps_m, axis=0)]) + deck.corner_m
+
+
+def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Panel]]:
+    """Each panel in the middle between its beams."""
+    for number, (start_m, end_m) in enumerate(pairwise(beams_m)):
+        tension_m = tensions(deck)[number]
+        along = (end_m - start_m) / deck.pitch_m
+        corner_m = start_m + (deck.pitch_m - deck.length_m - tension_m) / 2 * along
+        yield (
+            f"{name}-{number + 1}",
+            Panel(
+                material=deck.material,
+                frames=deck.frames if number % 2 == 0 else deck.frames[::-1],
+                corner_m=_vector(corner_m),
+                along=_vector(along),
+                length_m=deck.length_m,
+                width_m=deck.width_m,
+                thickness_m=deck.thickness_m,
+                clamp_m=deck.clamp_m,
+                tension_m=tension_m,
+                apertures=deck.apertures,
+                stops=deck.stops,
+            ),
+        )
+
+
+def surfaces_of(
+    name: str, deck: Deck, beams_m: Array, inclination_deg: float
+) -> Iterator[tuple[str, Surface]]:
+    """Side plates, tops of the cross beams, chute."""
+    if deck.side_plates is not None:
+        yield from _side_plates(name, deck, beams_m)
+    if deck.cross_beams is not None:
+        yield from _cross_beams(name, deck, beams_m)
+    if deck.feed_chute is not None:
+        yield f"{name}-chute", _chute(deck, beams_m[0], inclination_deg)
+
+
+def _side_plates(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Surface]]:
+    """One parallelogram a segment and side; neighbours share an edge along the deck's normal, so
+    that no gap opens where the slope changes."""
+    plates = deck.side_plates
+    assert plates is not None
+    corners_m = beams_m[:: deck.panels // max(len(deck.slopes_deg), 1)]
+    high_m = (plates.height_m + plates.depth_m) * UP
+    sides = {"left": -plates.gap_m, "right": deck.width_m + plates.gap_m}
+    for side, y_m in sides.items():
+        for number, (start_m, end_m) in enumerate(pairwise(corners_m)):
+            corner_m = start_m + y_m * ACROSS - plates.depth_m * UP
+            edges_m = (end_m - start_m, high_m)
+            plate = _plate(corner_m, edges_m, plates.frame, plates.material)
+            yield f"{name}-{side}-{number + 1}", plate
+
+
+def _cross_beams(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Surface]]:
+    """From the clamp above to the clamp below; at the deck's ends from or to the beam's middle.
+    Beams that the clamps cover do not show."""
+    assert deck.cross_beams is not None
+    along = np.diff(beams_m, axis=0)
+    held_m = np.array(tensions(deck)) + deck.length_m + 2 * deck.clamp_m
+    gaps_m = (deck.pitch_m - held_m)[:, None] / 2 * along / deck.pitch_m
+    none = np.zeros((1, 3))
+    from_m = beams_m - np.vstack([none, gaps_m])
+    to_m = beams_m + np.vstack([gaps_m, none])
+    for number, (start_m, end_m) in enumerate(zip(from_m, to_m, strict=True)):
+        if np.linalg.norm(end_m - start_m) > 1e-9 * deck.pitch_m:
+            edges_m = (end_m - start_m, deck.width_m * ACROSS)
+            frame = deck.frames[number % 2]
+            top = _plate(start_m, edges_m, frame, deck.cross_beams.material)
+            yield f"{name}-beam-{number + 1}", top
+
+
+def _chute(deck: Deck, beam_m: Array, inclination_deg: float) -> Surface:
+    chute = deck.feed_chute
+    assert chute is not None
+    down = math.radians(chute.slope_deg - inclination_deg)
+    uphill_m = chute.length_m * np.array([-math.cos(down), 0.0, math.sin(down)])
+    corner_m = beam_m + chute.drop_m * UP + uphill_m
+    return _plate(corner_m, (-uphill_m, deck.width_m * ACROSS), chute.frame, chute.material)
+
+
+def _plate(corner_m: Array, edges_m: tuple[Array, Array], frame: str, material: str) -> Surface:
+    return Surface(
+        corner_m=_vector(corner_m),
+        edges_m=(_vector(edges_m[0]), _vector(edges_m[1])),
+        frame=frame,
+        material=material,
+    )
+
+
+def _vector(numbers: Array) -> Vector:
+    x, y, z = numbers.tolist()
+    return x, y, z

@@ -1,0 +1,171 @@
+"""Maxwell branches fitted to a measured loss factor.
+
+Branches (g_i, tau_i) beside an elastic modulus make the loss factor at the angular frequency w
+
+    eta = sum g_i x_i / (1 + x_i^2) / (1 + sum g_i x_i^2 / (1 + x_i^2)),   x_i = w tau_i,
+
+whose denominator is the storage modulus over the elastic one (Ferry, Viscoelastic Properties of
+Polymers, 3rd ed. 1980, chapter 3).  For given times it is linear in the g_i: non-negative least
+squares of the relative errors (Lawson and Hanson, Solving Least Squares Problems, 1974, chapter
+23), along the whole curve, which is straight in logarithms between its points.  Times are spread
+evenly in their logarithm, over ends that are tried; the fewest branches that meet the curve are
+taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise, product
+
+import numpy as np
+from scipy.optimize import nnls
+
+from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.tables.case import Case, Hyperelastic, MaxwellBranch
+from orchestrator.ports import Array
+
+MOST_BRANCHES = 8
+GOOD = 0.03
+"""Relative error with which a fit is good enough to take no more branches."""
+WORST = 0.1
+"""Beyond it the curve is not met; measured curves scatter by some per cent."""
+PER_DECADE = 8
+ENDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""Times reach from 1 / (highest w x end) to end / lowest w."""
+
+Branches = tuple[tuple[float, float], ...]
+Point = tuple[float, float, float | None]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """``branches``: pairs (g, tau in s); ``error``: the largest relative one, ``at_Hz``."""
+
+    branches: Branches
+    error: float
+    at_Hz: float
+
+
+def moduli(branches: Branches, speed_rad_s: Array) -> tuple[Array, Array]:
+    """Storage modulus over the elastic one, and loss factor, at angular frequencies (n,)."""
+    ratio, time_s = np.array(branches, dtype=np.float64).reshape(-1, 2).T
+    x = np.outer(speed_rad_s, time_s)
+    storage = 1.0 + x**2 / (1.0 + x**2) @ ratio
+    return storage, x / (1.0 + x**2) @ ratio / storage
+
+
+def damped(case: Case) -> Case:
+    """The case with branches for all materials that have a ``loss_curve`` and none.  Raises
+    CaseError for curves that cannot be met."""
+    materials, mistakes = dict(case.materials), []
+    for name, material in case.materials.items():
+        law = material.hyperelastic
+        if law is None or law.maxwell or not law.loss_curve:
+            continue
+        found = [*_faults(name, law)]
+        if not found:
+            fit = fitted(rows(law))
+            found = [*_unmet(name, fit)]
+            maxwell = tuple(MaxwellBranch(ratio=g, relaxation_s=tau) for g, tau in fit.branches)
+            law = law.model_copy(update={"maxwell": maxwell})
+            materials[name] = material.model_copy(update={"hyperelastic": law})
+        mistakes += found
+    if mistakes:
+        raise CaseError(mistakes)
+    return case.model_copy(update={"materials": materials})
+
+
+def rows(law: Hyperelastic) -> tuple[Point, ...]:
+    return tuple((p.frequency_Hz, p.loss_factor, p.storage_ratio) for p in law.loss_curve)
+
+
+@cache
+def fitted(points: tuple[Point, ...]) -> Fit:
+    """The fewest branches that are good enough, else the best there are."""
+    curve = _drawn(points)
+    best = Fit((), np.inf, curve[0][0])
+    for count in range(1, MOST_BRANCHES + 1):
+        tried = [_solved(curve, time_s) for time_s in _times(curve, count)]
+        best = min([best, *tried], key=lambda fit: fit.error)
+        if best.error <= GOOD:
+            break
+    return best
+
+
+def compared(branches: Branches, points: Sequence[Point]) -> Fit:
+    """These branches, and where they are off the curve most."""
+    return _off(branches, _drawn(points))
+
+
+def _drawn(points: Sequence[Point]) -> list[Point]:
+    """The curve through the points, straight in logarithms, at ``PER_DECADE`` or more places."""
+    drawn = list(points[:1])
+    for one, other in pairwise(points):
+        count = int(np.ceil(PER_DECADE * np.log10(other[0] / one[0])))
+        drawn += [_between(one, other, share) for share in np.arange(1, count + 1) / count]
+    return drawn
+
+
+def _between(one: Point, other: Point, share: float) -> Point:
+    frequency_Hz, loss = (
+        a ** (1 - share) * b**share for a, b in zip(one[:2], other[:2], strict=True)
+    )
+    if one[2] is None or other[2] is None:
+        return frequency_Hz, loss, None
+    return frequency_Hz, loss, one[2] ** (1 - share) * other[2] ** share
+
+
+def _off(branches: Branches, curve: Sequence[Point]) -> Fit:
+    frequency_Hz = np.array([point[0] for point in curve])
+    storage, loss = moduli(branches, 2 * np.pi * frequency_Hz)
+    off = np.abs(loss / np.array([point[1] for point in curve]) - 1)
+    given = np.array([np.nan if point[2] is None else point[2] for point in curve])
+    off = np.fmax(off, np.abs(storage / given - 1))
+    return Fit(branches, float(off.max()), float(frequency_Hz[off.argmax()]))
+
+
+def _times(curve: Sequence[Point], count: int) -> Iterator[Array]:
+    slowest, fastest = 2 * np.pi * curve[0][0], 2 * np.pi * curve[-1][0]
+    for low, high in product(ENDS, ENDS):
+        shortest_s, longest_s = 1 / (fastest * low), high / slowest
+        if count == 1:
+            yield np.array([np.sqrt(shortest_s * longest_s)])
+        elif shortest_s < longest_s:
+            yield np.geomspace(shortest_s, longest_s, count)
+
+
+def _solved(curve: Sequence[Point], time_s: Array) -> Fit:
+    x = 2 * np.pi * np.outer([point[0] for point in curve], time_s)
+    loss, storage = x / (1.0 + x**2), x**2 / (1.0 + x**2)
+    rows = [line / eta - more for line, more, (_, eta, _) in zip(loss, storage, curve, strict=True)]
+    wanted = [1.0] * len(rows)
+    for more, (_, _, given) in zip(storage, curve, strict=True):
+        if given is not None:
+            rows.append(more / given)
+            wanted.append(1.0 - 1.0 / given)
+    ratio, _ = nnls(np.array(rows), np.array(wanted))
+    used = ratio > 0
+    pairs = tuple(zip(ratio[used].tolist(), time_s[used].tolist(), strict=True))
+    return _off(pairs, curve)
+
+
+def _faults(name: str, law: Hyperelastic) -> Iterator[Mistake]:
+    frequencies = [point.frequency_Hz for point in law.loss_curve]
+    if frequencies != sorted(set(frequencies)):
+        yield Mistake(_key(name), "frequencies must rise from row to row")
+
+
+def _unmet(name: str, fit: Fit) -> Iterator[Mistake]:
+    if fit.error > WORST:
+        what = (
+            f"no {MOST_BRANCHES} Maxwell branches meet it: the best are off by {fit.error:.0%} "
+            f"at {fit.at_Hz:g} Hz"
+        )
+        hint = "their loss factor rises and falls no faster than the frequency; smooth the curve"
+        yield Mistake(_key(name), what, hint)
+
+
+def _key(name: str) -> Key:
+    return ("materials", name, "hyperelastic", "loss_curve")

@@ -1,0 +1,41 @@
+"""How large the panels' meshes are, as their solver tells before it makes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from orchestrator.case import adapter
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.planning import panel_plans
+from orchestrator.case.tables.case import Case
+from orchestrator.ports.plans import MeshSize
+
+UNKNOWNS = 3  # of a node
+
+
+def mesh_sizes(case: Case) -> dict[str, MeshSize]:
+    """By panel; empty for solvers whose meshes are small.  ValueError for openings that the solver
+    cannot resolve."""
+    if case.panel.solver != "solid":
+        return {}
+    grids = adapter.imported("panel", "solid_grid")  # without the solver, which loads DOLFINx
+    return {plan.name: grids.size(plan) for plan in panel_plans(case)}
+
+
+def memory_GiB(case: Case) -> float:
+    """What the meshes of all panels need together, good to a factor of two."""
+    if case.panel.solver == "sheet":
+        along, across = case.panel.cells
+        each_GiB: float = adapter.imported("panel", "costs").SHEET_CELL_GIB * along * across
+        return each_GiB * len(single_panels(case))
+    return sum(size.memory_GiB for size in mesh_sizes(case).values())
+
+
+def meshes(case: Case) -> Iterator[str]:
+    """Lines for ``flipflow check``: panels with equal meshes together."""
+    sizes = list(mesh_sizes(case).values())
+    for size in dict.fromkeys(sizes):
+        yield (
+            f"  mesh       {size.cells} cells, {UNKNOWNS * size.nodes} unknowns and some "
+            f"{size.memory_GiB:.2g} GiB on each of {sizes.count(size)} panels"
+        )

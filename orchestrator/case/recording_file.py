@@ -1,0 +1,74 @@
+"""The file of a recording: a group for each panel (docs/theory/panel_recorded.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case.units import unit_of
+from orchestrator.ports.recording import RecordedGrid, Recording
+
+SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
+
+
+class Unreadable(Exception):
+    """No such file, or no recording; the message says what is wrong."""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """What is recorded of one panel, and its lengths in m by name."""
+
+    recording: Recording
+    shape: dict[str, float]
+
+
+@dataclass(frozen=True)
+class File:
+    """``speed_rad_s`` of the machine that was recorded, and its panels by name."""
+
+    speed_rad_s: float
+    panels: Mapping[str, Panel]
+
+
+def write(path: Path, content: File) -> None:
+    """Whole or not at all.  Raises OSError."""
+    import h5py  # here because checks of cases without recordings do not need it
+
+    aside = path.with_name(f".{path.name}")
+    with h5py.File(aside, "w") as file:
+        file.attrs["speed_rad_s"] = content.speed_rad_s
+        for name, panel in content.panels.items():
+            group, recording = file.create_group(name), panel.recording
+            group.attrs.update({**panel.shape, "cycles": recording.cycles})
+            arrays = {series: getattr(recording, series) for series in SERIES}
+            arrays |= {"rows_m": recording.grid.rows_m, "columns_m": recording.grid.columns_m}
+            for series, values in arrays.items():
+                dataset = group.create_dataset(series, data=values)
+                dataset.attrs["unit"] = "m/rad" if series == "rate_m" else unit_of(series)
+    aside.replace(path)
+
+
+def read(path: Path) -> File:
+    """Raises Unreadable."""
+    if not path.is_file():
+        raise Unreadable(f"{path}: no such file; flipflow record makes one from a run's folder")
+    import h5py  # here because checks of cases without recordings do not need it
+
+    try:
+        with h5py.File(path) as file:
+            panels = {name: _panel(group) for name, group in file.items()}
+            return File(float(file.attrs["speed_rad_s"]), panels)
+    except (OSError, KeyError, ValueError, AttributeError) as error:
+        raise Unreadable(f"{path}: is no recording ({error})") from None
+
+
+def _panel(group: Any) -> Panel:
+    shape = {name: float(value) for name, value in group.attrs.items() if name != "cycles"}
+    grid = RecordedGrid(group["rows_m"][:], group["columns_m"][:])
+    series = {name: np.asarray(group[name][:]) for name in SERIES}
+    return Panel(Recording(grid, int(group.attrs["cycles"]), **series), shape)

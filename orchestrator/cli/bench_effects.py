@@ -1,0 +1,119 @@
+"""What each effect of a case costs, and that one which is left out costs nothing.
+
+For each effect, up to three machines advance in turn, block by block, in one process, so that a
+computer whose speed drifts slows all: the case as it is, without the effect by ``effects``, and
+with data that do not describe it.  Their ratios are of CPU time, block against block.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from orchestrator.cli.bench import Runner
+from orchestrator.cli.loaded import loaded_by
+from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.preflight.levels import LoadedCase, load
+
+BLOCK = 20
+PARTS = ("particles", "panel", "frames", "mapping")
+QUARTILES = (25, 50, 75)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The case that is timed, as on the command line."""
+
+    case: Path
+    level: str | None
+    overrides: tuple[str, ...]
+
+    def load(self, *more: str) -> LoadedCase:
+        return load(self.case, self.level, [*self.overrides, *more])
+
+    def loads(self, *more: str) -> frozenset[str]:
+        """Adapters and packages."""
+        return loaded_by(self.case, self.level or "", [*self.overrides, *more])
+
+
+def bench(asked: Asked, intervals: int) -> Table:
+    """Times ``intervals`` sync intervals of each machine.  Raises SolverMissing, SolverFailed."""
+    case = asked.load().case
+    here = [name for name in EFFECTS if present(case, name)]
+    table = Table(title=f"{asked.case.name}: ms per sync interval", title_justify="left")
+    for column in ("", "all", *PARTS, "against the case", "undescribed / left out"):
+        table.add_column(column, justify="left" if not column else "right", no_wrap=True)
+    table.add_column("not loaded")
+    whole, everything = _timed([asked.load()], intervals)[0], asked.loads()
+    table.add_row("the case", *whole.row(), "", "", "")
+    for name in (one for one in here if can_go(case, one)):
+        others = [one for one in here if one not in with_dependents([name], "")]
+        named = f"effects={others}"
+        undescribed = list(sets(EFFECTS[name].undescribed(case)))
+        cases = [asked.load(), asked.load(named)]
+        cases += [asked.load(*undescribed)] if undescribed else []
+        full, without, *nothing = _timed(cases, intervals)
+        saved = sorted(everything - asked.loads(named))
+        pair = ratio(nothing[0], without) if nothing else "the same data"
+        table.add_row(
+            f"without {name}", *without.row(), ratio(without, full), pair, " ".join(saved)
+        )
+    return table
+
+
+@dataclass(frozen=True)
+class Timed:
+    """CPU time of each block, and wall time per sync interval by part."""
+
+    blocks_s: tuple[float, ...]
+    all_s: float
+    parts_s: Mapping[str, float]
+
+    def row(self) -> list[str]:
+        """In ms."""
+        return [f"{1e3 * one:.3f}" for one in (self.all_s, *map(self._part, PARTS))]
+
+    def _part(self, part: str) -> float:
+        return self.parts_s.get(part, 0.0)
+
+
+def _timed(cases: Sequence[LoadedCase], intervals: int) -> list[Timed]:
+    """Machines side by side, after a block that does not count."""
+    with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
+        runners = [Runner(case, Path(scratch) / str(number)) for number, case in enumerate(cases)]
+        for number in range(1 + max(2, intervals // BLOCK)):
+            for runner in runners:
+                runner.block(BLOCK)
+                if number == 0:
+                    runner.forget()
+        for runner in runners:
+            runner.close()
+    return [_of(runner) for runner in runners]
+
+
+def _of(runner: Runner) -> Timed:
+    done = BLOCK * len(runner.blocks_s)
+    parts_s = {part: wall_s / done for part, wall_s in runner.stopwatch.wall_s.items()}
+    return Timed(tuple(runner.blocks_s), runner.wall_s / done, parts_s)
+
+
+def ratio(one: Timed, other: Timed) -> str:
+    """Median of the blocks' ratios, and their quartiles."""
+    ratios = np.divide(one.blocks_s, other.blocks_s)
+    low, middle, high = np.percentile(ratios, QUARTILES)
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+
+
+def sets(overlay: Mapping[str, Any], path: str = "") -> Iterator[str]:
+    """An overlay of numbers as on the command line."""
+    for key, value in overlay.items():
+        if isinstance(value, Mapping):
+            yield from sets(value, f"{path}{key}.")
+        else:
+            yield f"{path}{key}={value}"

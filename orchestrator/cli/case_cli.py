@@ -1,0 +1,144 @@
+"""The command line's commands that look at a case."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from orchestrator.cli.options import CasePath, Level, Overrides
+from orchestrator.cli.said import CONSOLE, ERRORS, checked, refuse, said
+
+if TYPE_CHECKING:
+    from orchestrator.preflight.levels import LoadedCase
+    from orchestrator.studies.trials import Asked
+
+
+def check(
+    case: CasePath,
+    level: Level = None,
+    detail: Annotated[
+        bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
+    ] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Check a case without running it, and say what is in it.
+
+    Exit code 0: it can be run; 2: it cannot, with every mistake in one message.
+    """
+    from orchestrator.cli.overview import overview
+
+    loaded = checked(case, level, overrides)
+    with said():
+        for line in overview(loaded, detail):
+            CONSOLE.print(line)
+
+
+def explain(
+    case: CasePath,
+    level: Level = None,
+    ladder: Annotated[
+        Path | None,
+        typer.Option(help="ladder.json of flipflow ladder [default: the one beside case.toml]"),
+    ] = None,
+    results: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            metavar="NAMES",
+            help="results, by short names (efficiency,stroke,...), whose change decides",
+        ),
+    ] = None,
+    budget: Annotated[
+        float, typer.Option(min=0, help="with --for: processor time for all runs / s")
+    ] = 300.0,
+    overrides: Overrides = None,
+) -> None:
+    """Say which effects a case calls for, by estimates before any run.
+
+    For each effect: whether the case has it at this level, the dimensionless number that decides,
+    the threshold, what follows, and which key changes it.  At the end: what matters and is
+    lacking, and what could be left out.  No solver is started or needed.  Where flipflow ladder has
+    measured what an effect amounts to, its figures take the estimate's place.
+
+    With --for, a verdict is the change of these results in short runs with and without the effect
+    at a cheap level, except where an estimate surely says that it may be left out.  The runs are
+    remembered.
+
+    Exit code 0: said, whatever the verdicts; 2: the case has mistakes.
+    """
+    from orchestrator.cli.explain import show
+    from orchestrator.preflight.check import table_mistakes
+    from orchestrator.studies.ladder.stored import stored
+
+    loaded = checked(case, level, overrides, table_mistakes)
+    with said():
+        found = stored(loaded, ladder)
+        asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
+        show(loaded, found, _tried(loaded, asked, budget), asked)
+
+
+def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:
+    """Runs with and without effects, for results that are ``asked`` for; None where none are."""
+    from orchestrator.case.scalars import scalar
+    from orchestrator.studies.paired import LIMIT_S, RUNS_IN_BUDGET, Pairs
+    from orchestrator.studies.trials import for_results
+
+    try:
+        for name in asked:
+            scalar(name)
+    except KeyError as error:
+        refuse(f"--for: {error.args[0]}")
+    if not asked:
+        return None
+    limit_s = max(LIMIT_S, budget_s / RUNS_IN_BUDGET)
+    return for_results(loaded, Pairs(limit_s, ERRORS.print), budget_s)
+
+
+def list_cases(
+    folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
+) -> None:
+    """List cases with their titles and levels."""
+    from orchestrator.cli.overview import case_lines
+
+    if not folder.is_dir():
+        refuse(
+            f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER"
+        )
+    for line in case_lines(folder):
+        CONSOLE.print(line)
+
+
+def bench(
+    case: CasePath,
+    level: Level = None,
+    intervals: Annotated[int, typer.Option(min=1, help="sync intervals to time")] = 2000,
+    settling: Annotated[int, typer.Option(help="sync intervals before them, untimed")] = 0,
+    effects: Annotated[
+        bool, typer.Option("--effects", help="time the case without each of its effects instead")
+    ] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Time a case against its particles alone on a rigid, still surface (one process).
+
+    With --effects: what each effect that can be left out costs, part by part, that it costs nothing
+    when it is left out, and what is not loaded then.
+    """
+    from orchestrator.case.file.contents import has_particles
+    from orchestrator.cli import bench_effects
+    from orchestrator.cli.bench import bench as timed
+
+    loaded = checked(case, level, overrides)
+    if not effects and not has_particles(loaded.case):
+        refuse("the case has no particles: there is nothing to compare")
+    with said():
+        console = Console(markup=False)
+        if not console.is_terminal:
+            console.width = 180 if effects else 120  # into a file: as wide as the table
+        if effects:
+            asked = bench_effects.Asked(case, level, tuple(overrides or ()))
+            console.print(bench_effects.bench(asked, intervals))
+        else:
+            console.print(timed(loaded, intervals, settling))

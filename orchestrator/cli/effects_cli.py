@@ -1,0 +1,86 @@
+"""The command line's ``flipflow study effects``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from orchestrator.cli.said import CONSOLE, FAILED, said
+
+if TYPE_CHECKING:
+    from orchestrator.studies.effect_bank.trials import Tried
+
+WIDE = 150
+
+
+def effects(
+    bank: Annotated[Path, typer.Argument(help="file with the scenes")] = Path("cases/effects.toml"),
+    scene: Annotated[
+        list[str] | None, typer.Option("--scene", help="only this scene; may be repeated")
+    ] = None,
+    dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
+    out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/effects"),
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="runs at a time [default: as the machine bears]")
+    ] = None,
+) -> None:
+    """Try out the verdicts of explain: scenes with and without each effect that can be left out.
+
+    Each scene of the bank is run as it is and without one effect at a time.  The verdict before the
+    run is compared with what leaving the effect out changed in the results that the scene asks for,
+    by 10 %.  Called again, only what is missing is run.  The folder gets effects.csv and
+    effects.md.
+
+    Exit code 4: what was said to be left out freely changes a result by more than 10 %, a fifth or
+    more of what was said to matter does not, or a run is missing; 2: the bank is wrong.
+    """
+    from orchestrator.output.records import folder_lock
+    from orchestrator.studies import sweep
+    from orchestrator.studies.effect_bank import bank as banks
+    from orchestrator.studies.effect_bank import tables
+    from orchestrator.studies.effect_bank.confusion import confusion
+    from orchestrator.studies.effect_bank.trials import (
+        Countdown,
+        all_tried,
+        every_run,
+        still_to_run,
+    )
+    from orchestrator.studies.workers import Crew, fitting
+
+    with said():
+        wanted = banks.chosen(banks.read(bank), scene or [])
+        scenes = all_tried(wanted, bank.parent, out)
+        if dry:
+            _list(scenes)
+            return
+        waiting = still_to_run(scenes)
+        todo = [run for run, _ in every_run(scenes) if run.status() != "failed"]
+        with folder_lock.study(out):
+            sweep.run(todo, Crew(jobs or fitting()), Countdown(waiting, CONSOLE.print))
+        found = confusion(scenes)
+        written = tables.write(found, out)
+    if not CONSOLE.is_terminal:
+        CONSOLE.width = WIDE  # into a file: as wide as the table
+    CONSOLE.print(tables.confusion_table(found))
+    for line in [*tables.lines(found), *(f"written: {file}" for file in written)]:
+        CONSOLE.print(line)
+    if not found.good:
+        raise typer.Exit(FAILED)
+
+
+def _list(scenes: list[Tried]) -> None:
+    """What would be run, with predictions."""
+    from orchestrator.studies.effect_bank.trials import in_time, still_to_run
+
+    for one in scenes:
+        CONSOLE.print(f"{one.name}: {one.scene.why}")
+        for trial in one.trials:
+            todo = [run for run in trial.runs if not run.ended(run.folder)]
+            what = f"without {trial.without}" if trial.without else "as it is"
+            cost = f"{len(todo)} to be run, about {trial.predicted_s:.0f} s each"
+            CONSOLE.print(f"  {what}: {trial.omitted or cost}")
+    waiting = still_to_run(scenes)
+    total = in_time(sum(waiting.values()))
+    CONSOLE.print(f"in all {len(waiting)} runs, about {total} of processor time")

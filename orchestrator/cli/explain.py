@@ -1,0 +1,150 @@
+"""What ``flipflow explain`` prints: a table of effects, and what follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from orchestrator.case.scalars import SCALARS
+from orchestrator.preflight.judgement.catalogue import Judged, spared, with_dependents
+from orchestrator.preflight.judgement.pair import Pair
+from orchestrator.preflight.judgement.weighing import doubted, weighed
+from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.scene.effect import Part, in_words
+from orchestrator.preflight.stability.choice import AUTO
+from orchestrator.studies.ladder.stored import measured
+from orchestrator.studies.trials import Asked
+
+NARROW = 130  # too narrow for all columns
+WIDTH = 196  # of the table where no terminal sets one
+COLUMNS = ("effect", "here", "number", "value", "threshold", "auto", "verdict", "change / cost")
+SHORT = ("effect", "here", "value", "auto")
+NOTHING = {
+    "particles": "no particles: nothing to decide",
+    "panels": "no panels: nothing to decide",
+}
+
+
+def show(
+    loaded: LoadedCase,
+    ladder: Mapping[str, Any] | None = None,
+    tried: Asked | None = None,
+    asked: Sequence[str] = (),
+) -> None:
+    """Prints everything about a case without mistakes in its tables; with what a ``ladder``
+    measured of it, or what runs that were ``tried`` say of the results ``asked`` for, in place of
+    estimates."""
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console.width = WIDTH
+    parts = judged_of(loaded) if tried is None else judged_of(loaded, tried.pairs, asked)
+    if ladder is not None:
+        parts = {part: [_measured(one, ladder) for one in rows] for part, rows in parts.items()}
+    level = f"level {loaded.level}" if loaded.level else "no level"
+    console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
+    narrow = console.width < NARROW
+    console.print(table(parts, COLUMNS[:-1] if narrow else COLUMNS))
+    if narrow:
+        console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
+    for line in () if tried is None else about_trials(tried, asked):
+        console.print(line, soft_wrap=True)
+    for line in summary(loaded, [verdict for rows in parts.values() for verdict in rows]):
+        console.print(line, soft_wrap=True)
+
+
+def _measured(one: Judged, ladder: Mapping[str, Any]) -> Judged:
+    return replace(one, verdict=measured(one.effect, one.verdict, ladder))
+
+
+def judged_of(
+    loaded: LoadedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
+) -> dict[Part, list[Judged]]:
+    """The case as it describes itself, and what of it is here; with ``pairs`` of runs for the
+    results ``asked`` for, by default those that the case itself has."""
+    if pairs is None:
+        pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
+
+    def here(one: Judged) -> Judged:
+        return doubted(replace(one, present=one.present and one.effect not in loaded.left_out))
+
+    return {
+        part: [here(one) for one in rows]
+        for part, rows in weighed(loaded.described, pairs, asked).items()
+    }
+
+
+def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
+    """One row for each effect, part by part."""
+    found = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    for column in columns:
+        found.add_column(column, no_wrap=column in SHORT, overflow="fold")
+    going = with_dependents(spared(one for rows in parts.values() for one in rows), "")
+    for part, rows in parts.items():
+        found.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
+        for one in rows:
+            found.add_row(*_row(one, going)[: len(columns)])
+        found.add_section()
+    return found
+
+
+def about_trials(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
+    """What was run, what could not be, and for what the budget did not last."""
+    done = [name for name, pair in tried.pairs.items() if not pair.refused]
+    spent = f"{tried.spent_s:.0f} s of processor time"
+    yield f"for {', '.join(asked)}: {len(done)} effects tried out or remembered, {spent}"
+    refused: dict[str, list[str]] = {}
+    for name, pair in tried.pairs.items():
+        if pair.refused:
+            refused.setdefault(pair.refused, []).append(name)
+        elif not pair.changes(asked):
+            yield f"  {name}: the runs have none of these results"
+    for why, names in refused.items():
+        yield f"  no runs for {', '.join(names)}: {why}"
+    if tried.omitted:
+        yield f"  not tried, as --budget was used: {', '.join(tried.omitted)}"
+
+
+def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:
+    verdict = one.verdict
+    return (
+        one.effect,
+        "yes" if one.present else "no",
+        verdict.number,
+        verdict.value_in_words,
+        verdict.threshold,
+        _by_auto(one, going),
+        f"{in_words(verdict.matters)}: {verdict.why}",
+        "\n".join(text for text in (one.key, verdict.cost) if text),
+    )
+
+
+def _by_auto(one: Judged, going: Collection[str]) -> str:
+    """What ``effects = "auto"`` does with it."""
+    if one.lacking:
+        return "warns"
+    if not one.present:
+        return "-"
+    return "leaves out" if one.effect in going else "keeps"
+
+
+def summary(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
+    """What the case lacks, and what it could do without."""
+    lacking = [one for one in verdicts if one.lacking]
+    spare = [one for one in verdicts if one.spare]
+    yield (
+        "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
+    )
+    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}" for one in lacking)
+    yield "may be left out, and the case has it:" if spare else "nothing could be left out"
+    yield from (
+        f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}"
+        for one in spare
+    )
+    if loaded.case.coupling.scheme == AUTO:  # which one it is takes the solvers to say
+        yield "coupling.scheme: the program's choice, which flipflow check names, with the reason"
+    yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

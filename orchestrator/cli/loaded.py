@@ -1,0 +1,42 @@
+"""Which solvers and large packages a case loads: to be run in a process of its own.
+
+python -m orchestrator.cli.loaded CASE LEVEL [KEY=VALUE ...]
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from orchestrator.coupling.build import build
+from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.ports.clock import Interval
+from orchestrator.preflight.levels import load
+
+LARGE = ("dolfinx", "petsc4py", "ufl", "exudyn", "mpi4py", "gmsh", "pyvista", "matplotlib")
+
+
+def loaded_by(case: Path, level: str, overrides: Sequence[str]) -> frozenset[str]:
+    """Adapters and large packages that are in memory after the first sync interval."""
+    words = [sys.executable, "-m", "orchestrator.cli.loaded", str(case), level, *overrides]
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+    return frozenset(said.splitlines()[-1].split())
+
+
+def _main(case: str, level: str, *overrides: str) -> None:
+    found = load(Path(case), level or None, overrides)
+    with tempfile.TemporaryDirectory(prefix="flipflow-loaded-") as scratch:
+        machine = build(found, Path(scratch), None, Stopwatch())
+        first = Interval(0, found.case.coupling.sync_interval_s)
+        machine.scheme.advance(machine.solvers, first, initial(machine.solvers))
+        machine.close()
+    adapters = {name.removeprefix("adapters.") for name in sys.modules if name[:9] == "adapters."}
+    print(*sorted(adapters | (set(LARGE) & sys.modules.keys())))
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

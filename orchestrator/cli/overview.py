@@ -1,0 +1,160 @@
+"""What is in a case, in words and derived numbers, for ``flipflow check`` and ``list``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator.case.bed.contact_times import shortest_rayleigh_s
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.bed.sources import initial_particles
+from orchestrator.case.deck.openings import openings
+from orchestrator.case.deck.panels import single_panels, walls
+from orchestrator.case.deck.surface_grids import surface_grids
+from orchestrator.case.file.contents import has_particles
+from orchestrator.case.file.errors import CaseError, visible
+from orchestrator.case.file.loss_curve import compared, moduli, rows
+from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.planning import material_numbers
+from orchestrator.case.planning.panel_meshes import meshes
+from orchestrator.case.tables.case import Case
+from orchestrator.ports.clock import steps_in
+from orchestrator.ports.plans import SolverMissing
+from orchestrator.preflight.bed_cost import THICK, THIN, bed_cost
+from orchestrator.preflight.check import warnings
+from orchestrator.preflight.checks.steps import missing_solvers
+from orchestrator.preflight.cost import in_words, particles_at_start, predicted_range_s
+from orchestrator.preflight.judgement.account import account, at_start
+from orchestrator.preflight.levels import LoadedCase, level_names, load
+from orchestrator.preflight.stability import plain, words
+from orchestrator.preflight.stability.choice import settled_card
+from orchestrator.studies.trials import wanted_before
+
+
+def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
+    """Lines about a case without mistakes; with ``detail`` all that limits its sync interval, in
+    the theory's terms."""
+    case = loaded.case
+    level = f"level {loaded.level}" if loaded.level else "no level"
+    yield f"{loaded.name}, {level}: {case.title}"
+    yield from _machine(loaded)
+    if has_particles(case):
+        yield from _particles(loaded)
+    yield from _times(loaded)
+    yield from _cost(case, particles_at_start(case))
+    yield from at_start(
+        account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
+    )
+    if names := wanted_before(loaded):
+        yield (
+            f'effects = "auto" cannot decide about {", ".join(names)}: '
+            "a run begins with short runs with and without each"
+        )
+    if loaded.changed:
+        yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
+    stability = settled_card(case)
+    yield "stability:"
+    yield from words.lines(stability) if detail else plain.lines(stability)
+    for warning in [*warnings(loaded), *plain.warnings(stability), *missing_solvers(case)]:
+        yield f"warning: {warning}"
+    yield "the case can be run"
+
+
+def _machine(loaded: LoadedCase) -> Iterator[str]:
+    case, screen = loaded.case, loaded.case.screen
+    bushings = sum(len(bushing.positions_m) for bushing in screen.bushings.values())
+    drives = sum(frame.drive is not None for frame in screen.frames.values())
+    yield (
+        f"  frames     {len(screen.frames)} ({case.frames.solver}), "
+        f"{f'{drives} of them driven, ' if drives else ''}{bushings} bushings, "
+        f"{len(screen.exciters)} exciters, deck inclined by {screen.inclination_deg:g} deg"
+    )
+    cells = " x ".join(str(count) for count in case.panel.cells)
+    yield f"  panels     {len(single_panels(case))} ({case.panel.solver}), {cells} cells each"
+    yield from meshes(case)
+    yield from _damping(case)
+    yield from openings(case)
+    rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
+    yield f"  triangles  {_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+
+
+def _damping(case: Case) -> Iterator[str]:
+    """What branches make of the loss factors that were measured."""
+    for name, material in case.materials.items():
+        law = material.hyperelastic
+        if law is None or not law.loss_curve:
+            continue
+        branches = tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell)
+        off = compared(branches, rows(law))
+        _, found = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
+        pairs = zip(found, law.loss_curve, strict=True)
+        said = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)
+        yield f"  damping    {name}: loss factor of {len(branches)} branches (measured): {said} Hz"
+        yield f"             off by {off.error:.1%} at most, at {off.at_Hz:g} Hz"
+
+
+def _on_panels(case: Case) -> str:
+    """How many triangles the particles meet."""
+    try:
+        counts = [len(grid.triangles) for grid in surface_grids(case).values()]
+    except SolverMissing:
+        return "unknown number on the panels (gmsh is missing)"
+    each = sorted(set(counts))
+    return f"{' or '.join(map(str, each))} on each panel, {sum(counts)} on all"
+
+
+def _particles(loaded: LoadedCase) -> Iterator[str]:
+    case = loaded.case
+    count = len(initial_particles(case, material_numbers(case)))
+    feeds = "".join(f", {feed.rate_kg_s:g} kg/s fed" for feed in case.bed.feeds.values())
+    step_s = particle_step_s(case)
+    yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
+    yield (
+        f"  particles' step  {step_s:.3g} s = {step_s / shortest_rayleigh_s(case):.2g} of the "
+        "smallest particle's Rayleigh time"
+    )
+
+
+def _cost(case: Case, at_start: int) -> Iterator[str]:
+    """What the whole run will take, and the parts that take a tenth or more of it."""
+    ranges = predicted_range_s(case, at_start)
+    least, most = (sum(parts.values()) for parts in ranges)
+    fed = most > 1.1 * least
+    time = f"{in_words(least)} to {in_words(most)}" if fed else in_words(most)
+    larger = sorted(ranges[1].items(), key=lambda part: -part[1])
+    shares = ", ".join(f"{name} {in_words(s)}" for name, s in larger if s > 0.1 * most)
+    layers = ": a thin dry layer to a thick wet one" if fed else ""
+    yield f"  cost       about {time} of one processor{layers}"
+    yield f"             of which {shares}; pictures apart, compiling the first time, too"
+    if fed:
+        few, many = (bed_cost(case, at_start, bed) for bed in (THIN, THICK))
+        yield (
+            f"             {few.most:.2g} to {many.most:.2g} particles at most, "
+            f"{few.particle_steps:.2g} to {many.particle_steps:.2g} particle-steps"
+        )
+
+
+def _times(loaded: LoadedCase) -> Iterator[str]:
+    case = loaded.case
+    interval_s = case.coupling.sync_interval_s
+    yield (
+        f"  coupling   {steps_in(case.duration_s, interval_s)} sync intervals of {interval_s:g} s "
+        f"({case.coupling.scheme}), {case.duration_s:g} s in all"
+    )
+    if has_particles(case):
+        yield (f"  particles' steps in an interval  {steps_in(interval_s, particle_step_s(case))}")
+
+
+def case_lines(folder: Path) -> Iterator[str]:
+    """One line per case in a folder, and one for its levels."""
+    for file in sorted(folder.glob("*/case.toml")):
+        try:
+            title = str(read_toml(file).get("title", "(no title)"))
+            default = load(file).level
+        except CaseError:
+            title, default = f"(has mistakes: flipflow check {file.parent})", ""
+        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
+        yield visible(f"{file.parent}  {title}")
+        yield visible(f"    levels: {', '.join(names) or 'none'}")

@@ -1,0 +1,76 @@
+"""A run that goes on from its last save, in its own folder."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from orchestrator.cli.launch import carried_out, ready, refused
+from orchestrator.coupling import ranks
+from orchestrator.output.records.folder_lock import at_work
+from orchestrator.output.records.run_folder import FolderUnusable, write_case, write_json
+from orchestrator.output.saves import files
+from orchestrator.output.saves.files import Save
+from orchestrator.preflight.judgement.account import account
+from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.run.saves.origin import origin, refuse_another_run, warnings
+
+KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
+
+
+def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
+    """Goes on with a run on every rank, from its last save or from that of a ``sync_point``;
+    returns the exit code."""
+    world = ranks.communicator()
+    try:
+        save = ranks.first_rank_does(world, lambda: _save(folder, sync_point))
+        as_saved = load(folder, None, overrides)
+        loaded = replace(as_saved, name=save.about["name"], level=save.about["level"])
+        ready(loaded)
+        entries = account(loaded.described, loaded.left_out)
+        said = ranks.first_rank_does(world, lambda: _prepare(folder, save, loaded, world))
+        return carried_out(loaded, entries, folder, world, save, said)
+    except Exception as error:
+        return refused(world, error)
+
+
+def _save(folder: Path, sync_point: int | None) -> Save:
+    """The last save that is whole, or the one of a sync point.  Raises FolderUnusable."""
+    if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
+        raise FolderUnusable(f"{folder}: is not the folder of a run")
+    if at_work(folder):
+        raise FolderUnusable(f"{folder}: the run is still going on")
+    save = files.newest(folder) if sync_point is None else files.of(folder, sync_point)
+    if save is None and (torn := files.torn(folder)):
+        raise FolderUnusable(f"{folder}: no save that is whole:\n" + "\n".join(torn))
+    if save is None and sync_point is not None:
+        raise FolderUnusable(
+            f"{folder}: has no whole save of sync point {sync_point}; saves are in "
+            f"{folder / files.FOLDER}"
+        )
+    if save is None:
+        raise FolderUnusable(
+            f"{folder}: nothing was saved; [save] in a case says when that is done, and what ends "
+            "a run with Ctrl-C does it, too"
+        )
+    return save
+
+
+def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[str]:
+    """The folder as it was at the save; what there is to be said of that.  Raises FolderUnusable
+    for what is another run."""
+    now = origin(loaded, folder, world)
+    refuse_another_run(save, now)
+    killed = [] if (folder / "summary.json").exists() else [KILLED]
+    files.drop_later(folder, save)
+    save.put_back(folder)
+    for of_the_end in ("failure.txt", "summary.json"):
+        (folder / of_the_end).unlink(missing_ok=True)
+    write_case(folder, loaded)
+    provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    resumed = [*provenance.get("resumed", []), {"at_s": save.simulated_s, **now["provenance"]}]
+    write_json(folder / "provenance.json", provenance | {"resumed": resumed})
+    return [*killed, *save.torn, *warnings(save, now)]

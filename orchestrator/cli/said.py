@@ -1,0 +1,79 @@
+"""How the commands of ``flipflow`` speak, and how they say what a user got wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+import typer
+from rich.console import Console
+
+if TYPE_CHECKING:
+    from orchestrator.case.file.errors import Mistake
+    from orchestrator.preflight.levels import LoadedCase
+
+CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
+ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
+WRONG, MISSING, FAILED, INTERRUPTED = 2, 3, 4, 130
+TOO_LARGE = (
+    "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
+)
+
+
+@contextmanager
+def said() -> Iterator[None]:
+    """What went wrong inside, other than by a mistake in flipflow, is said, and ends the program
+    with its exit code."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise typer.Exit(INTERRUPTED) from None
+    except Exception as error:
+        code = _code(error)
+        if code is None:
+            raise
+        ERRORS.print(TOO_LARGE if isinstance(error, MemoryError) else str(error))
+        raise typer.Exit(code) from None
+
+
+def _code(error: Exception) -> int | None:
+    """Its exit code; None for what only a mistake in flipflow raises."""
+    from orchestrator.case.file.errors import CaseError
+    from orchestrator.output.records.run_folder import FolderUnusable
+    from orchestrator.ports.plans import SolverFailed, SolverMissing
+
+    codes = {
+        CaseError: WRONG,
+        FolderUnusable: WRONG,
+        SolverMissing: MISSING,
+        SolverFailed: FAILED,
+        MemoryError: WRONG,
+    }
+    return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
+
+
+def checked(
+    case: Path,
+    level: str | None,
+    overrides: list[str] | None,
+    rule: Callable[[LoadedCase], list[Mistake]] | None = None,
+) -> LoadedCase:
+    """The case, if it has no mistake (by default, of any kind); else all of them are said and the
+    program ends."""
+    from orchestrator.case.file.errors import CaseError
+    from orchestrator.preflight.check import mistakes
+    from orchestrator.preflight.levels import load
+
+    with said():
+        loaded = load(case, level, overrides or [])
+        if found := (rule or mistakes)(loaded):
+            raise CaseError(found)
+    return loaded
+
+
+def refuse(why: str) -> NoReturn:
+    """Says why the command cannot be carried out, and ends the program."""
+    ERRORS.print(why)
+    raise typer.Exit(WRONG)

@@ -1,0 +1,153 @@
+"""From a case to a machine of open solvers."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from orchestrator.case import adapter
+from orchestrator.case.bed.feed import Feeds
+from orchestrator.case.bed.material_book import CountedFeed, MaterialBook
+from orchestrator.case.bed.material_watch import MaterialWatch
+from orchestrator.case.bed.particle_lists import nobody
+from orchestrator.case.deck.opening_places import smaller_sides_m
+from orchestrator.case.file.errors import CaseError
+from orchestrator.case.planning import bushings, frames_plan, particles_plan
+from orchestrator.case.tables.case import Case
+from orchestrator.coupling.bushing_forces import BushingForces
+from orchestrator.coupling.hand_over import (
+    ParticlesOnStillSurface,
+    UnpushedFrames,
+    still_clamped,
+    unloaded,
+)
+from orchestrator.coupling.ledger import Members
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
+from orchestrator.coupling.numbering import (
+    panel_of_triangle,
+    panel_points,
+    penetrations,
+    probes,
+    touched_surface,
+)
+from orchestrator.coupling.panel_set import PanelSet
+from orchestrator.coupling.pieces import frame_pieces, panel_pieces, wall_pieces
+from orchestrator.coupling.ranks import FramesOnFirstRank
+from orchestrator.coupling.schemes import scheme
+from orchestrator.coupling.schemes.scheme import Solvers
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.ports import Frames, Panel, Particles, Wearing
+from orchestrator.ports.plans import FramesPlan, ParticlesPlan
+from orchestrator.preflight.check import mistakes_at_rest
+from orchestrator.preflight.effort import effort
+from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.stability.choice import settled
+
+
+def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
+    """Opens every solver the case calls for; one that fails closes those before.  ``world``: MPI
+    communicator or None.
+
+    Raises SolverMissing, SolverFailed, and CaseError where a solver refuses the case.
+    """
+    with ExitStack() as opened:
+        machine = _built(loaded, folder, world, stopwatch, opened)
+        opened.pop_all()  # the machine closes them from here on
+        return machine
+
+
+def _built(
+    loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
+) -> Machine:
+    case = settled(loaded.case)
+    panels = panel_pieces(case, loaded.folder, stopwatch, world)
+    walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
+    pieces = [*panels, *walls, *frames]
+    together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
+    opened.callback(together.close)
+    start = together.initial()
+    surface = touched_surface(case, [*panels, *walls], together, start.surface.position_m)
+    triangle_panels = panel_of_triangle([*panels, *walls], len(panels))
+    gone_through = penetrations(case, pieces, len(panels), together)
+    particles_wanted = particles_plan(case, surface, world, folder)
+    start_list = particles_wanted.particles if particles_wanted is not None else nobody()
+    found = mistakes_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
+    if found:
+        raise CaseError(found)
+    held_N = start.reaction.force_N
+    if not case.hand_over.panel_reaction:  # frames at rest do not hold what they do not feel
+        held_N = np.zeros_like(held_N)
+    frames_wanted = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
+    centres = {
+        piece.name: together.clamps[len(panels) + len(walls) + number].start
+        for number, piece in enumerate(frames)
+    }
+    material, particles, wearing = _particles(case, particles_wanted, stopwatch)
+    if particles is not None:
+        opened.callback(particles.close)
+    opened_frames = _frames(case, frames_wanted, world)
+    members = Members(
+        MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
+        MeteredPanel(together, "panels", "mapping", stopwatch),
+        particles,
+    )
+    return Machine(
+        solvers=_handed_over(case, members),
+        members=members,
+        scheme=scheme(case.coupling.scheme, effort(case)),
+        stopwatch=stopwatch,
+        surface=surface,
+        panel_of_triangle=triangle_panels,
+        panels=panel_points(case, panels, together),
+        penetrations=gone_through,
+        centres=centres,
+        probes=probes(case, pieces, together),
+        bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
+        material=material,
+        wearing=wearing,
+    )
+
+
+def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
+    def opened() -> Frames:
+        return cast(Frames, adapter.opened("frames", case.frames.solver, plan))
+
+    return opened() if world is None else FramesOnFirstRank(world, opened)
+
+
+def _particles(
+    case: Case, plan: ParticlesPlan | None, stopwatch: Stopwatch
+) -> tuple[MaterialBook | None, MeteredParticles | None, Wearing | None]:
+    if plan is None:
+        return None, None, None
+    feed = CountedFeed(plan.particles, cast(Feeds | None, plan.feed))
+    if plan.feed is not None:
+        plan = replace(plan, feed=feed)
+    solver = case.particles.solver
+    opened = adapter.opened("particles", solver, plan)
+    metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
+    widest_m = max(smaller_sides_m(case), default=None)
+    book = MaterialBook(feed, plan.exits, MaterialWatch(case.watch, widest_m))
+    return book, metered, None if plan.wear_m3_N_m is None else cast(Wearing, opened)
+
+
+def _handed_over(case: Case, members: Members) -> Solvers:
+    """The solvers as the coupling sees them: with the hand-overs that the case wants."""
+    wanted = case.hand_over
+    frames: Frames = members.frames
+    panel: Panel = members.panel
+    particles: Particles | None = members.particles
+    if not wanted.panel_reaction:
+        frames = UnpushedFrames(frames)
+    if not wanted.frame_motion:
+        panel = still_clamped(panel)
+    if not wanted.particle_load:
+        panel = unloaded(panel)
+    if particles is not None and not wanted.panel_motion:
+        particles = ParticlesOnStillSurface(particles, panel.initial().surface)
+    return Solvers(frames, panel, particles)

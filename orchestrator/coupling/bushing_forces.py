@@ -1,0 +1,88 @@
+"""Deformation and force of every bushing, from the motion of the frames that it joins.
+
+A frame is rigid: each of its points is its centre of mass plus a fixed combination of the arms of
+1 m that start there (``pieces.frame_pieces``), and moves as the same combination of theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.ports import Array, Indices, Motion
+from orchestrator.ports.plans import Bushing
+
+ARMS = 3
+
+
+@dataclass(frozen=True)
+class BushingForces:
+    """All bushings of a machine, n of them, with both ends among the carried points.
+
+    ``first``, ``second`` (n, 4): numbers of a frame's centre of mass and arms, -1 for the ground;
+    ``arm_m`` (2, n, 3) the ends' places from those centres (for the ground: from the origin).
+    """
+
+    names: tuple[str, ...]
+    first: Indices
+    second: Indices
+    arm_m: Array
+    axes: Array
+    stiffness_N_m: Array
+    damping_N_s_m: Array
+
+    @staticmethod
+    def of(
+        bushings: Sequence[Bushing], centres: Mapping[str, int], position_m: Array
+    ) -> BushingForces:
+        """``centres``: each frame's centre of mass among the carried points, followed by its
+        arms; ``position_m`` those points at t = 0."""
+        ends = np.array(
+            [
+                [
+                    np.arange(1 + ARMS) + centres[body] if body in centres else [-1] * 4
+                    for body in b.bodies
+                ]
+                for b in bushings
+            ],
+            dtype=np.int64,
+        ).reshape(-1, 2, 1 + ARMS)
+        place_m = np.array([b.position_m for b in bushings]).reshape(-1, 3)
+        origin_m = np.vstack([position_m, np.zeros(3)])[ends[:, :, 0]]
+        return BushingForces(
+            names=tuple(b.name for b in bushings),
+            first=ends[:, 0],
+            second=ends[:, 1],
+            arm_m=place_m - origin_m.transpose(1, 0, 2),
+            axes=np.array([b.axes for b in bushings]).reshape(-1, 3, 3),
+            stiffness_N_m=np.array([b.stiffness_N_m for b in bushings]).reshape(-1, 3),
+            damping_N_s_m=np.array([b.damping_N_s_m for b in bushings]).reshape(-1, 3),
+        )
+
+    def at(self, carried: Motion) -> tuple[Array, Array]:
+        """Deformation in m and force in N of every bushing, (n, 3) each, along its own axes, which
+        turn with the first body: second end against the first, and what it takes to hold it there.
+        Both count from t = 0: the preload that carries weight is not in them."""
+        (from_m, from_m_s, turn), (to_m, to_m_s, _) = (
+            self._end(carried, points, arm_m)
+            for points, arm_m in zip((self.first, self.second), self.arm_m, strict=True)
+        )
+        axes = self.axes @ turn.transpose(0, 2, 1)
+        deformation_m = np.einsum("nij,nj->ni", axes, to_m - from_m)
+        rate_m_s = np.einsum("nij,nj->ni", axes, to_m_s - from_m_s)
+        return deformation_m, self.stiffness_N_m * deformation_m + self.damping_N_s_m * rate_m_s
+
+    def _end(self, carried: Motion, points: Indices, arm_m: Array) -> tuple[Array, Array, Array]:
+        """Place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
+        ground = np.vstack([np.zeros(3), np.eye(3)])
+        still = points[:, :1, None] < 0
+        place_m = np.where(still, ground, carried.position_m[points])
+        velocity_m_s = np.where(still, 0.0, carried.velocity_m_s[points])
+        turn, spin = (np.swapaxes(x[:, 1:] - x[:, :1], 1, 2) for x in (place_m, velocity_m_s))
+        return (
+            place_m[:, 0] + np.einsum("nij,nj->ni", turn, arm_m),
+            velocity_m_s[:, 0] + np.einsum("nij,nj->ni", spin, arm_m),
+            turn,
+        )

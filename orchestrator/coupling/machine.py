@@ -1,0 +1,83 @@
+"""The assembled machine: open solvers, and where everybody's points lie."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from orchestrator.case.bed.material_book import MaterialBook
+from orchestrator.coupling.bushing_forces import BushingForces
+from orchestrator.coupling.ledger import Members
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers
+from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.ports import Array, Indices, Wearing
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.penetration import Penetrations
+
+
+@dataclass(frozen=True)
+class PanelPoints:
+    """Where one panel lies in the concatenated surface and clamps; ``centre_line`` and ``shape``
+    (what is recorded of it for playing back) index the surface, ``first_clamp``,
+    ``second_clamp`` and ``stops`` (points of beams below it) the clamps.  ``edges`` (n, 2) of its
+    triangles index the surface, too; ``edge_length_m`` (n,) is their stress-free length."""
+
+    name: str
+    surface: slice
+    clamps: slice
+    centre_line: Indices
+    shape: Indices
+    first_clamp: Indices
+    second_clamp: Indices
+    stops: Indices
+    edges: Indices
+    edge_length_m: Array
+
+
+@dataclass(frozen=True)
+class Probe:
+    """A point whose time series is wanted.
+
+    ``on`` is "clamps" (a point carried by a frame), "surface" (a point of a panel) or
+    "particle"; ``index`` the point's number there, or the particle's id.
+    """
+
+    name: str
+    on: str
+    index: int
+
+
+@dataclass(frozen=True)
+class Machine:
+    """All that the run, its records and its reports need to know.
+
+    ``centres``: frame name -> number of its centre of mass among the carried points; the next three
+    are the ends of the arms that tell its rotation (``pieces.frame_pieces``).
+    ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
+    ``material`` is None where the case has no particles, ``wearing`` where nothing wears.
+    """
+
+    solvers: Solvers
+    members: Members
+    scheme: Scheme
+    stopwatch: Stopwatch
+    surface: TriangleSurface
+    panel_of_triangle: Indices
+    panels: tuple[PanelPoints, ...]
+    penetrations: Penetrations
+    centres: dict[str, int]
+    probes: tuple[Probe, ...]
+    bushings: BushingForces
+    material: MaterialBook | None
+    wearing: Wearing | None
+
+    @property
+    def particle_runs(self) -> int:
+        """How often the particles were moved over an interval in this process."""
+        return self.members.particles.runs if self.members.particles is not None else 0
+
+    def close(self) -> None:
+        """Closes every solver."""
+        if self.solvers.particles is not None:
+            self.solvers.particles.close()
+        self.solvers.panel.close()
+        self.solvers.frames.close()

@@ -1,0 +1,136 @@
+"""Several panels as one: points are concatenated, the coupling loop does not change.
+
+Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the
+results, so that everybody knows the whole surface and all reactions.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from orchestrator.ports import (
+    Account,
+    Inertia,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    Panel,
+    PanelState,
+    Saved,
+)
+from orchestrator.ports.ahead import ahead_of
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.inertia import inertia_of
+from orchestrator.ports.inertia import joined as joined_inertia
+from orchestrator.ports.state import restorable
+
+
+class PanelSet:
+    """``count`` panels as one panel, on every rank of ``communicator`` (None: one process).
+
+    ``open_panel(i)`` opens panel i; it is called only on the rank that owns it.  Panel i has the
+    points ``surface[i]`` and ``clamps[i]`` (slices) of the concatenated arrays.
+    """
+
+    def __init__(
+        self, count: int, open_panel: Callable[[int], Panel], communicator: Any = None
+    ) -> None:
+        self._communicator = communicator
+        rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
+        self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
+        self._follow = {i: ahead_of(panel) for i, panel in self._own.items()}
+        states = self._exchanged({i: panel.initial() for i, panel in self._own.items()})
+        mounts = self._exchanged({i: panel.mount for i, panel in self._own.items()})
+        self.surface = slices([len(state.surface) for state in states])
+        self.clamps = slices([len(mount.frame) for mount in mounts])
+        self._initial = joined(states)
+        self.mount = Mount(
+            np.concatenate([mount.position_m for mount in mounts]),
+            tuple(frame for mount in mounts for frame in mount.frame),
+        )
+
+    def initial(self) -> PanelState:
+        return self._initial
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        own = {
+            i: panel.advance(
+                interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]])
+            )
+            for i, panel in self._own.items()
+        }
+        return joined(self._exchanged(own))
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        own = {i: ahead(interval, clamps.part(self.clamps[i])) for i, ahead in self._follow.items()}
+        parts = self._exchanged(own)
+        motion = joined_motion([part.motion for part in parts])
+        return Known(motion, np.concatenate([part.which for part in parts]))
+
+    def inertia(self) -> Inertia:
+        return joined_inertia(
+            self._exchanged({i: inertia_of(panel) for i, panel in self._own.items()})
+        )
+
+    def account(self) -> Account:
+        return total(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
+
+    def save(self) -> Saved:
+        """Of the panels on this rank."""
+        return {str(i): restorable(panel).save() for i, panel in self._own.items()}
+
+    def restore(self, saved: Saved) -> None:
+        for i, panel in self._own.items():
+            restorable(panel).restore(saved[str(i)])
+
+    def close(self) -> None:
+        for panel in self._own.values():
+            panel.close()
+
+    def _exchanged(self, own: Mapping[int, Any]) -> list[Any]:
+        """One value per panel, in order, from the ranks that own them."""
+        parts = self._communicator.allgather(own) if self._communicator else [own]
+        everybody = {i: value for part in parts for i, value in part.items()}
+        return [everybody[i] for i in sorted(everybody)]
+
+
+def slices(lengths: Sequence[int]) -> tuple[slice, ...]:
+    """Consecutive slices of the given lengths."""
+    ends = np.cumsum([0, *lengths]).tolist()
+    return tuple(slice(a, b) for a, b in itertools.pairwise(ends))
+
+
+def joined(states: Sequence[PanelState]) -> PanelState:
+    """One state with the points of all."""
+    return PanelState(
+        joined_motion([s.surface for s in states]),
+        Load(np.concatenate([s.reaction.force_N for s in states])),
+    )
+
+
+def joined_motion(motions: Sequence[Motion]) -> Motion:
+    """The points of all, one after the other."""
+    return Motion(
+        np.concatenate([motion.position_m for motion in motions]),
+        np.concatenate([motion.velocity_m_s for motion in motions]),
+    )
+
+
+def total(accounts: Sequence[Account]) -> Account:
+    """The sum of accounts, name by name."""
+
+    def added(name: str) -> Any:
+        values = [getattr(account, name) for account in accounts]
+        if isinstance(values[0], np.ndarray):
+            return np.sum(values, axis=0)
+        keys = dict.fromkeys(key for value in values for key in value)
+        return {key: sum(value.get(key, 0.0) for value in values) for key in keys}
+
+    # no panel tells its angular momentum
+    return Account(**{f.name: added(f.name) for f in fields(Account) if f.name != "angular"})

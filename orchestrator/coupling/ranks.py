@@ -1,0 +1,105 @@
+"""Processes: one program on every MPI rank, one voice.
+
+``mpirun -n N flipflow run …`` starts N copies.  LIGGGHTS decomposes the particles over all of
+them, panels are dealt out, frames are solved on rank 0 and their motion is broadcast.  A failure
+on any rank ends all of them: the first rank to fail speaks, then aborts the others, which may be
+waiting for it in a collective call.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from orchestrator.ports import Account, Frames, Known, Load, Motion, Saved
+from orchestrator.ports.ahead import carried_ahead
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import restorable
+
+Shared = TypeVar("Shared")
+_LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
+
+
+def communicator() -> Any:
+    """The world's communicator, or None in a run of one process (mpi4py is not even imported)."""
+    if not any(name in os.environ for name in _LAUNCHERS):
+        return None
+    from mpi4py import MPI
+
+    return MPI.COMM_WORLD if MPI.COMM_WORLD.size > 1 else None
+
+
+def is_first(world: Any) -> bool:
+    """True on the rank that writes files and speaks to the user."""
+    return world is None or world.rank == 0
+
+
+def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
+    """What rank 0 returned or raised, on every rank."""
+    if world is None:
+        return act()
+    answer: Any = None
+    if world.rank == 0:
+        try:
+            answer = act()
+        except Exception as error:
+            answer = error
+    answer = world.bcast(answer)
+    if isinstance(answer, Exception):
+        raise answer
+    return cast(Shared, answer)
+
+
+def end_all(world: Any, code: int) -> int:
+    """Ends every rank, wherever it waits, with the exit code ``code``; returns it where there is
+    only one."""
+    if world is not None:
+        world.Abort(code)
+    return code
+
+
+def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
+    """For what usually goes wrong on all ranks alike: the first speaks and ends all; another one
+    speaks only if nobody before it did."""
+    if world is not None:
+        time.sleep(2.0 * world.rank)
+    speak()
+    return end_all(world, code)
+
+
+class FramesOnFirstRank:
+    """Frames solved on rank 0; all ranks get the same motion, bit for bit."""
+
+    def __init__(self, world: Any, open_frames: Callable[[], Frames]) -> None:
+        self._world = world
+        self._frames = open_frames() if world.rank == 0 else None
+
+    def initial(self) -> Motion:
+        return self._shared(lambda frames: frames.initial())
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        return self._shared(lambda frames: frames.advance(interval, reaction))
+
+    def ahead(self, interval: Interval) -> Known | None:
+        return self._shared(lambda frames: carried_ahead(frames, interval))
+
+    def account(self) -> Account:
+        return self._shared(lambda frames: frames.account())
+
+    def save(self) -> Saved:
+        """Nothing on ranks that have no frames."""
+        return restorable(self._frames).save() if self._frames is not None else {}
+
+    def restore(self, saved: Saved) -> None:
+        if self._frames is not None:
+            restorable(self._frames).restore(saved)
+
+    def close(self) -> None:
+        if self._frames is not None:
+            self._frames.close()
+
+    def _shared(self, ask: Callable[[Frames], Shared]) -> Shared:
+        answer = ask(self._frames) if self._frames is not None else None
+        return cast(Shared, self._world.bcast(answer))

@@ -1,0 +1,135 @@
+"""Intervals repeated until particles and panel agree.
+
+The particles move on the chord of the surface's motion, the straight path from where it is to
+where the panel ends, and the panel ends there under their mean load.  Then that load does the same
+work on both sides: no energy is created.  (Where a drive carries the surface, its true path is
+known and takes the chord's place.)  Unknown is the load F, sought as the fixed point of
+
+    F -> load of the particles on the chord which the panel moves along under F,
+
+from the load of the last interval on; ``relaxation.py`` has the ways there.  Every iterate hands
+over all momentum, since the panel at last moves under the load that the particles gave.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any, Protocol
+
+import numpy as np
+
+from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
+from orchestrator.coupling.schemes.steps import Ahead, ahead, chord, ended
+from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import put_back, restorable, taken
+from orchestrator.preflight.effort import Effort
+
+LOG = logging.getLogger("flipflow")
+_COUNTS = ("_intervals", "_runs", "_longest", "_unsolved", "_worst")
+
+
+class Relaxation(Restorable, Protocol):
+    """Says under which load the next try is made; begins anew in each interval."""
+
+    def begin(self) -> None: ...
+
+    def next(self, tried_N: Array, answer_N: Array) -> Array:
+        """After ``tried_N`` made the particles answer with ``answer_N``; any shape."""
+        ...
+
+
+def aitken(effort: Effort) -> Scheme:
+    return _scheme(effort, Aitken())
+
+
+def quasi_newton(effort: Effort) -> Scheme:
+    return _scheme(effort, LeastSquares())
+
+
+def _scheme(effort: Effort, relaxation: Relaxation) -> Scheme:
+    iterated = Iterated(effort, relaxation)
+    return Scheme(iterated.advance, memory=iterated)
+
+
+class Iterated:
+    """The scheme, and the count of what it took."""
+
+    def __init__(self, effort: Effort, relaxation: Relaxation) -> None:
+        self._effort, self._relaxation = effort, relaxation
+        self._intervals = self._runs = self._longest = self._unsolved = 0
+        self._worst = 0.0
+
+    def advance(self, solvers: Solvers, interval: Interval, now: State) -> State:
+        known = ahead(solvers, interval, now)
+        if solvers.particles is None:
+            panel, load = solvers.panel.advance(interval, known.clamps, now.load), now.load
+        else:
+            panel, load = self._solved(solvers, interval, now, known)
+        return ended(solvers, interval, now, panel, load)
+
+    def _solved(
+        self, solvers: Solvers, interval: Interval, now: State, known: Ahead
+    ) -> tuple[PanelState, Load]:
+        assert solvers.particles is not None
+        particles, panel = restorable(solvers.particles), restorable(solvers.panel)
+        particles_before, panel_before = particles.save(), panel.save()
+        self._relaxation.begin()
+        tried = now.load
+        for run in range(1, self._effort.most + 1):
+            moved = solvers.panel.advance(interval, known.clamps, tried)
+            path = known.path(chord(now.panel.surface, moved.surface, interval.length_s))
+            load = solvers.particles.advance(interval, path)
+            off_N = size(load.force_N - tried.force_N)
+            solved = off_N <= max(self._effort.tolerance * size(load.force_N), self._effort.floor_N)
+            solved = solved or known.settled  # any other load would be answered alike
+            if solved or run == self._effort.most:
+                break
+            tried = Load(self._relaxation.next(tried.force_N, load.force_N))
+            particles.restore(particles_before)
+            panel.restore(panel_before)
+        self._count(run, solved, off_N, load, interval)
+        if off_N > 0:
+            panel.restore(panel_before)
+            moved = solvers.panel.advance(interval, known.clamps, load)
+        return moved, load
+
+    def figures(self) -> dict[str, Any]:
+        """For ``summary.json``."""
+        mean = self._runs / self._intervals if self._intervals else 0.0
+        return {
+            "mean": mean,
+            "most": self._longest,
+            "unsolved": self._unsolved,
+            "worst": self._worst,
+        }
+
+    def save(self) -> Saved:
+        return taken(self, *_COUNTS) | {"relaxation": self._relaxation.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_COUNTS)
+        self._relaxation.restore(saved["relaxation"])
+
+    def _count(self, runs: int, solved: bool, off_N: float, load: Load, interval: Interval) -> None:
+        self._intervals += 1
+        self._runs += runs
+        self._longest = max(self._longest, runs)
+        if solved:
+            return
+        self._unsolved += 1
+        residual = off_N / max(size(load.force_N), off_N)
+        self._worst = max(self._worst, residual)
+        if self._unsolved == 1:
+            LOG.warning(
+                "the interval at t = %g s is not solved after %d iterations: the load is off by "
+                "%.2g of its size; said once, summary.json counts them",
+                interval.start_s,
+                runs,
+                residual,
+            )
+
+
+def size(force_N: Array) -> float:
+    return float(np.linalg.norm(force_N))

@@ -1,0 +1,102 @@
+"""Ways to the load that particles and panel agree on.
+
+Each is told which load was tried and which was the answer, and says what to try next.  The residual
+is r = answer - tried; zero is wanted.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from orchestrator.ports import Array, Saved
+from orchestrator.ports.state import put_back, taken
+
+FIRST_SHARE = 0.5  # of the residual, before anything is known of how the answer depends on the try
+SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they say nothing new
+
+
+class Aitken:
+    """A share w of the residual, found anew from the last two of them:
+
+        tried <- tried + w r,    w <- -w r_before . (r - r_before) / |r - r_before|^2.
+
+    Kuettler, U. and Wall, W. A., Computational Mechanics 43, 2008, 61-72,
+    doi 10.1007/s00466-008-0255-5.  The last share of an interval is the next one's first.
+    """
+
+    def __init__(self) -> None:
+        self._share = FIRST_SHARE
+        self._residual_N: Array | None = None
+
+    def begin(self) -> None:
+        self._residual_N = None
+        self._share = first(self._share)
+
+    def next(self, tried_N: Array, answer_N: Array) -> Array:
+        residual_N = answer_N - tried_N
+        if self._residual_N is not None:
+            self._share = secant(self._share * self._residual_N, residual_N - self._residual_N)
+        self._residual_N = residual_N
+        return np.asarray(tried_N + self._share * residual_N)
+
+    def save(self) -> Saved:
+        """At a sync point."""
+        return taken(self, "_share")
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_share")
+
+
+class LeastSquares:
+    """Quasi-Newton by least squares: of all changes of the residual that this interval has shown,
+    the columns of V, the combination c that comes nearest to -r, and the same one of the changes
+    of the answer, W:
+
+        c = argmin |V c + r|,    tried <- answer + W c.
+
+    IQN-ILS: Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87, 2009,
+    793-801, doi 10.1016/j.compstruc.2008.11.013.  Columns of earlier intervals, which that paper
+    uses again, made it slower here: contacts come and go (docs/theory/coupling.md).  Kept is the
+    share of the residual that would have suited the first change best.
+    """
+
+    def __init__(self) -> None:
+        self._share = FIRST_SHARE
+        self.begin()
+
+    def begin(self) -> None:
+        self._share = first(self._share)
+        self._residuals: list[Array] = []
+        self._answers: list[Array] = []
+
+    def next(self, tried_N: Array, answer_N: Array) -> Array:
+        residual_N = answer_N - tried_N
+        self._residuals.append(residual_N.ravel())
+        self._answers.append(answer_N.ravel())
+        if len(self._answers) == 1:
+            return np.asarray(tried_N + self._share * residual_N)
+        V = np.diff(self._residuals, axis=0).T
+        W = np.diff(self._answers, axis=0).T
+        if len(self._answers) == 2:
+            self._share = secant(W[:, 0] - V[:, 0], V[:, 0])
+        size_N = np.linalg.norm(V, axis=0)  # of one size, so that the last, small ones count, too
+        c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
+        return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
+
+    def save(self) -> Saved:
+        """At a sync point."""
+        return taken(self, "_share")
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_share")
+
+
+def secant(tried_N: Array, residual_N: Array) -> float:
+    """The share w with which these changes would have led on:  |tried + w residual|  is least."""
+    square = float(np.vdot(residual_N, residual_N))
+    return -float(np.vdot(tried_N, residual_N)) / square if square > 0 else FIRST_SHARE
+
+
+def first(share: float) -> float:
+    """Of an interval, after one that ended with ``share``."""
+    return share if 0 < share <= 1 else FIRST_SHARE

@@ -1,5 +1,0 @@
-"""One file for each effect that a scene may call for (docs/theory/effects.md).
-
-The file's name is the effect's, and its ``EFFECT`` is all there is to say of it;
-``scene/catalogue.py`` finds them.
-"""

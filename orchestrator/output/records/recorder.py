@@ -1,0 +1,213 @@
+"""What a run writes while it goes on: time series, and snapshots for ParaView.
+
+Groups of ``history.h5``: ``frames/<name>`` and ``probes/<name>`` (motion), ``forces/<panel>`` and
+``bushings/<name>`` every ``output.series_s``; ``point_cycles`` and ``panel_cycles`` at the end of
+every cycle of the machine; ``shapes/<panel>`` every ``output.shapes_s``;
+``panels/<name>`` (centre line), ``energy``, ``bed`` and what deck_record.py adds at every output
+time; ``fed`` and ``removed``: a row for each particle that came or went.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case.deck.opening_places import openings_m
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.tables.case import Case
+from orchestrator.coupling.ledger import Ledger
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.ranks import is_first
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.output.records.cycle_record import CycleRecord
+from orchestrator.output.records.deck_record import deck_record
+from orchestrator.output.records.history import History
+from orchestrator.output.records.panel_forces import PanelForces
+from orchestrator.output.records.panel_watch import PanelWatch
+from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.output.records.summary import counted_cycle_s, cycle_s
+from orchestrator.output.records.time_series import TimeSeries
+from orchestrator.output.records.wear_record import WearRecord
+from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
+from orchestrator.ports.clock import steps_in
+from orchestrator.ports.particle_records import Bed
+
+
+class Recorder:
+    """On every rank (snapshots and accounts are collective); rank 0 writes."""
+
+    def __init__(
+        self,
+        folder: Path,
+        machine: Machine,
+        ledger: Ledger,
+        start: State,
+        case: Case,
+        world: Any,
+        goes_on: bool = False,
+    ):
+        """``goes_on``: in what an earlier process recorded, to be restored before the first row."""
+        self._machine, self._ledger, self._start = machine, ledger, start
+        self._writes = is_first(world)
+        self._follows = any(probe.on == "particle" for probe in machine.probes)
+        self._every = rows_every(case)
+        self._shapes_every = shapes_every(case)
+        if self._writes:
+            self._history = History(folder / "history.h5", goes_on)
+            self._panel_watch = PanelWatch(case)
+            self._forces = PanelForces(machine, start)
+            self._series = TimeSeries(machine, start, self._history)
+            rectangles = [panel.rectangle for panel in single_panels(case)]
+            cycle = counted_cycle_s(case)
+            self._cycles = CycleRecord(machine, start, rectangles, cycle, self._history)
+            self._parts: dict[str, Restorable] = {
+                "panel_watch": self._panel_watch,
+                "series": self._series,
+                "cycles": self._cycles,
+            }
+            if len(machine.surface.triangles):
+                self._parts["surface"] = self._surface = Series(folder, "surface")
+            if machine.material is not None:
+                self._parts["particles"] = self._particles = Series(folder, "particles")
+                exits = machine.material.exits
+                self._history.describe("removed", "names", [one.name for one in exits])
+                self._history.describe("removed", "products", [one.product for one in exits])
+            lines = [panel.centre_line for panel in machine.panels]
+            if machine.wearing is not None:
+                self._wear = WearRecord(machine.surface, machine.panels, rectangles)
+            self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
+            if self._deck is not None:
+                self._parts["held"] = self._deck.held
+
+    def sync_point(self, done: int, time_s: float, state: State) -> None:
+        """Every sync point; ``done`` counts them."""
+        if self._writes:
+            forces_N = self._forces.at(state)
+            self._series.sync_point(forces_N)
+            self._cycles.sync_point(time_s, state, forces_N)
+            if self._shapes_every and done % self._shapes_every == 0:
+                self._shapes(time_s, state.panel.surface)
+        if done % self._every:
+            return
+        followed = self._snapshot() if self._follows else None
+        if self._writes:
+            self._series.row(time_s, state, followed)
+
+    def _shapes(self, time_s: float, surface: Motion) -> None:
+        for panel in self._machine.panels:
+            values = vars(surface.part(panel.shape))
+            self._history.add(f"shapes/{panel.name}", time_s, values)
+
+    def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
+        """Every output time: shapes, books, and files for ParaView.  Returns the ledger's terms,
+        and the particles."""
+        terms = self._ledger.energy_J()
+        bed = self._material(time_s)
+        worn_m3 = None if self._machine.wearing is None else self._machine.wearing.worn_m3()
+        if not self._writes:
+            return terms, bed
+        self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
+        surface = state.panel.surface
+        for panel in self._machine.panels:
+            line = surface.position_m[panel.centre_line]
+            self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
+            self._panel_watch.look(time_s, panel.name, line)
+        triangles = self._machine.surface.triangles
+        if len(triangles):
+            worn = {} if worn_m3 is None else self._worn(time_s, worn_m3)
+            mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle, worn)
+            self._surface.add(time_s, mesh)
+        if bed is not None:
+            particles = bed[0]
+            self._history.add("bed", time_s, _bed(particles))
+            if self._deck is not None:
+                for group, values in self._deck.at(time_s, surface, particles).items():
+                    self._history.add(group, time_s, values)
+            self._particles.add(time_s, particle_mesh(particles))
+        self._history.flush()
+        return terms, bed
+
+    def last_contacts(self) -> None:
+        """What happened in contacts since the last output time, where a run ends without another
+        one; collective."""
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is not None and book is not None:
+            book.look_at_contacts(particles.overlaps(), particles.crossings())
+
+    def material(self) -> dict[str, Any] | None:
+        """The material's balance at the last output time, on rank 0."""
+        book = self._machine.material
+        return book.figures() if book is not None else None
+
+    def save(self) -> Saved:
+        """What is recorded goes to the disk; what later rows depend on is returned."""
+        if not self._writes:
+            return {}
+        self._history.flush()
+        return {name: part.save() for name, part in self._parts.items()}
+
+    def restore(self, saved: Saved) -> None:
+        if self._writes:
+            for name, part in self._parts.items():
+                part.restore(saved[name])
+
+    def close(self) -> None:
+        if self._writes:
+            self._cycles.close()
+            self._history.close()
+
+    def _material(self, time_s: float) -> Bed | None:
+        """Who came and went since the last output time, into the books and the event tables."""
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is None or book is None:
+            return None
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        overlaps = particles.overlaps()
+        book.look_at_contacts(overlaps, particles.crossings())
+        if self._writes:
+            self._history.add("overlaps", time_s, vars(overlaps))
+            self._history.events("fed", vars(fed))
+            gone = {name: rows for name, rows in vars(removed).items() if name != "material"}
+            self._history.events("removed", gone)
+            for feed in book.feed.feeds:
+                values = {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
+                self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
+            book.add(time_s, fed, removed, present)
+        return present, overlaps
+
+    def _worn(self, time_s: float, worn_m3: Array) -> dict[str, Array]:
+        for group, values in self._wear.groups(worn_m3).items():
+            self._history.add(group, time_s, values)
+        return {"worn_depth_m": self._wear.point_depth_m(worn_m3)}
+
+    def _snapshot(self) -> ParticleSnapshot | None:
+        particles = self._machine.solvers.particles
+        return particles.snapshot() if particles is not None else None
+
+
+def rows_every(case: Case) -> int:
+    """Sync intervals from row to row of the time series."""
+    interval_s = case.coupling.sync_interval_s
+    return steps_in(case.output.series_s or interval_s, interval_s)
+
+
+def shapes_every(case: Case) -> int:
+    """Sync intervals from row to row of the panels' whole shapes; 0: they are not wanted."""
+    if not case.output.shapes_s:
+        return 0
+    return steps_in(case.output.shapes_s, case.coupling.sync_interval_s)
+
+
+def _bed(particles: ParticleSnapshot) -> dict[str, Any]:
+    mass = np.pi / 6 * particles.diameter_m**3 * particles.density_kg_m3
+    speed = np.linalg.norm(particles.velocity_m_s, axis=1)
+    count = len(mass)
+    return {
+        "particles": float(count),
+        "mass_kg": float(mass.sum()),
+        "mean_speed_m_s": float(mass @ speed / mass.sum()) if count else 0.0,
+        "mean_velocity_m_s": mass @ particles.velocity_m_s / mass.sum() if count else np.zeros(3),
+        "highest_m": float(particles.position_m[:, 2].max()) if count else np.nan,
+    }

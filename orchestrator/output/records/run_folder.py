@@ -1,0 +1,165 @@
+"""The folder of a run: made once, never written over, and left usable whatever happens."""
+
+from __future__ import annotations
+
+import json
+import logging
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from orchestrator.case.provenance import provenance
+from orchestrator.preflight.levels import LoadedCase
+
+LOG = logging.getLogger("flipflow")
+RECORDING = "recording.h5"
+
+
+class FolderUnusable(Exception):
+    """The output folder exists already or cannot be written (exit code 2)."""
+
+
+def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
+    """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
+    that can be run again, with its surfaces beside it) and the provenance.  Raises
+    FolderUnusable."""
+    folder = make(out) if out else fresh(Path("runs"), loaded.name)
+    try:
+        _fill(folder, loaded, world.size if world else 1)
+    except OSError as error:
+        discard(folder)
+        raise FolderUnusable(f"{folder}: cannot be written: {error.strerror or error}") from None
+    return folder
+
+
+def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
+    for name, surface in loaded.case.whole.screen.surfaces.items():
+        if surface.stl is not None:
+            shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
+    if loaded.case.panel.recording is not None:
+        shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
+    write_case(folder, loaded)
+    write_json(folder / "provenance.json", provenance(ranks))
+
+
+def write_case(folder: Path, loaded: LoadedCase) -> None:
+    """The resolved case."""
+    write_text(folder / "case.toml", tomli_w.dumps(resolved(loaded)))
+
+
+def resolved(loaded: LoadedCase) -> dict[str, Any]:
+    """The case with its level, every ``--set`` and every default, as the run's folder has it."""
+    table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
+    for name, surface in table["screen"]["surfaces"].items():
+        if "stl" in surface:
+            surface["stl"] = f"{name}.stl"
+    if "recording" in table["panel"]:
+        table["panel"]["recording"] = RECORDING
+    return table | {"default_level": ""}
+
+
+def claimed(path: Path, text: str, rank: int) -> bool:
+    """Writes ``path`` if nobody did before; False for everybody but the first.  Where nobody can
+    write, ranks that wait in turn for the lower ones to act are all first."""
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text + "\n")
+    except FileExistsError:
+        return False
+    except OSError:  # a full disk must not silence the message
+        time.sleep(2.0 * rank)
+    return True
+
+
+def discard(folder: Path) -> None:
+    """Removes a run's folder in which nothing has been computed."""
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def make(folder: Path) -> Path:
+    """A new folder; raises FolderUnusable if it is there already or cannot be made."""
+    try:
+        return _made(folder)
+    except FileExistsError:
+        raise FolderUnusable(
+            f"{folder}: exists already; nothing was written. "
+            "Give another folder with --out, or remove this one."
+        ) from None
+
+
+def _made(folder: Path) -> Path:
+    """Raises FileExistsError where it is there, FolderUnusable where it cannot be."""
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
+    try:
+        folder.mkdir()
+    except FileExistsError:
+        raise
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
+    return folder
+
+
+def fresh(parent: Path, case: str) -> Path:
+    """A new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever
+    asks at the same time.  Raises FolderUnusable if it cannot be made."""
+    for number in count(1):
+        with suppress(FileExistsError):
+            return _made(parent / f"{case}-{number}")
+    raise AssertionError("numbers do not end")
+
+
+class _Legible(logging.Formatter):
+    """Characters that would command a terminal, such as ESC in the name of a folder, are written
+    as Python writes them."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return legible(super().format(record))
+
+
+def legible(text: str) -> str:
+    """Lines as they are, other characters that do not print as Python writes them."""
+    return "".join(
+        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode()
+        for one in text
+    )
+
+
+@contextmanager
+def logging_to(folder: Path, first: bool) -> Iterator[None]:
+    """``run.log`` with times; of ranks other than the first it has errors only."""
+    handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
+    handler.setFormatter(_Legible("%(asctime)s %(levelname)-7s %(message)s"))
+    LOG.addHandler(handler)
+    LOG.setLevel(logging.INFO if first else logging.ERROR)
+    LOG.propagate = False  # the console has its own words
+    logging.raiseExceptions = False  # a log that cannot be written must not stop the run
+    try:
+        yield
+    finally:
+        LOG.removeHandler(handler)
+        handler.close()
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Whole or not at all."""
+    write_text(path, json.dumps(value, indent=2, default=float) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Whole or not at all: written aside, then renamed."""
+    aside = path.with_name(f".{path.name}")
+    try:
+        aside.write_text(text, encoding="utf-8")
+        aside.replace(path)
+    except OSError:  # half a file has no use, and takes room
+        aside.unlink(missing_ok=True)
+        raise

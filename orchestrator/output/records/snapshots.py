@@ -1,0 +1,102 @@
+"""Surfaces and particles as files that ParaView opens as an animation.
+
+``surface.pvd`` and ``particles.pvd`` list one VTU file per output time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import meshio
+import numpy as np
+
+from orchestrator.output.records.run_folder import write_text
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+
+
+class Series:
+    """One ParaView series: ``<name>.pvd`` beside the folder ``<name>/`` with a file a time."""
+
+    def __init__(self, folder: Path, name: str) -> None:
+        self._folder, self._name = folder, name
+        self._time_s: list[float] = []
+        self._rows = ""  # of the list, in words: which takes 20 times as long as writing them
+        (folder / name).mkdir(exist_ok=True)
+
+    def add(self, time_s: float, mesh: meshio.Mesh) -> None:
+        file = self._file(len(self._time_s))
+        try:
+            mesh.write(self._folder / file)
+        except OSError:  # half a file would not open
+            (self._folder / file).unlink(missing_ok=True)
+            raise
+        self._note(time_s)
+        self._write_list()
+
+    def save(self) -> Saved:
+        return {"time_s": np.array(self._time_s)}
+
+    def restore(self, saved: Saved) -> None:
+        """Files of later times are removed."""
+        self._time_s, self._rows = [], ""
+        for time_s in saved["time_s"].tolist():
+            self._note(time_s)
+        kept = {self._folder / self._file(number) for number in range(len(self._time_s))}
+        for file in (self._folder / self._name).glob("*.vtu"):
+            if file not in kept:
+                file.unlink()
+        self._write_list()
+
+    def _file(self, number: int) -> str:
+        return f"{self._name}/{self._name}_{number:05d}.vtu"
+
+    def _note(self, time_s: float) -> None:
+        file = quoteattr(self._file(len(self._time_s)))
+        self._rows += f'<DataSet timestep="{time_s!r}" file={file}/>\n'
+        self._time_s.append(time_s)
+
+    def _write_list(self) -> None:
+        """Whole again at every time, so that an interrupted run opens, too."""
+        text = (
+            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
+            f"<Collection>\n{self._rows}</Collection>\n</VTKFile>\n"
+        )
+        write_text(self._folder / f"{self._name}.pvd", text)
+
+
+def surface_mesh(
+    surface: Motion, triangles: Indices, panel: Indices, worn: Mapping[str, Array]
+) -> meshio.Mesh:
+    """Triangles with velocity, and ``worn`` (points,) by name, at the points and the number of the
+    panel in each cell; points of no triangle (probes, arms of frames) would only blow up what a
+    viewer frames."""
+    points, corners = np.unique(triangles, return_inverse=True)
+    return meshio.Mesh(
+        surface.position_m[points],
+        [("triangle", corners.reshape(triangles.shape))],
+        point_data={
+            "velocity_m_s": surface.velocity_m_s[points],
+            **{name: values[points] for name, values in worn.items()},
+        },
+        cell_data={"panel": [panel]},
+    )
+
+
+def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
+    """One vertex a particle, with diameter, speed, velocity, spin, material and id."""
+    count = len(particles.id)
+    return meshio.Mesh(
+        particles.position_m.reshape(count, 3),
+        [("vertex", np.arange(count).reshape(count, 1))],
+        point_data={
+            "id": particles.id,
+            "diameter_m": particles.diameter_m,
+            "speed_m_s": np.linalg.norm(particles.velocity_m_s, axis=1),
+            "velocity_m_s": particles.velocity_m_s,
+            "spin_rad_s": particles.spin_rad_s,
+            "density_kg_m3": particles.density_kg_m3,
+            "material": particles.material,
+        },
+    )

@@ -1,0 +1,151 @@
+"""``summary.json`` and the closing table: what a run says at its end.
+
+The keys are documented in docs/run-folder.md; a test holds the two together.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rich.table import Table
+
+from orchestrator.case.tables.case import Case
+from orchestrator.coupling.ledger import share_created
+
+CYCLES_WITHOUT_DRIVE = 50
+PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "watch")
+
+
+def cycle_s(case: Case) -> float:
+    """The machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
+    frames); the whole run where there is none."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    speeds = [drive.speed_rad_s for drive in drives]
+    if case.frames.solver != "prescribed":
+        speeds += [exciter.speed_rad_s for exciter in case.screen.exciters.values()]
+    return 2 * math.pi / min(speeds) if speeds else case.duration_s
+
+
+def is_driven(case: Case) -> bool:
+    """Whether something gives the machine a cycle."""
+    return cycle_s(case) != case.duration_s
+
+
+def counted_cycle_s(case: Case) -> float:
+    """What results are counted by: the machine's cycle, or a part of the run where nothing drives
+    it."""
+    return cycle_s(case) if is_driven(case) else case.duration_s / CYCLES_WITHOUT_DRIVE
+
+
+def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
+    """Every part, and ``rest`` so that they add up to the wall time."""
+    table = {part: parts_s.get(part, 0.0) for part in PARTS}
+    return table | {"rest": wall_s - sum(table.values())}
+
+
+def closing_table(summary: dict[str, Any]) -> Table:
+    """Where the time went."""
+    table = Table(title="where the time went", title_justify="left")
+    table.add_column("part")
+    table.add_column("wall / s", justify="right")
+    table.add_column("share", justify="right")
+    for part, wall_s in summary["wall_by_part_s"].items():
+        table.add_row(part, f"{wall_s:.2f}", f"{100 * wall_s / summary['wall_s']:.0f} %")
+    table.add_row("all", f"{summary['wall_s']:.2f}", "100 %")
+    return table
+
+
+def material_lines(material: dict[str, Any]) -> list[str]:
+    """Where the particles are; a warning where some are lost."""
+
+    def said(what: str, amount: dict[str, Any]) -> str:
+        return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
+
+    exits = [said(f"through {name}", one) for name, one in material["exits"].items()]
+    there = [said("on deck", material["on_deck"]), *exits, said("lost", material["lost"])]
+    lines = [f"{said('particles: came', material['fed'])} = " + " + ".join(there)]
+    if material["lost"]["number"]:
+        lines.append(
+            f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
+            "through an exit; history.h5 says where (removed, exit = -1)"
+        )
+    if material["escaped"]["number"]:
+        lines.append(
+            f"WARNING: {material['escaped']['number']} particles came out with the undersize "
+            "although they fit through no opening; run.log names the first"
+        )
+    return lines
+
+
+def contact_lines(material: dict[str, Any]) -> list[str]:
+    """How deep contacts were; a warning where particles went through the surface."""
+    deepest, crossings = material["deepest_overlaps"], material["crossings"]
+    lines = [
+        "deepest overlap since the start, of a radius: "
+        f"{2 * deepest['surface_per_diameter']:.2g} with the surface, "
+        f"{2 * deepest['between_per_diameter']:.2g} between particles"
+    ]
+    if crossings["number"]:
+        lines.append(
+            f"WARNING: {crossings['number']} times a particle went through the surface elsewhere "
+            f"than through an opening, the first one (number {crossings['first_id']}) at t = "
+            f"{crossings['first_time_s']:.6g} s"
+        )
+    return lines
+
+
+def watch_lines(watch: dict[str, Any]) -> list[str]:
+    """Whether intervals had to be shortened."""
+    if not watch["shortened_intervals"]:
+        return []
+    return [
+        f"WARNING: the watch ran {watch['shortened_intervals']} sync intervals "
+        f"({100 * watch['shortened_share']:.2g} %) in parts, down to "
+        f"{watch['shortest_interval_s']:g} s; run.log says when and why"
+    ]
+
+
+def created_J(ledger: dict[str, float]) -> float:
+    """Energy that the coupling made."""
+    return sum(value for name, value in ledger.items() if name.startswith("created."))
+
+
+def iteration_lines(iterations: dict[str, Any]) -> list[str]:
+    """How often intervals were repeated; a warning where that was not enough."""
+    lines = [
+        f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"
+    ]
+    if iterations["unsolved"]:
+        lines.append(
+            f"WARNING: {iterations['unsolved']} sync intervals were not solved to "
+            f"coupling.tolerance; their load was off by up to {iterations['worst']:.2g} of its size"
+        )
+    return lines
+
+
+def closing_lines(summary: dict[str, Any]) -> list[str]:
+    """The run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
+    ledger = summary["energy_ledger_J"]
+    share = share_created(summary)
+    lines = [
+        f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
+        f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
+        f"energy created by the coupling {created_J(ledger):+.3g} J "
+        f"({share:+.1e} of the energy exchanged and lost, at the worse interface)",
+    ]
+    if summary["particles"]:
+        lines.insert(
+            1,
+            f"{summary['particles']} particles, "
+            f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
+        )
+    if iterations := summary.get("iterations"):
+        lines += iteration_lines(iterations)
+    if material := summary.get("material"):
+        lines += material_lines(material)
+        if "crossings" in material:  # not in a run of an older flipflow
+            lines += contact_lines(material)
+    if watch := summary.get("watch"):
+        lines += watch_lines(watch)
+    return lines

@@ -1,0 +1,208 @@
+"""Whether a run that came to its end can be trusted: one definition for the console, the exit
+code, studies and reports.
+
+A run ends with one of these states in ``summary.json``:
+
+``done``
+    It came to its end, and nothing in its own figures speaks against it.
+``doubtful``
+    It came to its end, and its own figures say that it cannot be trusted; ``doubts`` says why.
+``incomplete``
+    It came to its end, but some of its results could not be made.
+``interrupted``, ``failed``
+    It did not come to its end.
+
+Each ground for doubt is a small function of the summary in ``GROUNDS``, and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from orchestrator.coupling.ledger import defect_shares, share_created
+from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
+
+DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
+AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
+EXIT_CODES = {DONE: 0, DOUBTFUL: 5, INCOMPLETE: 6}
+
+LARGEST_SHARE_CREATED = 0.01
+"""Of the energy exchanged and lost, created by the coupling, where the case gives no limit."""
+LARGEST_SHARE_OF_A_SOLVER = 0.05
+"""Of the energy that a solver turned over (``ledger.defect_shares``), made by its own steps."""
+LARGEST_MOMENTUM_RESIDUAL = 1e-9
+"""Relative; rounding is below 1e-12 in all runs of the tests."""
+LARGEST_SHARE_UNSOLVED = 0.01
+"""Of the sync intervals."""
+LARGEST_DEVIATION = 0.1
+"""Of the load in an interval that was not solved, of its size."""
+LARGEST_SHARE_ASTRAY = 0.01
+"""Of the mass that came."""
+SOLVERS = {"frames": "frames'", "panel": "panels'", "particles": "particles'"}
+
+Summary = Mapping[str, Any]
+
+
+def doubts(summary: Summary) -> list[str]:
+    """Returns the reasons why the run behind ``summary`` (the table of ``summary.json``) is not to
+    be trusted, a whole sentence each; none for a run that can be."""
+    return [sentence for ground in GROUNDS for sentence in ground(summary)]
+
+
+def state_at_end(summary: Summary) -> str:
+    """Returns the state of a run that came to its end, from its ``doubts`` and its results."""
+    if summary.get("doubts"):
+        return DOUBTFUL
+    results = summary.get("results")
+    return INCOMPLETE if results is None or results.get("failed") else DONE
+
+
+def came_to_its_end(state: str) -> bool:
+    """Returns whether a run of this state need not be run again."""
+    return state in AT_THE_END
+
+
+def is_trusted(state: str) -> bool:
+    """Returns whether figures of a run of this state may be taken as data."""
+    return state == DONE
+
+
+def _energy_created(summary: Summary) -> Iterator[str]:
+    """The coupling must not make or destroy more than a small share of the energy that goes through
+    it (``ledger.created_shares``); ``watch.largest_created_in_total`` of the case says how much."""
+    if "energy_ledger_J" not in summary:
+        return
+    share, watched = share_created(summary), summary.get("watch", {}).get("figures", {})
+    limit = watched.get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
+    if abs(share) > limit:
+        advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
+        made = "created" if share > 0 else "destroyed"
+        yield (
+            f"The coupling {made} {100 * abs(share):.2g} % of the energy that was exchanged and "
+            f"lost, more than {100 * limit:g} %. {advice}"
+        )
+
+
+def _effects_crossed(summary: Summary) -> Iterator[str]:
+    """Nothing may be left out by an estimate that the run itself contradicts."""
+    for name, entry in summary.get("effects", {}).items():
+        after = entry.get("after") or {}
+        if entry.get("left_out") and entry.get("crossed") and after.get("matters"):
+            yield (
+                f"{name} is left out, and by the run it matters: {after['number']} is "
+                f"{_rounded(after['value'])}, threshold {after['threshold']}; do not leave it out."
+            )
+
+
+def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
+    """No panel may have gone through a surface that would have held it."""
+    seen = summary.get("watch", {}).get("figures", {}).get("penetrated_surfaces", {})
+    if seen.get("times"):
+        yield (
+            f"From t = {seen['first_s']:g} s on a panel went through a surface, by up to "
+            f"{seen['worst']:.3g} of its thickness, and nothing held it there; tighten it, move "
+            "one of them, or give the panel a stop."
+        )
+
+
+def _rounded(value: float | None) -> str:
+    return "infinite" if value is None else f"{value:.3g}"
+
+
+def _energy_of_solvers(summary: Summary) -> Iterator[str]:
+    """A solver's own steps must not make or destroy energy either."""
+    if "energy_ledger_J" not in summary:
+        return
+    for member, share in defect_shares(summary).items():
+        if abs(share) > LARGEST_SHARE_OF_A_SOLVER:
+            made = "made" if share > 0 else "destroyed"
+            yield (
+                f"The time steps of the {SOLVERS[member]} solver {made} {100 * abs(share):.2g} % "
+                f"of the energy that it turned over, more than "
+                f"{100 * LARGEST_SHARE_OF_A_SOLVER:g} %; shorten its step or the sync interval."
+            )
+
+
+def _momentum(summary: Summary) -> Iterator[str]:
+    """Momentum is handed over to rounding; more than that is a mistake in the program or in a
+    solver.  Interfaces whose hand-over is turned off lose it on purpose."""
+    closed = summary.get("energy_exchanged_J", {})
+    for name, residual in summary.get("momentum_residuals", {}).items():
+        if residual > LARGEST_MOMENTUM_RESIDUAL and ("-" not in name or name in closed):
+            yield (
+                f"Momentum does not close ({name.replace('-', ' and ')}): {residual:.1e} of what "
+                f"was handed over is missing, more than {LARGEST_MOMENTUM_RESIDUAL:g}."
+            )
+
+
+def _unsolved_intervals(summary: Summary) -> Iterator[str]:
+    """An interval that was not solved to its tolerance is as good as one of the plain scheme: a few
+    of them, or small deviations, do no harm that the energy would not show."""
+    iterations, intervals = summary.get("iterations") or {}, summary.get("sync_intervals", 0)
+    unsolved, worst = iterations.get("unsolved", 0), iterations.get("worst", 0.0)
+    if unsolved > LARGEST_SHARE_UNSOLVED * intervals and worst > LARGEST_DEVIATION:
+        yield (
+            f"{unsolved} of {intervals} sync intervals were not solved, with loads off by up to "
+            f"{worst:.2g} of their size; shorten coupling.sync_interval_s or raise "
+            "coupling.most_iterations."
+        )
+
+
+def _particles_astray(summary: Summary) -> Iterator[str]:
+    """Products of a screen are what goes through its exits: where material takes another way, they
+    are wrong by as much."""
+    material = summary.get("material") or {}
+    fed_kg = material.get("fed", {}).get("mass_kg", 0.0)
+    if not material.get("exits"):
+        return
+    for key, what in (
+        ("lost", "left elsewhere than through an exit"),
+        ("escaped", "came out with the undersize although they fit through no opening"),
+    ):
+        amount = material[key]
+        if amount["mass_kg"] > LARGEST_SHARE_ASTRAY * fed_kg:
+            share = 100 * amount["mass_kg"] / fed_kg
+            yield (
+                f"{amount['number']} particles, {share:.2g} % of the mass that came, {what}: the "
+                "products are off by as much."
+            )
+
+
+def _particles_held(summary: Summary) -> Iterator[str]:
+    """The surface must hold the particles: their centres stay on their side of it."""
+    crossings = (summary.get("material") or {}).get("crossings", {"number": 0})
+    if crossings["number"]:
+        place = ", ".join(f"{x:.4g}" for x in crossings["first_position_m"])
+        yield (
+            f"Particles went through the surface {crossings['number']} times, the first one "
+            f"(number {crossings['first_id']}) at ({place}) m at t = "
+            f"{crossings['first_time_s']:.6g} s; raise "
+            "particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
+        )
+
+
+def _contacts_small(summary: Summary) -> Iterator[str]:
+    """Contacts must be small against the particles, or no contact law holds."""
+    deepest = (summary.get("material") or {}).get("deepest_overlaps", {})
+    for key, what in (("surface", "the surface"), ("between", "each other")):
+        overlap = 2.0 * deepest.get(f"{key}_per_diameter", 0.0)
+        if overlap > LARGEST_CARRIED_OVERLAP:
+            yield (
+                f"Particles sank into {what} by {overlap:.2g} of a radius, more than "
+                f"{LARGEST_CARRIED_OVERLAP:g}; raise particles.largest_youngs_modulus_Pa, or "
+                "shorten particles.step_s."
+            )
+
+
+GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (
+    _energy_created,
+    _effects_crossed,
+    _surfaces_penetrated,
+    _energy_of_solvers,
+    _momentum,
+    _unsolved_intervals,
+    _particles_astray,
+    _particles_held,
+    _contacts_small,
+)

@@ -1,0 +1,69 @@
+"""How deep particles have worn the surface: at its points, and in patches of each panel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from orchestrator.coupling.machine import PanelPoints
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Rectangle, TriangleSurface
+
+PATCHES = (8, 4)  # along and across a panel: large enough to be hit often
+
+
+class WearRecord:
+    """Depths are volumes over the area at t = 0, a third of each triangle to each of its corners;
+    patches share out the free length and the width evenly, what is under a clamp counts to the
+    nearest."""
+
+    def __init__(
+        self,
+        surface: TriangleSurface,
+        panels: Sequence[PanelPoints],
+        rectangles: Sequence[Rectangle],
+    ) -> None:
+        self._area_m2 = point_area_m2(surface)
+        self._panels = {
+            panel.name: (panel.surface, _patch(surface.position_m[panel.surface], rectangle))
+            for panel, rectangle in zip(panels, rectangles, strict=True)
+        }
+
+    def point_depth_m(self, worn_m3: Array) -> Array:
+        """(points,); zero at points of no triangle."""
+        there = self._area_m2 > 0
+        return np.divide(worn_m3, self._area_m2, out=np.zeros(len(worn_m3)), where=there)
+
+    def groups(self, worn_m3: Array) -> dict[str, Mapping[str, Array | float]]:
+        """By panel, to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of ``PATCHES``, NaN
+        where a patch has no point."""
+        found: dict[str, Mapping[str, Array | float]] = {}
+        for name, (points, patch) in self._panels.items():
+            worn, area = (
+                np.bincount(patch, values[points], PATCHES[0] * PATCHES[1]).reshape(PATCHES)
+                for values in (worn_m3, self._area_m2)
+            )
+            depth_m = np.divide(worn, area, out=np.full(PATCHES, np.nan), where=area > 0)
+            whole = {"worn_m3": float(worn.sum()), "mean_m": float(worn.sum() / area.sum())}
+            found[f"wear/{name}"] = {**whole, "depth_m": depth_m}
+        return found
+
+
+def point_area_m2(surface: TriangleSurface) -> Array:
+    """(points,) a third of the triangles' area around each."""
+    a, b, c = (surface.position_m[surface.triangles[:, k]] for k in range(3))
+    area_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    points, thirds_m2 = surface.triangles.ravel(), np.repeat(area_m2 / 3, 3)
+    return np.bincount(points, thirds_m2, len(surface.position_m)).astype(np.float64)
+
+
+def _patch(position_m: Array, at: Rectangle) -> Indices:
+    """(points,) number of each point's patch, from its place at t = 0."""
+    from_corner_m = position_m - at.corner_m
+    shares = (from_corner_m @ at.along / at.span_m, from_corner_m @ at.across / at.width_m)
+    row, column = (
+        np.clip((share * count + 1e-9).astype(np.int64), 0, count - 1)
+        for share, count in zip(shares, PATCHES, strict=True)
+    )
+    return np.asarray(row * PATCHES[1] + column)

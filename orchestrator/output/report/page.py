@@ -1,0 +1,107 @@
+"""The page: gathers words, tables and figures of a run, and fills the template."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+
+from orchestrator.output.report import bed_pictures, facts, machine_pictures, tables
+from orchestrator.output.report.drawing import data_uri
+from orchestrator.output.report.effects import left_out_rows
+from orchestrator.output.report.filled import filled
+from orchestrator.output.report.film import Film
+from orchestrator.output.report.headline import NOT_STEADY, headline
+from orchestrator.output.report.quality import quality, warnings
+from orchestrator.output.report.wear_pictures import wear_map, wear_sheet
+from orchestrator.output.report.words import duration, interval, number
+from orchestrator.output.results.run_data import RunData, run_data
+
+NAME = "report.html"
+FILM_CYCLES = 3
+
+
+def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
+    """The HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
+    summary = json.loads((folder / "summary.json").read_text())
+    provenance = json.loads((folder / "provenance.json").read_text())
+    with h5py.File(folder / "history.h5") as history:
+        data = run_data(folder, history)
+        shown = film(folder, FILM_CYCLES * data.cycle_s if data.is_driven else data.end_s)
+        return filled(
+            "output/report/template.html",
+            case=data.case,
+            summary=summary,
+            provenance=provenance,
+            results=found,
+            facts=_facts(data, summary["stability"]["scheme"]),
+            headline=headline(found),
+            not_steady=NOT_STEADY,
+            driven=data.is_driven,
+            warnings=warnings(folder, summary, found),
+            sheets=_sheets(found),
+            pictures=_pictures(data, found, summary),
+            film=shown,
+            film_uri=data_uri(shown.content, "image/webp"),
+            left_out=list(left_out_rows(summary)),
+            quality=quality(summary),
+            duration=duration,
+            interval=interval,
+            number=number,
+        )
+
+
+def _facts(data: RunData, scheme: str) -> dict[str, list[tuple[str, str]]]:
+    return {
+        "machine": list(facts.machine_facts(data)),
+        "bed": list(facts.bed_facts(data.case)),
+        "how it was computed": list(facts.solver_facts(data.case, scheme)),
+    }
+
+
+def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
+    sheets, whole = {}, 1.0 / found["share_of_width"]
+    if "screening" in found:
+        sheets["screening"] = tables.screening_sheet(found["screening"], whole)
+        if found["screening"]["sections"]:
+            sheets["sections"] = tables.sections_sheet(found["screening"])
+    if "bed" in found:
+        sheets["bed"] = tables.bed_sheet(found, whole)
+    if "wear" in found:
+        sheets["wear"] = wear_sheet(found["wear"])
+    motion = found.get("motion", {})
+    if motion.get("frames"):
+        sheets["frames"] = tables.frames_sheet(motion)
+    if motion.get("panels"):
+        sheets["panels"] = tables.panels_sheet(motion, whole)
+    if motion.get("panel_points"):
+        sheets["accelerations"] = tables.accelerations_sheet(motion)
+    return sheets
+
+
+def _pictures(data: RunData, found: dict[str, Any], summary: dict[str, Any]) -> dict[str, str]:
+    drawn = {"cost": machine_pictures.cost(summary["wall_by_part_s"])}
+    if "screening" in found:
+        drawn["balance"] = bed_pictures.mass_balance(found)
+        if found["screening"]["partition"]:
+            drawn["partition"] = bed_pictures.partition_curve(found["screening"])
+        if found["screening"]["sections"]:
+            drawn["sections"] = bed_pictures.sections(found["screening"])
+    if "bed" in found:
+        drawn["along"] = bed_pictures.along_the_deck(found)
+    if "wear" in found:
+        drawn["wear"] = wear_map(found["wear"])
+    if found.get("motion", {}).get("frames"):
+        drawn["orbits"] = machine_pictures.orbits(
+            data, found["motion"]["start_s"], found["motion"]["end_s"]
+        )
+    if data.names("frames"):
+        drawn["motion"] = machine_pictures.motion(data)
+    if data.names("panels"):
+        drawn["shapes"] = machine_pictures.shapes(data)
+    if data.names("energy"):
+        drawn["energy"] = machine_pictures.energy(data)
+    return drawn

@@ -1,0 +1,96 @@
+"""Whether the numbers of a run can be trusted, and what it warned of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from orchestrator.coupling.ledger import share_created
+from orchestrator.output.records import trust
+from orchestrator.output.records.summary import closing_lines
+from orchestrator.output.report.words import number
+
+SHOWN = 12
+UNSETTLED = 0.1
+
+
+def quality(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    """Rows about momentum, energy and speed; fewer for a run that failed."""
+    rows = []
+    if "momentum_residual_relative" in summary:
+        residual = f"{summary['momentum_residual_relative']:.1e}"
+        rows.append(("momentum residual, worst member (1e-12 is rounding)", residual))
+    if "energy_ledger_J" in summary:
+        ledger = summary["energy_ledger_J"]
+        for interface in ("particles-panel", "panel-frames"):
+            if f"created.{interface}" in ledger:
+                created = number(ledger[f"created.{interface}"])
+                rows.append(
+                    (f"energy created between {interface.replace('-', ' and ')}", f"{created} J")
+                )
+        for interface, exchanged_J in summary.get("energy_exchanged_J", {}).items():
+            between = interface.replace("-", " and ")
+            rows.append((f"energy exchanged between {between}", f"{number(exchanged_J)} J"))
+        share = f"{100 * share_created(summary):.2g} %"
+        rows.append(("energy created, of what was exchanged and lost, worse of the two", share))
+    rows.append(("sync intervals", f"{summary['sync_intervals']}"))
+    if watch := summary.get("watch"):
+        rows += list(_watched(watch))
+    if summary["particle_steps_per_s"]:
+        rows.append(("particle steps per second", f"{summary['particle_steps_per_s']:.2e}"))
+    return rows
+
+
+def _watched(watch: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What the watch did, and the worst that it saw."""
+    if watch["shortened_intervals"]:
+        shortened = f"{watch['shortened_intervals']}, down to {watch['shortest_interval_s']:g} s"
+        yield "of them run in parts", shortened
+    for name, figure in watch["figures"].items():
+        seen = f"{number(figure['worst'])} (limit {figure['limit']:g})"
+        times = f", beyond it {figure['times']} times" if figure["times"] else ""
+        yield f"watch: {name.replace('_', ' ')}, worst", seen + times
+
+
+def warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
+    """How the run ended, what is not steady, what is missing, and what the log warned of."""
+    said = []
+    said += [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
+    if not trust.came_to_its_end(summary["status"]):
+        said.append(f"The run was {summary['status']}: {summary['reason']}")
+    elif summary["status"] == trust.INCOMPLETE:
+        said.append(f"The run is incomplete: {summary['reason']}")
+    state = found.get("steady")
+    if state and not state["is_steady"]:
+        said.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")
+    motion = found.get("motion")
+    if motion and motion["cycles"] and not motion["is_settled"]:
+        said.append(f"The machine has not settled: {motion['reason']}.")
+    said += [f"{name} has not settled to its periodic motion" for name in _unsettled(found)]
+    said += [f"Results not made: {part}: {error}" for part, error in found["failed"].items()]
+    if "energy_ledger_J" in summary:
+        said += [line for line in closing_lines(summary) if line.startswith("WARNING")]
+    if lost := found.get("screening", {}).get("lost_particles"):
+        said.append(f"{lost} particles left elsewhere than through an exit.")
+    return said + _logged(folder)
+
+
+def _unsettled(found: dict[str, Any]) -> Iterator[str]:
+    """Frames whose motion along the deck is by more than a tenth no first harmonic."""
+    for name, orbit in found.get("motion", {}).get("frames", {}).items():
+        if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
+            yield name
+
+
+def _logged(folder: Path) -> list[str]:
+    """Warnings and errors of the log; each once, the first few."""
+    log = folder / "run.log"
+    if not log.is_file():
+        return []
+    kinds = (" WARNING ", " ERROR ")
+    lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
+    found = [line.split(kind, 1)[1].strip() for line in lines for kind in kinds if kind in line]
+    once = list(dict.fromkeys(found))
+    more = [f"and {len(once) - SHOWN} more in run.log"] if len(once) > SHOWN else []
+    return once[:SHOWN] + more

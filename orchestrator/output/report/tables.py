@@ -1,0 +1,160 @@
+"""The page's tables of results: a heading, columns with units, rows of text."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from orchestrator.output.report.words import interval, number, vector
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A table as text; ``note`` says what a reader must know to use it."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+
+
+def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
+    """Flows and placements of the whole deck; masses are multiplied by ``whole``, the full width
+    over that of the slice."""
+    kinds = {
+        "feed": ("feed_kg_s", "kg/s"),
+        "undersize": ("undersize_kg_s", "kg/s"),
+        "oversize": ("oversize_kg_s", "kg/s"),
+        "hold-up in the machine": ("hold_up_kg", "kg"),
+        "screening efficiency η": ("efficiency_percent", "%"),
+        "fine placement (undersize recovery)": ("fine_placement_percent", "%"),
+        "fines recovered, of what came in": ("recovered_percent", "%"),
+        "coarse placement": ("coarse_placement_percent", "%"),
+        "oversize yield": ("oversize_yield_percent", "%"),
+        "fines left in the oversize": ("fines_in_oversize_percent", "%"),
+        "misplaced material": ("misplaced_percent", "%"),
+    }
+    rows = [
+        (name, interval(found[key], whole if unit.startswith("kg") else 1.0), unit)
+        for name, (key, unit) in kinds.items()
+        if key in found
+    ]
+    partition = found["partition"]
+    if partition:
+        rows.append(("cut size reached, d50", interval(partition["d50_m"], 1e3), "mm"))
+        rows.append(("probable error Ep", interval(partition["ep_m"], 1e3), "mm"))
+    rows.append(("particles lost", str(found["lost_particles"]), "particles"))
+    return Sheet("Screening", ("figure", "value", "unit"), tuple(rows))
+
+
+def sections_sheet(found: dict[str, Any]) -> Sheet:
+    """Every section."""
+    keys = [key for key in found["sections"][0] if key != "exit"]
+    names = {
+        "yield_percent": "yield / %",
+        "cumulative_efficiency_percent": "efficiency up to here / %",
+        "local_efficiency_percent": "local efficiency / %",
+    }
+    rows = tuple((row["exit"], *(interval(row[key]) for key in keys)) for row in found["sections"])
+    return Sheet("Sections", ("exit", *(names[key] for key in keys)), rows)
+
+
+def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
+    """Transport and the bed as a whole; mass and numbers are multiplied by ``whole``."""
+    bed, held, transport = (results.get(name, {}) for name in ("bed", "held", "transport"))
+    blinded = interval(held["blinded_openings"], whole)
+    rows = [
+        ("mass on the deck", interval(bed["on_deck_kg"], whole), "kg"),
+        ("velocity, mass weighted", interval(bed["velocity_m_s"]), "m/s"),
+    ]
+    if transport:
+        rows += [
+            ("residence time of the oversize", interval(transport["residence_s"]), "s"),
+            ("velocity from it", interval(transport.get("residence_velocity_m_s")), "m/s"),
+        ]
+    rows += [
+        ("largest bed depth", interval(bed["largest_depth_m"], 1e3), "mm"),
+        ("stickers", interval(held["stickers"], whole), "particles"),
+        (f"blinded, of {number(held['openings'], whole)} openings", blinded, "openings"),
+    ]
+    return Sheet("Bed", ("figure", "value", "unit"), tuple(rows))
+
+
+def frames_sheet(motion: dict[str, Any]) -> Sheet:
+    """Orbits of points on frames, and of the frames against each other."""
+    rows = []
+    for name, orbit in motion["frames"].items():
+        rows.append((name, *_orbit(orbit)))
+    for name, orbit in motion["relative"].items():
+        rows.append((f"{name}, relative", *_orbit(orbit)))
+    columns = (
+        "point",
+        "along / mm",
+        "normal / mm",
+        "phase along / °",
+        "phase normal / °",
+        "half axes / mm",
+        "tilt / °",
+        "other than first harmonic, along / mm",
+    )
+    note = "First harmonic at the machine's speed, in deck axes; phases of cos(ωt + φ)."
+    return Sheet("Frames: orbits", columns, tuple(rows), note)
+
+
+def _orbit(orbit: dict[str, Any]) -> tuple[str, ...]:
+    axes = f"{number(orbit['major_m'], 1e3)} × {number(abs(orbit['minor_m']), 1e3)}"
+    phases = [f"{57.29578 * orbit['phase_rad'][axis]:.0f}".replace("-", "−") for axis in (0, 2)]
+    tilt = f"{orbit['tilt_deg']:.0f}".replace("-", "−")
+    other = number(orbit["other_m"][0], 1e3)
+    return (*vector(orbit["amplitude_m"], 1e3), *phases, axes, tilt, other)
+
+
+def accelerations_sheet(motion: dict[str, Any]) -> Sheet:
+    """Points on panels."""
+    rows = []
+    for name, point in motion["panel_points"].items():
+        figures = [number(point[key]) for key in ("peak_g", "peak_normal_g", "rms_normal_g")]
+        shaken = (interval(point["cycle_peak_g"]), interval(point["rms_g"]))
+        place = f"{point['at'][0]:.2g}, {point['at'][1]:.2g}"
+        rows.append((name, point["panel"], place, figures[0], *shaken, *figures[1:]))
+    columns = (
+        "point",
+        "panel",
+        "place along, across",
+        "peak / g",
+        "peak of a cycle, mean / g",
+        "RMS / g",
+        "peak, normal / g",
+        "RMS, normal / g",
+    )
+    note = "Band-limited to 500 Hz; “normal” is the part normal to the panel as built."
+    return Sheet("Panels: acceleration", columns, tuple(rows), note)
+
+
+def panels_sheet(motion: dict[str, Any], whole: float) -> Sheet:
+    """Pull, stretch and load; forces are multiplied by ``whole``."""
+    rows = []
+    for name, panel in motion["panels"].items():
+        pulls = (panel[f"tension_{which}_N"] for which in ("smallest", "mean", "largest"))
+        clamp = number(panel["largest_clamp_force_N"], whole)
+        stretch = [number(panel[f"stretch_{which}_percent"]) for which in ("smallest", "largest")]
+        rows.append(
+            (
+                name,
+                *(number(pull, whole) for pull in pulls),
+                clamp,
+                *stretch,
+                number(-panel["load_N"][2], whole),
+            )
+        )
+    columns = (
+        "panel",
+        "pull, least / N",
+        "pull, mean / N",
+        "pull, most / N",
+        "force on a clamp, most / N",
+        "stretch, least / %",
+        "stretch, most / %",
+        "mean load of the bed / N",
+    )
+    return Sheet("Panels: pull, stretch and load", columns, tuple(rows))

@@ -1,0 +1,56 @@
+"""Failures that say which member failed, or what could not be written, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from traceback import clear_frames
+
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.crossing import BrokenRecord
+from orchestrator.ports.failures import SolverFailed
+
+
+class MemberFailed(SolverFailed):
+    """A failure that says which member failed, and when."""
+
+
+@contextmanager
+def named(member: str, interval: Interval | None) -> Iterator[None]:
+    """A failure inside says which member failed, and when (None: at the start); said once, by
+    the innermost of nested members.  Any other exception gets it as a note."""
+    try:
+        yield
+    except MemberFailed:
+        raise
+    except (SolverFailed, BrokenRecord, FloatingPointError) as error:
+        raise MemberFailed(f"{member} failed {_when(interval)}: {error}") from error
+    except MemoryError as error:
+        what = f"out of memory. {error}".strip()
+        clear_frames(error.__traceback__)  # what they hold is needed to close the books
+        raise MemberFailed(f"{member} failed {_when(interval)}: {what}") from error
+    except Exception as error:
+        if not hasattr(error, "__notes__"):
+            error.add_note(f"{member} {_when(interval)}")
+        raise
+
+
+def _when(interval: Interval | None) -> str:
+    if interval is None:
+        return "at t = 0 s"
+    return (
+        f"between t = {interval.start_s:.6g} s and {interval.end_s:.6g} s "
+        f"(sync interval {interval.index // interval.parts})"
+    )
+
+
+@contextmanager
+def written(what: str, time_s: float) -> Iterator[None]:
+    """An error of the disk inside, or too little memory, says of what, and when it came."""
+    try:
+        yield
+    except MemoryError as error:
+        error.add_note(f"the {what} at t = {time_s:.6g} s cannot be written")
+        raise
+    except OSError as error:
+        raise OSError(f"the {what} at t = {time_s:.6g} s cannot be written: {error}") from error

@@ -1,0 +1,119 @@
+"""Lists of particles that their solver hands out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from orchestrator.ports.crossing import Array, Indices
+
+LARGEST_CARRIED_OVERLAP = 0.5
+"""Of a radius.  Contact laws are for contacts that are small against the bodies; the area of one
+that is half a radius deep has 0.7 of the particle's own radius (Hertz: sqrt(r overlap)), and at one
+radius the centre is through the surface."""
+
+
+@dataclass(frozen=True)
+class ParticleSnapshot:
+    """All particles at one instant, sorted by id.  Arrays of n rows; complete on rank 0 only."""
+
+    id: Indices
+    position_m: Array
+    velocity_m_s: Array
+    spin_rad_s: Array
+    diameter_m: Array
+    density_kg_m3: Array
+    material: Indices
+
+
+@dataclass(frozen=True)
+class Removed:
+    """Particles taken out, in the order of time, then id.  Arrays of n rows; complete on rank 0
+    only.
+
+    State of each when it was taken out; ``exit`` is the number of the exit that it was in, -1 of
+    one that was lost: it left the domain.
+    """
+
+    id: Indices
+    time_s: Array
+    position_m: Array
+    velocity_m_s: Array
+    diameter_m: Array
+    density_kg_m3: Array
+    material: Indices
+    exit: Indices
+
+
+@dataclass(frozen=True)
+class Overlaps:
+    """The deepest contacts of all steps in some time, 0 where nothing touched: the largest overlap
+    between particles and with the surface, and the largest over the diameter of the (smaller)
+    particle."""
+
+    between_m: float = 0.0
+    between_per_diameter: float = 0.0
+    surface_m: float = 0.0
+    surface_per_diameter: float = 0.0
+
+    def deepest(self, other: Overlaps) -> Overlaps:
+        """Of both times together."""
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return Overlaps(*(max(pair) for pair in pairs))
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """How often a particle's centre changed the side of the surface through one of its triangles
+    since t = 0, and which was the first: its id, when, and where it was (3,); zeros where there was
+    none.
+
+    A contact pushes a centre back to the side that it is on, so a centre that comes to the other
+    side was pushed through by contacts too soft or jumped through in steps too long.  Who goes
+    through an opening, past a free edge or between two panels goes through no triangle.
+    """
+
+    number: int
+    first_id: int
+    first_time_s: float
+    first_position_m: Array
+
+    @staticmethod
+    def none() -> Crossings:
+        return Crossings(0, 0, 0.0, np.zeros(3))
+
+    def first_in_words(self) -> str:
+        place = ", ".join(f"{x:.4g}" for x in self.first_position_m)
+        return f"particle {self.first_id} at ({place}) m at t = {self.first_time_s:.6g} s"
+
+    def figures(self) -> dict[str, Any]:
+        """For ``summary.json``; nulls where there was none."""
+        some = self.number > 0
+        return {
+            "number": self.number,
+            "first_id": self.first_id if some else None,
+            "first_time_s": self.first_time_s if some else None,
+            "first_position_m": self.first_position_m.tolist() if some else None,
+        }
+
+    def followed_by(self, later: Crossings) -> Crossings:
+        """These, then those."""
+        first = self if self.number else later
+        return replace(first, number=self.number + later.number)
+
+
+Bed = tuple[ParticleSnapshot, Overlaps]
+
+
+def in_order(parts: Sequence[Removed]) -> Removed:
+    """All of several, none included, in the order of time, then id."""
+    nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
+    places = np.empty((0, 3))
+    none = Removed(nobody, nothing, places, places, nothing, nothing, nobody, nobody)
+    names = [part.name for part in fields(Removed)]
+    joined = {n: np.concatenate([getattr(one, n) for one in (none, *parts)]) for n in names}
+    order = np.lexsort((joined["id"], joined["time_s"]))
+    return Removed(**{name: values[order] for name, values in joined.items()})

@@ -1,0 +1,108 @@
+"""Checks of a case before anything starts: small functions, each with its own rule and test.
+
+They come in three rounds, because each builds on the one before: names and tables that fit
+together, then files, then what is computed from both.  A last one is made when the panels are open
+and their shapes at rest are known.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from orchestrator.case.file.deck_layout import as_given
+from orchestrator.case.file.errors import Mistake
+from orchestrator.case.file.plausible import unusual_sizes
+from orchestrator.preflight.checks import (
+    adhesion,
+    apertures,
+    at_rest,
+    contacts,
+    drives,
+    exits,
+    feeds,
+    machine,
+    materials,
+    panel_meshes,
+    recordings,
+    slices,
+    start,
+    steps,
+    surfaces,
+)
+from orchestrator.preflight.checks.of_tables import OF_TABLES
+
+if TYPE_CHECKING:
+    from orchestrator.ports import Indices
+    from orchestrator.ports.geometry import TriangleSurface
+    from orchestrator.ports.penetration import Penetrations
+    from orchestrator.ports.plans import ParticleList
+    from orchestrator.preflight.levels import LoadedCase
+
+
+def mistakes(loaded: LoadedCase) -> list[Mistake]:
+    """All that must be put right before the case can run; empty if nothing."""
+    case, folder = loaded.case, loaded.folder
+    whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
+    found = [*loaded.choice.mistakes, *(m for rule in OF_TABLES for m in rule(whole))]
+    if not found:
+        found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
+        found += [*machine.possible_inertia(whole), *machine.held_frames(whole)]
+        found += [*feeds.feeds(case), *exits.exits(whole)]
+        found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
+        found += slices.too_narrow(case)
+        source = loaded.layers.source(recordings.KEY)
+        found += recordings.own_recording(case, folder, source)
+    if not found:
+        found += recordings.fitting_recording(case, folder)
+        found += apertures.triangles(case)
+        found += panel_meshes.too_large(case)
+        found += [*adhesion.adhesive_contacts(case), *adhesion.sjkr_materials(case)]
+    if not found:
+        found = [*steps.particle_step(case), *steps.adhesive_step(case)]
+        found += steps.panel_step(case)
+        found += start.particles_at_start(case, folder)
+        found += start.feeds_at_start(case, folder)
+    return _as_given(loaded, found)
+
+
+def mistakes_at_rest(
+    loaded: LoadedCase,
+    surface: TriangleSurface,
+    panel_of_triangle: Indices,
+    penetrations: Penetrations,
+    particles: ParticleList,
+) -> list[Mistake]:
+    """What the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
+    found = list(at_rest.beyond_surfaces(loaded.case, penetrations, surface))
+    found += at_rest.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
+    return _as_given(loaded, found)
+
+
+def table_mistakes(loaded: LoadedCase) -> list[Mistake]:
+    """The first round alone, which reads no files and places no particles."""
+    found = [mistake for rule in OF_TABLES for mistake in rule(loaded.case.whole)]
+    return _as_given(loaded, [*loaded.choice.mistakes, *found])
+
+
+def _as_given(loaded: LoadedCase, found: list[Mistake]) -> list[Mistake]:
+    """With keys as the user gave them."""
+    decks = loaded.layers.merged["screen"].get("decks", {})
+    return loaded.layers.named([as_given(mistake, decks) for mistake in found])
+
+
+def warnings(loaded: LoadedCase) -> list[str]:
+    """What is allowed but doubtful, with numbers; for a case without mistakes.  The sync interval
+    has a card of its own: stability/card.py."""
+    case = loaded.case
+    return [
+        *unusual_sizes(case.whole),
+        *drives.sudden_drives(case),
+        *feeds.feeds_that_hardly_feed(case),
+        *feeds.rounded_feed_interval(case),
+        *materials.fines(case),
+        *contacts.too_soft(loaded.described),
+        *recordings.other_speed(case, loaded.folder),
+        *slices.doubtful_slice(case, loaded.folder),
+        *panel_meshes.beyond_this_machine(case),
+        *loaded.choice.lacking,
+    ]

@@ -1,0 +1,1 @@
+"""Rules of a case, each with its own test, by what they are about."""

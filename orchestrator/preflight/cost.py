@@ -1,0 +1,166 @@
+"""What a run will take: processor time of the whole of it, part by part, before anything runs.
+
+The parts are those of ``wall_by_part_s``.  Solvers' shares are asked of their adapters
+(``ports/plans/work.py``); what the orchestrator does itself has its constants here.  All were
+measured on drafts of shipped cases on one core of a 2-core AMD EPYC machine, busy with other work;
+``python -m tests.cost_series`` measures what was predicted over what was taken.
+"""
+
+from __future__ import annotations
+
+import math
+
+from orchestrator.case import adapter
+from orchestrator.case.bed.adhesion import adhesion_law
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.bed.sources import initial_particles
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.deck.surface_grids import surface_grids
+from orchestrator.case.file.contents import has_particles
+from orchestrator.case.planning import material_numbers
+from orchestrator.case.planning.panel_meshes import mesh_sizes
+from orchestrator.case.tables.case import Case
+from orchestrator.ports.clock import steps_in
+from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, SolverMissing
+from orchestrator.preflight.bed_cost import THICK, THIN, Bed, bed_cost
+from orchestrator.preflight.effort import RUNS
+from orchestrator.preflight.stability.choice import settled
+
+IMPORT_S = 1.2
+"""Starting Python, reading and checking the case."""
+MESHED_S = 1e-4
+"""Of a triangle that particles may touch."""
+INTERVAL_S = {"rest": 3e-5, "watch": 3.5e-5, "coupling": 6e-5, "mapping": 6e-5}
+"""Of any sync interval; with particles twice as much but for the mapping."""
+TRIANGLE_S = {"watch": 1e-8, "coupling": 3e-8, "mapping": 5e-8}
+"""Of any that particles may touch, and an interval."""
+MAPPED_PANEL_S = 4.5e-5
+TRIED_S = 1.5e-4
+"""Saving, taking back and deciding, of an interval that is tried."""
+STOPPED_PANEL_S = 2.5e-4
+"""Of a panel over beams and an interval."""
+ROW_S, ROW_PANEL_S, ROW_BODY_S = 1.5e-4, 6e-5, 5e-5
+"""Of the time series."""
+OUTPUT_S, OUTPUT_BED_S, OUTPUT_PARTICLE_S, OUTPUT_TRIANGLE_S = 8e-3, 5e-3, 6e-6, 2e-7
+"""Of an output time."""
+SAVE_S = 0.04
+"""At the end."""
+
+
+def predicted_parts_s(case: Case, at_start: int, bed: Bed = THICK) -> dict[str, float]:
+    """Processor time by part, "start" first (importing, which no wall time counts), of a run with
+    ``at_start`` particles at t = 0 in ``bed``.  Pictures and the report are made apart."""
+    case = settled(case)
+    intervals = case.duration_s / case.coupling.sync_interval_s
+    panels, particles = len(single_panels(case)), has_particles(case)
+    tries = RUNS[case.coupling.scheme] if particles else RUNS["particles-first"]
+    solvers = {
+        "particles": adapter.cost(
+            "particles", case.particles.solver, _particles(case, at_start, bed, tries.particles)
+        ),
+        "panel": adapter.cost("panel", case.panel.solver, _panels(case, tries.panel)),
+        "frames": adapter.cost("frames", case.frames.solver, _frames(case)),
+    }
+    triangles = _triangles(case) if particles else 0
+    found = {"start": IMPORT_S + MESHED_S * triangles} | {
+        part: cost.stepping_s for part, cost in solvers.items()
+    }
+    twice = 1 + particles
+    for part, each_s in INTERVAL_S.items():
+        found[part] = intervals * (twice * each_s + TRIANGLE_S.get(part, 0.0) * triangles)
+    mapped_s = INTERVAL_S["mapping"] + MAPPED_PANEL_S * panels + TRIANGLE_S["mapping"] * triangles
+    found["mapping"] = tries.panel * intervals * mapped_s
+    searched_s = tries.point_s * triangles / 2  # there are half as many points
+    found["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
+    found["panel"] += tries.panel * intervals * STOPPED_PANEL_S * _stopped(case)
+    found["rest"] += sum(cost.opening_s for cost in solvers.values())
+    mean = bed_cost(case, at_start, bed).mean if particles else 0.0
+    return found | {"output": _output_s(case, panels, mean), "saves": SAVE_S}
+
+
+def predicted_s(case: Case, at_start: int, bed: Bed = THICK) -> float:
+    """Processor time of the whole run."""
+    return sum(predicted_parts_s(case, at_start, bed).values())
+
+
+def particles_at_start(case: Case) -> int:
+    """How many there are at t = 0."""
+    return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
+
+
+def predicted_range_s(case: Case, at_start: int) -> tuple[dict[str, float], dict[str, float]]:
+    """``predicted_parts_s`` of a thin layer that is thrown and of a thick bed that creeps; alike
+    where nothing is fed."""
+    thin, thick = (predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK))
+    return thin, thick
+
+
+def in_words(time_s: float) -> str:
+    """A time to be read: in seconds below two minutes, in minutes below two hours, in hours below
+    two days, else in days."""
+    if time_s < 120:
+        return f"{time_s:.0f} s"
+    if time_s < 7200:
+        return f"{time_s / 60:.0f} min"
+    return f"{time_s / 3600:.0f} h" if time_s < 172_800 else f"{time_s / 86_400:.0f} days"
+
+
+def _panels(case: Case, runs: float) -> PanelsWork:
+    solver, interval_s = case.panel, case.coupling.sync_interval_s
+    return PanelsWork(
+        len(single_panels(case)),
+        solver.cells,
+        sum(size.cells for size in mesh_sizes(case).values()),
+        solver.integrator,
+        solver.step_s,
+        interval_s,
+        runs * case.duration_s / interval_s,
+    )
+
+
+def _frames(case: Case) -> FramesWork:
+    screen, interval_s = case.screen, case.coupling.sync_interval_s
+    return FramesWork(
+        len(screen.frames),
+        sum(frame.drive is not None for frame in screen.frames.values()),
+        sum(len(bushing.positions_m) for bushing in screen.bushings.values()),
+        len(screen.exciters),
+        sum(exciter.motor is not None for exciter in screen.exciters.values()),
+        interval_s,
+        case.duration_s / interval_s,
+    )
+
+
+def _particles(case: Case, at_start: int, bed: Bed, runs: float) -> ParticlesWork:
+    if not has_particles(case):
+        return ParticlesWork(0.0, 0.0, 0.0, 0, False)
+    interval_s = case.coupling.sync_interval_s
+    steps = (
+        runs * math.ceil(case.duration_s / interval_s) * steps_in(interval_s, particle_step_s(case))
+    )
+    mean = bed_cost(case, at_start, bed).mean
+    intervals = case.duration_s / interval_s
+    sticky = adhesion_law(case) != "none"
+    return ParticlesWork(mean * steps, steps, runs * intervals, _triangles(case), sticky)
+
+
+def _triangles(case: Case) -> int:
+    """That particles may touch on panels; as many as without openings where no mesher is there."""
+    try:
+        return sum(len(grid.triangles) for grid in surface_grids(case).values())
+    except SolverMissing:
+        along, across = case.panel.surface_cells
+        return 2 * along * across * len(single_panels(case))
+
+
+def _stopped(case: Case) -> int:
+    return sum(bool(panel.table.stops) for panel in single_panels(case))
+
+
+def _output_s(case: Case, panels: int, particles: float) -> float:
+    rows = case.duration_s / (case.output.series_s or case.coupling.sync_interval_s)
+    times = case.duration_s / case.output.interval_s
+    row_s = ROW_S + ROW_PANEL_S * panels + ROW_BODY_S * len(case.screen.frames)
+    output_s = OUTPUT_S + OUTPUT_TRIANGLE_S * _triangles(case)
+    output_s += OUTPUT_BED_S * has_particles(case) + OUTPUT_PARTICLE_S * particles
+    return rows * row_s + times * output_s

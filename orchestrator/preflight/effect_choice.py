@@ -1,0 +1,203 @@
+"""The case key ``effects``: which of the effects that can be left out a case has.
+
+Absent: what the case describes.  A list: exactly these.  "auto": what may be left out is.  What is
+left out is so by other keys of the case, which are laid over it before it is read; nothing after
+this knows of ``effects``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from orchestrator.case.file.coarse import coarsened
+from orchestrator.case.file.deck_layout import laid_out
+from orchestrator.case.file.errors import CaseError, Key, Mistake, did_you_mean, shown
+from orchestrator.case.file.loss_curve import damped
+from orchestrator.case.file.origin import Origin
+from orchestrator.case.file.overlays import Layers
+from orchestrator.case.file.slice import sliced
+from orchestrator.case.scalars import SCALARS, scalar
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.checks.of_tables import OF_TABLES
+from orchestrator.preflight.judgement.catalogue import (
+    EFFECTS,
+    can_go,
+    present,
+    spared,
+    with_dependents,
+)
+from orchestrator.preflight.judgement.pair import Pair, key_of, remembered
+from orchestrator.preflight.judgement.weighing import undecided, weighed
+
+KEY: Key = ("effects",)
+OF_LAW = {law: name for name, effect in EFFECTS.items() for law in effect.laws}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What ``effects`` did: ``left_out`` by it, name -> why; ``lacking``: what matters and the case
+    does not have, in words ("auto" only); ``mistakes`` in the key itself; ``described``: the case
+    with all that it describes, None where nothing was left out; ``pairs``: runs with and without
+    an effect that were remembered, by which "auto" chose for the results ``asked`` for;
+    ``undecided``: effects that only such runs could leave out."""
+
+    left_out: dict[str, str] = field(default_factory=dict)
+    lacking: tuple[str, ...] = ()
+    mistakes: tuple[Mistake, ...] = ()
+    described: Case | None = None
+    pairs: Mapping[str, Pair] = field(default_factory=dict)
+    asked: tuple[str, ...] = ()
+    undecided: tuple[str, ...] = ()
+
+
+def chosen(layers: Layers, without: Collection[str], origin: Origin) -> Choice:
+    """Takes ``effects`` out of the layers and lays over them what it wants.  ``without``: names
+    that the level may leave out although they are asked for; ``origin``: what the case was read
+    from, by which runs with and without an effect are remembered.  A case that has other mistakes
+    is left as it is."""
+    asked, file = layers.merged.get("effects"), layers.source(KEY)
+    results = layers.merged.get("effects_for") or ()
+    layers.lay({"effects": None, "effects_for": None}, file)
+    if wrong := (*_misnamed(asked), *_unknown_results(results)):
+        return Choice(mistakes=wrong)
+    if asked is None:
+        return Choice()
+    try:
+        bare = Case.model_validate(layers.merged)
+        case = shaped(bare)
+    except (ValidationError, CaseError):
+        return Choice()
+    if any(True for rule in OF_TABLES for _ in rule(case.whole)):
+        return Choice()
+    source = f"effects in {file}"
+    if asked == "auto":
+        return _judged_choice(layers, bare, case, source, origin, tuple(results) or (*SCALARS,))
+    return _named_choice(layers, bare, case, asked, without, source)
+
+
+def shaped(bare: Case) -> Case:
+    """With branches fitted, decks laid out, particles as coarse as wanted, and cut to its slice.
+    Raises CaseError."""
+    return sliced(coarsened(laid_out(damped(bare))))
+
+
+def _judged_choice(
+    layers: Layers, bare: Case, case: Case, source: str, origin: Origin, asked: tuple[str, ...]
+) -> Choice:
+    estimated = [one for rows in weighed(case).values() for one in rows]
+    trying = tuple(one.effect for one in estimated if undecided(one) and EFFECTS[one.effect].saves)
+    pairs = known_pairs(origin, trying)
+    every = [one for rows in weighed(case, pairs, asked).values() for one in rows]
+    lacking = tuple(
+        f"{one.effect} matters, and the case does not have it: "
+        f"{one.verdict.in_numbers}; {one.verdict.why}; {one.key}"
+        for one in every
+        if one.lacking
+    )
+    spare = with_dependents(spared(every), 'effects = "auto"')
+    _leave_out(layers, bare, spare, source)
+    unknown = tuple(name for name in trying if name not in pairs)
+    left_out = _there(case, spare)
+    return Choice(left_out, lacking, (), case, pairs, asked, unknown)
+
+
+def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
+    """Pairs of runs that are remembered of a case, by effect."""
+    if not names:
+        return {}
+    read = origin.read()
+    found = {name: remembered(key_of(read, name)) for name in names}
+    return {name: pair for name, pair in found.items() if pair is not None}
+
+
+def _unknown_results(names: Any) -> Iterator[Mistake]:
+    """In ``effects_for``, what is neither a short name nor a path of keys with dots."""
+    if not isinstance(names, list | tuple):
+        return  # the tables say so
+    for name in names:
+        try:
+            scalar(str(name))
+        except KeyError as error:
+            yield Mistake(("effects_for",), str(error.args[0]))
+
+
+def _named_choice(
+    layers: Layers,
+    bare: Case,
+    case: Case,
+    asked: Sequence[str],
+    without: Collection[str],
+    source: str,
+) -> Choice:
+    names = {OF_LAW.get(word, word) for word in asked}
+    wrong = [*_unmet(case, names, without), *_other_laws(layers, asked)]
+    if wrong:
+        return Choice(mistakes=tuple(wrong))
+    for law in (word for word in asked if word in OF_LAW):
+        layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
+    others = [name for name in EFFECTS if name not in names and can_go(case, name)]
+    spare = with_dependents(others, "effects does not name it")
+    _leave_out(layers, bare, spare, source)
+    return Choice(_there(case, spare), described=case)
+
+
+def _there(case: Case, spare: Mapping[str, str]) -> dict[str, str]:
+    """Those that the case would have."""
+    return {name: why for name, why in spare.items() if present(case, name)}
+
+
+def _leave_out(layers: Layers, bare: Case, spare: Collection[str], source: str) -> None:
+    """What goes with something that it needs has no keys of its own to change."""
+    for name in spare:
+        if not set(EFFECTS[name].needs) & set(spare):
+            layers.lay(EFFECTS[name].overlay(bare), source)
+
+
+def _misnamed(asked: Any) -> Iterator[Mistake]:
+    """What is neither "auto" nor a list of names of effects, and laws that exclude each other."""
+    if asked == "auto" or asked is None:
+        return
+    if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
+        yield Mistake(KEY, f'{shown(asked)} is wrong, "auto" or a list of names is wanted')
+        return
+    for word in asked:
+        if word not in EFFECTS and word not in OF_LAW:
+            yield Mistake(KEY, f"no effect {shown(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
+    laws = [word for word in dict.fromkeys(asked) if word in OF_LAW]
+    for number, word in enumerate(laws):
+        for other in laws[:number]:
+            if OF_LAW[other] == OF_LAW[word]:
+                what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
+                yield Mistake(KEY, what, "name one of them")
+
+
+def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iterator[Mistake]:
+    """What is named and is not there."""
+    for name in EFFECTS:
+        effect = EFFECTS[name]
+        if name not in names:
+            continue
+        for need in effect.needs:
+            if need not in names and EFFECTS[need].overlay(case):
+                what = f'"{name}" needs "{need}", which is not named'
+                yield Mistake(KEY, what, f'name "{need}", too, or neither')
+        if not effect.described(case):
+            yield Mistake(KEY, f'"{name}": the case does not describe it', effect.key)
+        elif (why := effect.left_out(case)) and name not in without:
+            hint = f'change that, or let the level say without = ["{name}"]'
+            yield Mistake(KEY, f'"{name}" is left out by {why}', hint)
+
+
+def _other_laws(layers: Layers, asked: Sequence[str]) -> Iterator[Mistake]:
+    """Laws that are named where the case chooses another."""
+    for law in (word for word in asked if word in OF_LAW):
+        for table, keys in EFFECTS[OF_LAW[law]].laws[law].items():
+            for key, wanted in keys.items():
+                given = layers.merged.get(table, {}).get(key, wanted)
+                if given != wanted:
+                    what = f'"{law}" is named, and {table}.{key} is {shown(given)}'
+                    yield Mistake(KEY, what, f"({layers.source((table, key))}); take one away")

@@ -1,0 +1,52 @@
+"""Damping in the bushings: change of the stroke without it."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import free_frames, shakings
+from orchestrator.preflight.scene.strokes import change_of_stroke, moved_by_forces
+
+RUBBER = 0.1  # loss factor taken where no damping is given (docs/theory/machine.md)
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without bushings on free frames."""
+    if not scene.plan.bushings or not free_frames(scene.plan):
+        return None
+    given = any(bushing.damping_N_s_m.any() for bushing in scene.plan.bushings)
+    what = "without damping" if given else f"with a loss factor of {RUBBER:g}, as rubber has"
+    other = shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
+    change, why = change_of_stroke(scene, other, what)
+    matters = True if abs(change) > TENTH else None
+    swings = "" if matters else "; yet the start's swinging would never die out"
+    return Verdict(
+        number="change of the stroke",
+        value=abs(change) if scene.speed_rad_s else None,
+        threshold="0.1",
+        matters=matters,
+        why=why + swings,
+        cost="nothing",
+    )
+
+
+def described(case: Case) -> bool:
+    damped = any(any(row.damping_N_s_m) for row in case.screen.bushings.values())
+    return damped and bool(moved_by_forces(case))
+
+
+def overlay(case: Case) -> Overlay:
+    undamped = {name: {"damping_N_s_m": [0.0, 0.0, 0.0]} for name in case.screen.bushings}
+    return {"screen": {"bushings": undamped}} if undamped else {}
+
+
+EFFECT = Effect(
+    part="frames",
+    judge=judge,
+    described=described,
+    overlay=overlay,
+    needs=("frame-dynamics",),
+    key="screen.bushings.<name>.damping_N_s_m",
+    checked_by="panels_N_m",
+)

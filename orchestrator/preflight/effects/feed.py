@@ -1,0 +1,31 @@
+"""A feed: the share of the bed that is replaced in the run."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from orchestrator.case.file.contents import has_particles
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.passage import passage
+from orchestrator.preflight.scene.scene import Scene
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without particles."""
+    if not has_particles(scene.case):
+        return None
+    found = passage(scene, cost="a deck that fills for as long as material stays on it")
+    if scene.case.bed.blocks or scene.case.bed.particles:
+        return found
+    return replace(found, matters=True, why="at t = 0 the deck is empty: the feed is all there is")
+
+
+EFFECT = Effect(
+    part="machine",
+    judge=judge,
+    described=lambda case: bool(case.bed.feeds),
+    overlay=lambda case: {"bed": {"feeds": None}} if case.bed.feeds else {},
+    key="bed.feeds.<name>",
+    checked_by="transport_m_s",
+    about=("particles",),
+)

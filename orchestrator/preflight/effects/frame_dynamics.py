@@ -1,0 +1,39 @@
+"""Free frames move as forces make them, driven ones as told: there is nothing to estimate."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import free_frames
+from orchestrator.preflight.scene.strokes import moved_by_forces
+
+
+def judge(scene: Scene) -> Verdict:
+    free = free_frames(scene.plan)
+    why = f"moved by forces: {', '.join(free)}" if free else "all frames move as prescribed"
+    if not scene.plan.bodies:
+        why = "there are no frames but the ground"
+    return Verdict(
+        number="frames that forces move",
+        value=float(len(free)),
+        threshold="1 (what the case describes)",
+        matters=bool(free),
+        why=why,
+        cost="hardly anything",
+    )
+
+
+def left_out(case: Case) -> str:
+    off = case.frames.solver == "prescribed" and bool(moved_by_forces(case))
+    return "frames.solver prescribed: nothing acts on the frames' motion" if off else ""
+
+
+EFFECT = Effect(
+    part="frames",
+    judge=judge,
+    described=lambda case: bool(moved_by_forces(case)),
+    left_out=left_out,
+    overlay=lambda case: {"frames": {"solver": "prescribed"}},
+    key="frames.solver",
+)

@@ -1,0 +1,52 @@
+"""Frames rotate: displacement of the outermost clamp by rotation over the frame's translation."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import free_frames
+from orchestrator.preflight.scene.strokes import moved_by_forces
+from orchestrator.preflight.scene.turning import at_outermost_clamps, turned
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without free frames."""
+    if not free_frames(scene.plan) or scene.speed_rad_s == 0:
+        return None
+    ratio, why = scene.seen.rotation or at_outermost_clamps(scene, turned)
+    return Verdict(
+        number="rotation x lever / translation",
+        value=ratio,
+        threshold="0.1",
+        matters=ratio > TENTH if ratio is not None else None,
+        limit=TENTH,
+        why=why,
+        cost="planar 0.2 ms per sync interval, two-mass, which cannot, 0.1 ms",
+    )
+
+
+def left_out(case: Case) -> str:
+    translating = "frames.solver two-mass: frames translate only"
+    return translating if case.frames.solver == "two-mass" else ""
+
+
+def overlay(case: Case) -> Overlay:
+    """Frames that only translate have no drives."""
+    frames = case.screen.frames.values()
+    driven = any(frame.drive or frame.mass_kg is None for frame in frames)
+    return {} if driven else {"frames": {"solver": "two-mass"}}
+
+
+EFFECT = Effect(
+    part="frames",
+    judge=judge,
+    described=lambda case: bool(moved_by_forces(case)),
+    left_out=left_out,
+    overlay=overlay,
+    needs=("frame-dynamics",),
+    key="frames.solver",
+    checked_by="rotation",
+    saves=True,
+    about=("particles", "panels"),
+)

@@ -1,0 +1,42 @@
+"""The whole width of the machine: width of the slice over the largest particle."""
+
+from __future__ import annotations
+
+from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.file.contents import has_particles
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.scene import Scene
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without a slice."""
+    part = scene.case.slice
+    if part is None or not has_particles(scene.case):
+        return None
+    ratio = part.width_m / largest_diameter_m(scene.case)
+    narrow = ratio < ENOUGH_DIAMETERS
+    return Verdict(
+        number="slice / largest diameter",
+        value=ratio,
+        threshold=f"{ENOUGH_DIAMETERS:g} (own choice)",
+        matters=True if narrow else None,
+        why="large particles may bridge" if narrow else "side plates and uneven feed: a run tells",
+        cost="particles go with the width",
+    )
+
+
+def left_out(case: Case) -> str:
+    if case.slice is None:
+        return ""
+    return f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
+
+
+EFFECT = Effect(
+    part="machine",
+    judge=judge,
+    described=lambda case: True,
+    left_out=left_out,
+    key="slice.width_m",
+)

@@ -1,0 +1,33 @@
+"""Gravity: always, but for frames that are driven and nothing else; the number says how it
+compares."""
+
+from __future__ import annotations
+
+import math
+
+from orchestrator.case.file.contents import has_particles
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import free_frames
+
+
+def judge(scene: Scene) -> Verdict:
+    needed = has_particles(scene.case) or bool(scene.panels) or bool(free_frames(scene.plan))
+    throw = scene.throw
+    return Verdict(
+        number="1 / throw",
+        value=1 / throw if throw else math.inf,
+        threshold="always",
+        matters=needed,
+        why="particles fall, panels and frames hang" if needed else "nothing here can fall",
+        cost="nothing",
+    )
+
+
+EFFECT = Effect(
+    part="machine",
+    judge=judge,
+    described=lambda case: any(case.gravity_m_s2),
+    key="gravity_m_s2",
+    checked_by="frames_throw",
+)

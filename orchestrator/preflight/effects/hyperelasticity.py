@@ -1,0 +1,31 @@
+"""A panel's material at large strain: Mooney-Rivlin's stress against the linear law's, where the
+panel is most taut."""
+
+from __future__ import annotations
+
+from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
+from orchestrator.preflight.scene.moved_panel import mooney_ratio
+from orchestrator.preflight.scene.scene import ELASTIC, Scene
+
+
+def judge(scene: Scene) -> Verdict:
+    panel = max(scene.panels, key=lambda one: one.strain)
+    off = abs(mooney_ratio(panel.material, panel.strain) - 1)
+    return Verdict(
+        number="Mooney-Rivlin / linear stress - 1",
+        value=off,
+        threshold="0.1 (a tenth of the force)",
+        matters=off > TENTH,
+        limit=TENTH,
+        why=f"the tautest panel is stretched by {panel.strain:.2%}",
+        cost=ELASTIC,
+    )
+
+
+EFFECT = Effect(
+    part="panels",
+    judge=judge,
+    described=lambda case: bool(case.screen.panels),
+    needs=("panel-deformation",),
+    checked_by="frames_throw",
+)

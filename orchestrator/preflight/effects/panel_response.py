@@ -1,0 +1,33 @@
+"""Panels move as their clamps and their own state make them, not as they did in an earlier run."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.scene import ELASTIC, Scene
+
+
+def judge(scene: Scene) -> Verdict:
+    return Verdict(
+        number="none",
+        value=None,
+        threshold="none",
+        matters=None,
+        why="a recording holds for the machine and the cycles it was made of, and no others",
+        cost=ELASTIC,
+    )
+
+
+def left_out(case: Case) -> str:
+    recorded = "panel.solver recorded: panels play back a shape, whatever moves them"
+    return recorded if case.panel.solver == "recorded" else ""
+
+
+EFFECT = Effect(
+    part="panels",
+    judge=judge,
+    described=lambda case: bool(case.screen.panels),
+    left_out=left_out,
+    needs=("panel-deformation",),
+    key="panel.solver",
+)

@@ -1,0 +1,56 @@
+"""Particles load the panels: mass of the bed over mass of the panel."""
+
+from __future__ import annotations
+
+from orchestrator.case.file.contents import has_particles
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
+from orchestrator.preflight.scene.scene import Scene
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without particles."""
+    if not has_particles(scene.case):
+        return None
+    bed = scene.bed_kg_m2
+    ratio = bed / min(panel.mass_kg_m2 for panel in scene.panels)
+    matters: bool | None = ratio > TENTH
+    why = f"the bed has up to {bed:.3g} kg/m2"
+    if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
+        matters, why = None, f"{why}; near a panel's resonance little mass shifts much"
+    change = scene.change_of_answer(mass_ratio=ratio)
+    if matters and change is not None and change <= TENTH:
+        matters, why = None, f"{why}; taut panels' middles move as far without, to {change:.1%}"
+    return Verdict(
+        number="bed / panel, mass per area",
+        value=ratio,
+        threshold="0.1 (a tenth of the inertia)",
+        matters=matters,
+        limit=TENTH,
+        why=why,
+        cost="a sync interval below a tenth of the shortest impact",
+    )
+
+
+def described(case: Case) -> bool:
+    return has_particles(case) and bool(case.screen.panels)
+
+
+def left_out(case: Case) -> str:
+    if not case.hand_over.particle_load:
+        return "hand_over.particle_load is off: panels do not feel the particles"
+    recorded = "panel.solver recorded: no load bends the panels; it goes on to the frames"
+    return recorded if case.panel.solver == "recorded" else ""
+
+
+EFFECT = Effect(
+    part="panels",
+    judge=judge,
+    described=described,
+    left_out=left_out,
+    overlay=lambda case: {"hand_over": {"particle_load": False}},
+    needs=("panel-deformation",),
+    key="hand_over.particle_load",
+    checked_by="bed_kg_m2",
+    about=("panels",),
+)

@@ -1,0 +1,24 @@
+"""Exits take out what has left the deck: the share of the bed that leaves in the run."""
+
+from __future__ import annotations
+
+from orchestrator.case.file.contents import has_particles
+from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.passage import passage
+from orchestrator.preflight.scene.scene import Scene
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without particles."""
+    return passage(scene, cost="nothing") if has_particles(scene.case) else None
+
+
+EFFECT = Effect(
+    part="machine",
+    judge=judge,
+    described=lambda case: has_particles(case) and bool(case.screen.exits),
+    overlay=lambda case: {"screen": {"exits": None}} if case.screen.exits else {},
+    key="screen.exits.<name>",
+    checked_by="transport_m_s",
+    about=("particles",),
+)

@@ -1,0 +1,37 @@
+"""Rolling friction: a sphere rolls down with 5/7 g (sin - mu_r cos)."""
+
+from __future__ import annotations
+
+from orchestrator.preflight.scene.contact_law import contact_law
+from orchestrator.preflight.scene.effect import TENTH, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.slope_friction import of_weight, on_deck, takes
+
+
+def judge(scene: Scene) -> Verdict:
+    friction = max((row.rolling_friction for row in on_deck(scene.case)), default=0.0)
+    ratio = of_weight(scene, friction)
+    matters: bool | None = ratio > TENTH
+    why = takes(ratio, "rolling alone")
+    if matters and scene.throw > 1:
+        matters, why = None, f"{why}; but what is thrown, with {scene.throw:.2g} g, hardly rolls"
+    return Verdict(
+        number="mu_r / tan(slope)",
+        value=ratio,
+        threshold="0.1 (rolling sphere)",
+        matters=matters,
+        limit=TENTH,
+        why=why,
+        cost="a contact history (epsd2)",
+    )
+
+
+EFFECT = contact_law(
+    judge,
+    coefficient="rolling_friction",
+    law="rolling",
+    laws=("cdt", "epsd2"),
+    without="no resistance to rolling",
+    key="particles.rolling",
+    checked_by="bearing",
+)

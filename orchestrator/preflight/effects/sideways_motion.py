@@ -1,0 +1,53 @@
+"""Frames leave the vertical plane: motion across, roll and yaw at the outermost clamp over the
+frame's translation."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.shaking import free_frames
+from orchestrator.preflight.scene.strokes import moved_by_forces
+from orchestrator.preflight.scene.turning import at_outermost_clamps, out_of_plane
+
+
+def judge(scene: Scene) -> Verdict | None:
+    """None without free frames."""
+    if not free_frames(scene.plan) or scene.speed_rad_s == 0:
+        return None
+    ratio, why = scene.seen.sideways or at_outermost_clamps(scene, out_of_plane)
+    return Verdict(
+        number="motion across, by roll and by yaw / translation",
+        value=ratio,
+        threshold="0.1",
+        matters=ratio > TENTH if ratio is not None else None,
+        limit=TENTH,
+        why=f"{why}; of panels and bushings, not of an uneven bed",
+        cost="exudyn 0.35 ms per sync interval, planar, which cannot, 0.2 ms",
+    )
+
+
+def left_out(case: Case) -> str:
+    planar = "frames.solver planar: frames stay upright in the vertical plane"
+    return planar if case.frames.solver == "planar" else ""
+
+
+def overlay(case: Case) -> Overlay:
+    """Planar frames have no drives that leave the plane."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    leaves = any(d.amplitude_m[1] or d.rotation_rad[0] or d.rotation_rad[2] for d in drives)
+    return {} if leaves else {"frames": {"solver": "planar"}}
+
+
+EFFECT = Effect(
+    part="frames",
+    judge=judge,
+    described=lambda case: bool(moved_by_forces(case)),
+    left_out=left_out,
+    overlay=overlay,
+    needs=("frame-rotation",),
+    key="frames.solver",
+    checked_by="sideways",
+    saves=True,
+    about=("particles", "panels"),
+)

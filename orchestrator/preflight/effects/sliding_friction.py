@@ -1,0 +1,48 @@
+"""Sliding friction: a body slides down with g (sin - mu cos); mu / tan is what friction takes."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.slope_friction import of_weight, on_deck, takes
+
+
+def judge(scene: Scene) -> Verdict:
+    """Of the coefficient, or of the force that a run with friction has found."""
+    bearing = scene.seen.bearing
+    if bearing is not None and bearing.mobilised is not None:
+        return _verdict("friction / weight, along the deck", of_weight(scene, bearing.mobilised))
+    return _verdict("mu / tan(slope)", of_weight(scene, _friction(scene.case)))
+
+
+def _verdict(number: str, ratio: float) -> Verdict:
+    return Verdict(
+        number=number,
+        value=ratio,
+        threshold="0.1 (Coulomb)",
+        matters=ratio > TENTH,
+        limit=TENTH,
+        why=takes(ratio, "sliding"),
+        cost="hardly anything",
+    )
+
+
+def overlay(case: Case) -> Overlay:
+    frictionless = {str(k): {"sliding_friction": 0.0} for k in range(len(case.contacts))}
+    return {"contacts": frictionless} if frictionless else {}
+
+
+def _friction(case: Case) -> float:
+    return max((row.sliding_friction for row in on_deck(case)), default=0.0)
+
+
+EFFECT = Effect(
+    part="particles",
+    judge=judge,
+    described=lambda case: _friction(case) > 0,
+    overlay=overlay,
+    key="contacts.sliding_friction",
+    checked_by="bearing",
+    about=("particles",),
+)

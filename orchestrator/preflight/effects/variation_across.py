@@ -1,0 +1,59 @@
+"""Panels vary across: width over length, as clamps hinder a wide panel's contraction."""
+
+from __future__ import annotations
+
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict
+from orchestrator.preflight.scene.moved_panel import MovedPanel
+from orchestrator.preflight.scene.scene import Scene
+
+WIDE = 1.0  # docs/theory/panel_strip.md: at width / length 0.15 and 1.2 a strip is off by 2 and 9 %
+
+
+def judge(scene: Scene) -> Verdict:
+    panel = max(scene.panels, key=_aspect)
+    aspect, whole = _aspect(panel), _whole_aspect(scene)
+    note = "particles spread unevenly across, and corners, are not in this number"
+    if scene.case.slice is not None:
+        note = f"of the slice; the whole machine's panels have {whole:.2g}"
+    return Verdict(
+        number="width / length",
+        value=aspect,
+        threshold="1 (measured: strip against sheet)",
+        matters=True if aspect > WIDE else None,
+        why=note,
+        cost="a sheet of 22 x 8 cells takes 2 to 3 times a strip's time",
+    )
+
+
+def _aspect(panel: MovedPanel) -> float:
+    return panel.panel.rectangle.width_m / panel.length_m
+
+
+def _whole_aspect(scene: Scene) -> float:
+    return max(row.width_m / row.length_m for row in scene.case.whole.screen.panels.values())
+
+
+def left_out(case: Case) -> str:
+    strip = "panel.solver strip: nothing varies across a panel"
+    return strip if case.panel.solver == "strip" else ""
+
+
+def overlay(case: Case) -> Overlay:
+    """A strip is explicit, with its own step, and has at least two cells."""
+    if case.panel.cells[0] < 2:
+        return {}
+    return {"panel": {"solver": "strip", "integrator": "explicit", "step_s": 0.0}}
+
+
+EFFECT = Effect(
+    part="panels",
+    judge=judge,
+    described=lambda case: bool(case.screen.panels),
+    left_out=left_out,
+    overlay=overlay,
+    needs=("panel-deformation",),
+    key="panel.solver",
+    saves=True,
+    about=("panels",),
+)

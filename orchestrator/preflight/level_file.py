@@ -1,0 +1,40 @@
+"""Writes a level from another one and ``--set`` overlays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import tomli_w
+
+from orchestrator.case.file.deck_layout import laid_out
+from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.overlays import Layers, parsed
+from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.judgement.catalogue import dropped
+from orchestrator.preflight.levels import LoadedCase
+
+
+def write_level(loaded: LoadedCase, name: str, sets: Sequence[str], about: str) -> Path:
+    """``levels/<name>.toml`` of the case: its level with ``sets``, and what it leaves out named.
+    Raises CaseError if there is one of that name, and OSError."""
+    file = loaded.folder / "levels" / f"{name}.toml"
+    if file.exists():
+        raise CaseError([Mistake((), "exists already; nothing was written", file=str(file))])
+    overlay = {}
+    if loaded.level:
+        overlay = read_toml(loaded.folder / "levels" / f"{loaded.level}.toml", loaded.folder)
+    overlay = {key: value for key, value in overlay.items() if key not in ("about", "without")}
+    level = Layers(overlay, file.name)
+    for each in sets:
+        level.lay(parsed(each), "--set")
+    bare = read_toml(loaded.folder / "case.toml", loaded.folder)
+    whole = Layers(bare, "case.toml")
+    whole.lay(level.merged, file.name)
+    cases = (laid_out(Case.model_validate(table)) for table in (bare, whole.merged))
+    without = [*dropped(*cases)]
+    head = {"about": about} | ({"without": without} if without else {})
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(tomli_w.dumps(head | level.merged), encoding="utf-8")
+    return file

@@ -1,0 +1,189 @@
+"""A panel whose ends move against each other: sag, strain, frequency and stiffness, by closed
+forms (docs/theory/effects.md)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.case.deck.panels import SinglePanel
+from orchestrator.case.file.loss_curve import moduli
+from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.plans import Hyperelastic
+from orchestrator.preflight.scene.seen import Shape
+
+
+@dataclass(frozen=True)
+class MovedPanel:
+    """``stroke_m``: amplitude of one clamp against the other along the panel; ``shape``: as a run
+    has seen it, None where it is estimated."""
+
+    panel: SinglePanel
+    material: Hyperelastic
+    stroke_m: float
+    shape: Shape | None = None
+
+    @property
+    def length_m(self) -> float:
+        return self.panel.rectangle.length_m
+
+    @property
+    def tension_m(self) -> float:
+        """Positive is taut, negative slack."""
+        return self.panel.rectangle.span_m - self.length_m
+
+    @property
+    def sag_m(self) -> float:
+        """Largest height of its arch."""
+        if self.shape is not None:
+            return self.shape.sag_m
+        return sine_arch_m(self.length_m, self.stroke_m - self.tension_m)
+
+    @property
+    def travel_m(self) -> float:
+        """Range of its middle's motion, without snapping from one side to the other."""
+        if self.shape is not None:
+            return self.shape.travel_m
+        return self.sag_m - sine_arch_m(self.length_m, -self.stroke_m - self.tension_m)
+
+    @property
+    def strain(self) -> float:
+        """When it is most taut; 0 if it never is."""
+        if self.shape is not None:
+            return self.shape.strain
+        return max(0.0, self.tension_m + self.stroke_m) / self.length_m
+
+    @property
+    def material_share(self) -> float:
+        """Of its free area."""
+        pattern = self.panel.apertures
+        return pattern.material_share(self.panel.rectangle) if pattern else 1.0
+
+    @property
+    def mass_kg_m2(self) -> float:
+        """Per area of the free panel, its openings counted in."""
+        thickness_m = self.panel.table.thickness_m
+        return self.material.density_kg_m3 * thickness_m * self.material_share
+
+    @property
+    def free_mass_kg(self) -> float:
+        return self.mass_kg_m2 * self.length_m * self.panel.rectangle.width_m
+
+    @property
+    def whole_mass_kg(self) -> float:
+        """With what is under the clamps."""
+        clamps_m2 = 2 * self.panel.rectangle.clamp_m * self.panel.rectangle.width_m
+        law, thickness_m = self.material, self.panel.table.thickness_m
+        return self.free_mass_kg + law.density_kg_m3 * thickness_m * clamps_m2
+
+    @property
+    def frequency_rad_s(self) -> float:
+        """Lowest: bending between clamps and, where the panel is mounted taut, a string's."""
+        law, thickness_m = self.material, self.panel.table.thickness_m
+        plate_N_m = law.youngs_modulus_Pa * thickness_m**3 / 9  # E t^3 / (12 (1 - 1/4))
+        areal_kg_m2 = law.density_kg_m3 * thickness_m
+        bending = 22.37 * math.sqrt(plate_N_m / areal_kg_m2) / self.length_m**2
+        strain = max(0.0, self.tension_m) / self.length_m
+        wave_m_s = math.sqrt(law.youngs_modulus_Pa * strain / law.density_kg_m3)
+        return math.hypot(bending, math.pi / self.length_m * wave_m_s)
+
+    @property
+    def taut_stiffness_N_m(self) -> float:
+        """Along itself while it is taut, for small strain."""
+        area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
+        whole_N_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
+        return whole_N_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
+
+    @property
+    def stiffening(self) -> float:
+        """Of fast changes against slow ones: Maxwell branches answer them like springs."""
+        return 1.0 + sum(ratio for ratio, _ in self.material.branches)
+
+    @property
+    def spring_N_m(self) -> float:
+        """Of the spring that has the first harmonic of a panel which pulls while taut only."""
+        ratio = (
+            self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
+        )
+        return self.taut_stiffness_N_m * one_sided(ratio)
+
+
+def sine_arch_m(length_m: float, approach_m: float) -> float:
+    """Height of a sine arch of that length whose ends came nearer by so much; 0 for a taut one."""
+    return 2 / math.pi * math.sqrt(length_m * max(0.0, approach_m))
+
+
+def one_sided(ratio: float) -> float:
+    """Share of a one-sided spring's stiffness in the first harmonic, its stretch being
+    tension + amplitude * sin: ``ratio`` = tension / amplitude.  Gelb, A. and Vander Velde, W. E.,
+    Multiple-Input Describing Functions, 1968, ch. 2."""
+    r = min(1.0, max(-1.0, ratio))
+    return 0.5 + (math.asin(r) + r * math.sqrt(1 - r * r)) / math.pi
+
+
+def stiffness_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
+    """Stiffness along the panel against the whole panel's: net sections in series, as if every
+    section stayed straight (an upper bound)."""
+    if pattern is None:
+        return 1.0
+    (low, high) = pattern.region_m(rectangle)
+    along, across = (high - low) / (rectangle.length_m, rectangle.width_m)
+    net = 1 - across * pattern.width_m / pattern.pitch_across_m
+    cut = along * pattern.length_m / pattern.pitch_along_m
+    return float(1 / (1 - cut + cut / net))
+
+
+def softest_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
+    """Lower bound of the same: besides its net section, each row of openings gives way like a row
+    of collinear cracks as long as the openings are wide, (4 W / pi) ln sec(pi a / W) for cracks
+    2 a at the pitch W; rows near each other shield each other and are stiffer.  Tada, H., Paris,
+    P. C. and Irwin, G. R., The Stress Analysis of Cracks Handbook, 3rd ed., 2000, section 7."""
+    if pattern is None:
+        return 1.0
+    (low, high) = pattern.region_m(rectangle)
+    along, across = (high - low) / (rectangle.length_m, rectangle.width_m)
+    rows = along * rectangle.length_m / pattern.pitch_along_m
+    opened = min(0.999, pattern.width_m / pattern.pitch_across_m)
+    crack_m = 4 * pattern.pitch_across_m / math.pi * math.log(1 / math.cos(math.pi / 2 * opened))
+    gives = across * rows * crack_m / rectangle.length_m
+    return float(1 / (1 / stiffness_share(pattern, rectangle) + gives))
+
+
+def answer(ratio: float) -> float:
+    """Amplitude of the middle of a panel against its clamps, over theirs normal to it, when they
+    are shaken at ``ratio`` times its lowest frequency without damping: the sine's share of a
+    uniform load, 4/pi, times r^2 / |1 - r^2|.  Infinite at resonance."""
+    square = ratio**2
+    return math.inf if square == 1.0 else 4 / math.pi * square / abs(1 - square)
+
+
+def change_of_answer(ratio: float, loss_factor: float, mass_ratio: float) -> float:
+    """Share by which the amplitude of the middle of a panel, clamps' motion included, changes when
+    it has neither a loss factor nor ``mass_ratio`` times its own mass upon it, which moves with it
+    and lowers its frequency; shaken as in ``answer``, where ``ratio`` is of the empty panel."""
+
+    def amplitude(square: float, loss: float) -> float:
+        against_clamps = square / complex(1 - square, loss) if square != 1.0 or loss else math.inf
+        return abs(1 + 4 / math.pi * against_clamps)
+
+    as_it_is = amplitude(ratio**2 * (1 + mass_ratio), loss_factor)
+    without = amplitude(ratio**2, 0.0)
+    return 0.0 if without == as_it_is else abs(without / as_it_is - 1)
+
+
+def mooney_ratio(law: Hyperelastic, strain: float) -> float:
+    """Nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
+    over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,
+    ch. 5."""
+    if strain <= 0.0:
+        return 1.0
+    stretch = 1 + strain
+    stress_Pa = 2 * (stretch - stretch**-2) * (law.c10_Pa + law.c01_Pa / stretch)
+    return stress_Pa / (law.youngs_modulus_Pa * strain)
+
+
+def loss_factor(law: Hyperelastic, speed_rad_s: float) -> float:
+    """Of the elastic spring with its Maxwell branches, at an angular frequency."""
+    return float(moduli(law.branches, np.array([speed_rad_s]))[1][0])

@@ -1,0 +1,83 @@
+"""Contacts that are softer than the materials, for longer steps: what that does to overlaps."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from orchestrator.case.bed.contact_times import (
+    contact_moduli,
+    hertz_overlap_m,
+    reduced_modulus_Pa,
+    smallest_diameters_m,
+)
+from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.scene import Scene
+
+STEP_COST = "the particles' step goes with 1/sqrt(stiffness)"
+
+
+@dataclass(frozen=True)
+class Softness:
+    """Overlap of an impact over the radius, with the stiffness in use, and what it goes with."""
+
+    overlap: float
+    where: str
+    cap_Pa: float | None
+    softened: bool
+
+    def in_words(self, value: float, limit: float, where: str) -> str:
+        """About a softness whose overlap over something is ``value``; overlaps go with E^(-2/5)."""
+        factor = math.pow(value / limit, 2.5)
+        if not self.softened and factor < 1:
+            return f"the materials' own stiffness, {where}; {factor:.1g} of it would do"
+        if not self.softened:
+            return f"the materials' own stiffness, {where}: they are this soft in fact"
+        stiffer = f"; {factor:.2g} times as stiff would do" if factor > 1 else ""
+        return f"softened to {self.cap_Pa:.2g} Pa, {where}{stiffer}"
+
+
+def softness(scene: Scene) -> Softness:
+    """The largest of all pairs of particles, and of particles and panels, that meet, or what a run
+    had.  Hertz:
+    overlap = (15 m v^2 / (16 sqrt(R) E*))^(2/5) = 0.9745 (m^2 v^4 / (R E*^2))^(1/5) with reduced
+    mass, radius and modulus; over the radius it knows no size.  Johnson, K. L., Contact Mechanics,
+    1985, section 11.4."""
+    case = scene.case
+    grains = set(smallest_diameters_m(case))
+    overlaps = [_overlap(scene, *pair, both=pair[1] in grains) for pair in _meeting(case)]
+    cap_Pa = case.particles.largest_youngs_modulus_Pa
+    overlap, where = max(overlaps, default=0.0), f"at {scene.impact_m_s:.2g} m/s"
+    if scene.seen.deepest is not None:
+        overlap, where = 2.0 * scene.seen.deepest.per_diameter, "deepest of the run"
+    return Softness(overlap, where, cap_Pa, softened(case))
+
+
+def softened(case: Case) -> bool:
+    """Whether contacts are softer than one of the materials that meet in them."""
+    cap_Pa = case.particles.largest_youngs_modulus_Pa
+    moduli = [contact_moduli(case.materials[n], None)[0] for pair in _meeting(case) for n in pair]
+    return cap_Pa is not None and cap_Pa < max(moduli, default=0.0)
+
+
+def _meeting(case: Case) -> set[tuple[str, str]]:
+    """Materials of a particle and of what it can meet: particles or panels."""
+    grains = set(smallest_diameters_m(case))
+    others = grains | {panel.material for panel in case.screen.panels.values()}
+    return {
+        (grain, other)
+        for row in case.contacts
+        for grain, other in (row.between, row.between[::-1])
+        if grain in grains and other in others
+    }
+
+
+def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
+    """Of two equal spheres (``both``) or a sphere and a surface, over the sphere's radius 1 m."""
+    case = scene.case
+    cap_Pa = case.particles.largest_youngs_modulus_Pa
+    one, two = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, other))
+    reduced_Pa = reduced_modulus_Pa(one, two)
+    half = 0.5 if both else 1.0
+    mass_kg = half * 4 / 3 * math.pi * case.materials[grain].density_kg_m3
+    return hertz_overlap_m(mass_kg, half, reduced_Pa, scene.impact_m_s)

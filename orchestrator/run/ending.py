@@ -1,0 +1,135 @@
+"""What a run leaves at its end, whatever that was: its summary, its results and its pictures."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from resource import RUSAGE_SELF, getrusage
+from typing import Any
+
+from rich.console import Console
+
+from orchestrator.case.file.slice import share
+from orchestrator.output.children import python
+from orchestrator.output.records import summary, trust
+from orchestrator.output.records.run_folder import LOG, write_json
+from orchestrator.output.results.compute import named_error, plain, results
+from orchestrator.output.results.probe_figures import probe_figures
+from orchestrator.output.results.seen import checked
+from orchestrator.output.results.store import store
+from orchestrator.preflight.judgement.account import Entry, at_end
+from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.stability import words
+from orchestrator.preflight.stability.bound import Card
+from orchestrator.run.progress import Progress
+
+
+@dataclass(frozen=True)
+class Ending:
+    """``effects``, ``stability``: what was judged of them before the run."""
+
+    loaded: LoadedCase
+    effects: Mapping[str, Entry]
+    stability: Card
+    folder: Path
+    console: Console
+
+    def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
+        """Writes ``summary.json`` and the pictures; returns the summary.
+
+        ``status``: "done", "interrupted" or "failed", with the ``reason``.  A run that is done
+        may turn out to be doubtful or incomplete (``trust.py``).
+        """
+        case, folder, wall_s = self.loaded.case, self.folder, progress.wall_s
+        by_part = summary.wall_by_part_s(progress.stopwatch.wall_s, wall_s)
+        rate = progress.particle_steps / by_part["particles"] if by_part["particles"] else 0.0
+        figures = {
+            "status": status,
+            "reason": reason,
+            "case": self.loaded.name,
+            "level": self.loaded.level,
+            "left_out": self.loaded.left_out,
+            "effects": {name: one.figures() for name, one in self.effects.items()},
+            "share_of_width": share(case.whole),
+            "cycle_s": summary.cycle_s(case),
+            "stability": words.figures(self.stability),
+            "wall_s": wall_s,
+            "processor_s": time.process_time(),
+            "processor_before_s": progress.processor_before_s,
+            "peak_memory_MiB": getrusage(RUSAGE_SELF).ru_maxrss / 1024,
+            "wall_by_part_s": by_part,
+            "particle_steps_per_s": rate,
+            **progress.figures,
+        }
+        write_json(folder / "summary.json", figures)
+        if figures["sync_intervals"]:
+            self._add_results(figures)
+        figures["doubts"] = trust.doubts(figures) if status != "failed" else []
+        if status == trust.DONE:
+            figures["status"] = trust.state_at_end(figures)
+        write_json(folder / "summary.json", figures)
+        if case.output.pictures and figures["sync_intervals"]:
+            _draw(folder)
+        return figures
+
+    def _add_results(self, figures: dict[str, Any]) -> None:
+        """Adds the results to ``figures`` and to ``history.h5``.
+
+        What could not be made is said on the console and in the log, and nothing else is lost.
+        """
+        failed: dict[str, str] = {}
+        history = self.folder / "history.h5"
+        with _noted(failed, "probes"):
+            figures["probes"] = plain(probe_figures(history, self.loaded.case))
+        with _noted(failed, "everything"):
+            figures["results"] = results(self.folder)
+            failed |= figures["results"]["failed"]
+            with _noted(failed, "effects"):
+                self._check_effects(figures)
+            figures["results"]["failed"] = failed
+            store(history, figures["results"])
+        self._say_failed(figures, failed)
+
+    def _say_failed(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
+        """Says which results are missing because of a mistake in flipflow; the ``reason`` of a run
+        that came to its end is the same."""
+        for part, error in failed.items():
+            LOG.error("results not made: %s: %s", part, error)
+            self.console.print(f"WARNING: results not made: {part}: {error}")
+        if failed:
+            what = f"results could not be made: {', '.join(failed)}"
+            figures["reason"] = figures["reason"] or what
+
+    def _check_effects(self, figures: dict[str, Any]) -> None:
+        """Judges the effects again by what the run recorded.  Under a run that failed, that stands
+        in the log only: the last lines of the console are why it failed and how to go on."""
+        after = checked(self.effects, self.loaded.described, self.folder, figures["results"])
+        figures["effects"] = {name: one.figures() for name, one in after.items()}
+        for line in at_end(after):
+            LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
+            if figures["status"] != "failed":
+                self.console.print(line)
+
+
+@contextmanager
+def _noted(failed: dict[str, str], part: str) -> Iterator[None]:
+    """Notes the error that prevents a part of the results, and goes on; the log has its traceback.
+    What the disk refuses is raised."""
+    try:
+        yield
+    except OSError:
+        raise
+    except Exception as error:
+        LOG.exception("no %s", part)
+        failed[part] = named_error(error)
+
+
+def _draw(folder: Path) -> None:
+    """Pictures in a process of their own; one that fails is a warning in the log."""
+    drawn = python("-m", "orchestrator.output.records.pictures", str(folder), capture_output=True)
+    if drawn.returncode:
+        LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

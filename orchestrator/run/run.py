@@ -1,0 +1,211 @@
+"""One run, from a loaded case to a finished run folder: the coupling loop and its books."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.coupling.build import build
+from orchestrator.coupling.ledger import Ledger
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.ranks import is_first
+from orchestrator.coupling.schemes.scheme import State, initial
+from orchestrator.output.records.recorder import Recorder
+from orchestrator.output.records.run_folder import LOG
+from orchestrator.output.saves.files import Save
+from orchestrator.ports.clock import Interval, exact, intervals, steps_in
+from orchestrator.ports.naming import named, written
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.preflight.judgement.account import Entry
+from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.stability import plain
+from orchestrator.preflight.stability.bound import Card
+from orchestrator.preflight.stability.choice import with_scheme
+from orchestrator.run.ending import Ending
+from orchestrator.run.interruption import Interrupted, Stop
+from orchestrator.run.progress import Progress
+from orchestrator.run.saves.keeper import Keeper, Schedule
+from orchestrator.run.saves.origin import origin
+from orchestrator.run.time_left import Say
+from orchestrator.run.watching.guard import Guard, Stopped
+from orchestrator.run.watching.speed import check_stable
+
+
+class Run:
+    """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one.
+
+    With ``save`` it goes on from there, in the folder of that run.
+    """
+
+    def __init__(
+        self,
+        loaded: LoadedCase,
+        effects: Mapping[str, Entry],
+        stability: Card,
+        folder: Path,
+        world: Any,
+        console: Console,
+        save: Save | None = None,
+    ) -> None:
+        self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
+        self._case, self._stability, self.resumes = loaded.case, stability, save
+        self._coupled_as = replace(loaded, case=with_scheme(loaded.case, stability.scheme))
+        self._ending = Ending(loaded, effects, stability, folder, console)
+        self._progress = Progress()
+        if save is not None:
+            self._progress.restore(save.about["progress"])
+        self._interval_s = self._case.coupling.sync_interval_s
+        self._intervals = steps_in(self._case.duration_s, self._interval_s)
+        self._every = steps_in(self._case.output.interval_s, self._interval_s)
+        self._step_s = particle_step_s(self._case)
+        self._schedule = Schedule(self._case.save, self._interval_s, world)
+
+    def go(self) -> None:
+        """Runs to the end.  Raises CaseError or SolverMissing before anything is computed;
+        SolverFailed, OSError or Interrupted with everything written up to the last output time.
+        """
+        self._console.print("opening the solvers")
+        stopwatch = self._progress.stopwatch
+        with stopwatch("rest"), Stop(waits=self._world is not None).listening() as stop:
+            machine = build(self._coupled_as, self._folder, self._world, stopwatch)
+            stop.waits = True
+            LOG.info("all solvers are open after %.1f s", self._progress.wall_s)
+            try:
+                self._coupled(machine, stop)
+            finally:
+                machine.close()
+
+    def _coupled(self, machine: Machine, stop: Stop) -> None:
+        state = initial(machine.solvers)
+        ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
+        with written("results", 0.0):
+            goes_on = self.resumes is not None
+            recorder = Recorder(
+                self._folder, machine, ledger, state, self._case, self._world, goes_on
+            )
+        guard = Guard(self._case, machine, state, self._world, self._console)
+        keeper = Keeper(self._folder, machine, recorder, guard, self._about, self._world)
+        interrupted: Interrupted | Stopped | None = None
+        try:
+            state = self._start(keeper, recorder, guard, state)
+            state = self._loop(machine, recorder, keeper, guard, state, stop)
+        except (Interrupted, Stopped) as stopped:
+            interrupted, state = stopped, stopped.state
+            self._save(keeper, state)
+            recorder.last_contacts()
+            self._progress.figures["material"] = recorder.material()
+        finally:
+            self._progress.figures["watch"] = guard.figures(self._done)
+            recorder.close()
+        pending = machine.scheme.pending(state, Interval(0, guard.pace.last_s))
+        self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
+        self._progress.figures["energy_exchanged_J"] = guard.exchanged_J()
+        if interrupted:
+            raise interrupted
+
+    def _start(self, keeper: Keeper, recorder: Recorder, guard: Guard, state: State) -> State:
+        """The state that the run goes on from."""
+        if self.resumes is None:
+            self._record(recorder, guard, state, 0, 0)
+            return state
+        try:
+            return keeper.restore(self.resumes, state)
+        except (KeyError, ValueError, RuntimeError) as error:
+            then = self.resumes.about["provenance"]["commit"]
+            raise SolverFailed(
+                f"{self.resumes.folder} cannot be put back ({type(error).__name__}: {error}): it "
+                f"was saved by another flipflow, of commit {then}; that one can go on with it"
+            ) from error
+
+    def _loop(
+        self,
+        machine: Machine,
+        recorder: Recorder,
+        keeper: Keeper,
+        guard: Guard,
+        state: State,
+        stop: Stop,
+    ) -> State:
+        first = self._done
+        with Say(first, self._intervals, self._interval_s, self._console) as say:
+            for interval in intervals(self._case.duration_s, self._interval_s, first):
+                runs = machine.particle_runs
+                with self._advised(), named("the coupling", interval):
+                    state, seen = guard.advance(interval, state)
+                check_stable(seen, interval.end_s, plain.advice(self._stability))
+                steps = steps_in(guard.pace.last_s, self._step_s) * (machine.particle_runs - runs)
+                self._record(recorder, guard, seen, interval.index + 1, steps)
+                with self._advised():
+                    guard.act(interval, state)
+                say.done(interval.index + 1)
+                stop.check(self._world, state)
+                if self._schedule.due(interval.index + 1):
+                    self._save(keeper, state)
+        self._save(keeper, state)
+        return state
+
+    @contextmanager
+    def _advised(self) -> Iterator[None]:
+        """A failure inside says what helps, where the case is beyond what is sure to be stable."""
+        try:
+            yield
+        except SolverFailed as error:
+            if plain.beyond(self._stability):
+                error.add_note(plain.advice(self._stability))
+            raise
+
+    def _save(self, keeper: Keeper, state: State) -> None:
+        time_s = self._progress.figures["simulated_s"]
+        with self._progress.stopwatch("saves"), written("save", time_s):
+            keeper.save(state, self._done)
+        self._schedule.done()
+
+    def _about(self) -> dict[str, Any]:
+        """What a save is of, at this moment; the first rank tells."""
+        if not is_first(self._world):
+            return {}
+        return self._origin | {"progress": self._progress.as_json()}
+
+    @cached_property
+    def _origin(self) -> dict[str, Any]:
+        return origin(self._loaded, self._folder, self._world)
+
+    @property
+    def _done(self) -> int:
+        return int(self._progress.figures["sync_intervals"])
+
+    def _record(
+        self, recorder: Recorder, guard: Guard, state: State, done: int, steps: int
+    ) -> None:
+        """Sync point ``done``, after so many steps of each particle; an output time every
+        ``_every`` of them, and the last."""
+        time_s = float(done * exact(self._interval_s))
+        figures = self._progress.figures
+        with self._progress.stopwatch("output"), written("results", time_s):
+            recorder.sync_point(done, time_s, state)
+            if done % self._every == 0 or done == self._intervals:
+                try:
+                    terms_J, bed = recorder.output(time_s, state)
+                finally:  # also when it is the material that stops the run
+                    figures["material"] = recorder.material()
+                figures["particles"] = len(bed[0].id) if bed is not None else 0
+                guard.output(time_s, state, terms_J, bed)
+        self._progress.sync_point(done, time_s, steps)
+
+    def _interval(self, index: int) -> Interval:
+        return Interval(index, self._interval_s)
+
+    @property
+    def simulated_s(self) -> float:
+        return float(self._progress.figures["simulated_s"])
+
+    def finish(self, status: str, reason: str = "") -> dict[str, Any]:
+        """See ``Ending``; to be called on one rank."""
+        return self._ending.write(self._progress, status, reason)

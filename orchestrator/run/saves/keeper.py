@@ -1,0 +1,104 @@
+"""When a run is saved, and what of it: everything that decides how it goes on."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from orchestrator.case.tables.numerics import Save as Wanted
+from orchestrator.coupling.machine import Machine
+from orchestrator.coupling.ranks import first_rank_does
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.output.records.recorder import Recorder
+from orchestrator.output.saves import files
+from orchestrator.output.saves.files import Save
+from orchestrator.ports import Saved
+from orchestrator.ports.clock import steps_in
+from orchestrator.ports.state import as_arrays, like
+from orchestrator.run.watching.guard import Guard
+
+
+class Schedule:
+    """When it is time: by the simulated time, or by the clock on the wall of the first rank."""
+
+    def __init__(self, wanted: Wanted, interval_s: float, world: Any) -> None:
+        self._every = steps_in(wanted.every_s, interval_s) if wanted.every_s else 0
+        self._wall_s, self._world = 60.0 * wanted.wall_min, world
+        self._last_s = time.monotonic()
+
+    def due(self, done: int) -> bool:
+        """After ``done`` sync intervals; alike on all ranks."""
+        if self._every and done % self._every == 0:
+            return True
+        return self._wall_s > 0 and first_rank_does(self._world, self._long_ago)
+
+    def _long_ago(self) -> bool:
+        return time.monotonic() - self._last_s >= self._wall_s
+
+    def done(self) -> None:
+        """It has been saved now."""
+        self._last_s = time.monotonic()
+
+
+class Keeper:
+    """Saves a run into its folder, and takes one back to a save.
+
+    ``about`` says what the save is of, at the moment that it is asked.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        machine: Machine,
+        recorder: Recorder,
+        guard: Guard,
+        about: Callable[[], dict[str, Any]],
+        world: Any,
+    ) -> None:
+        self._folder, self._machine, self._recorder = folder, machine, recorder
+        self._guard, self._about, self._world = guard, about, world
+        self._last = self._good = -1
+
+    def save(self, state: State, done: int) -> None:
+        """After ``done`` sync intervals, once.  The last save from before anything was amiss stays.
+        Raises OSError."""
+        if done == self._last:
+            return
+        if self._guard.pace.trusted:
+            self._good = done
+        books = {"recorder": self._recorder.save(), "watch": self._guard.save()}
+        if self._machine.material is not None:
+            books["material"] = self._machine.material.save()
+        saved = {"members": self._members(), "coupling": as_arrays(state)} | books
+        about = self._about() | {"sync_points": done, "good": self._good}
+        if self._machine.scheme.memory is not None:
+            saved["scheme"] = self._machine.scheme.memory.save()
+        files.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
+        self._last = done
+
+    def restore(self, save: Save, start: State) -> State:
+        """All that was saved, into a machine freshly opened whose state is ``start``; the state at
+        the sync point of the save."""
+        saved, members = save.state(self._world), self._machine.members
+        members.frames.restore(saved["members"]["frames"])
+        members.panel.restore(saved["members"]["panel"])
+        if members.particles is not None:
+            members.particles.restore(saved["members"]["particles"])
+        if self._machine.material is not None:
+            self._machine.material.restore(saved["material"])
+        if self._machine.scheme.memory is not None:
+            self._machine.scheme.memory.restore(saved["scheme"])
+        self._recorder.restore(saved["recorder"])
+        self._guard.restore(saved["watch"])
+        self._last, self._good = save.sync_points, save.good
+        state: State = like(start, saved["coupling"])
+        return state
+
+    def _members(self) -> Saved:
+        members = self._machine.members
+        saved = {"frames": members.frames.save(), "panel": members.panel.save()}
+        if members.particles is not None:
+            saved["particles"] = members.particles.save()
+        return saved

@@ -1,0 +1,100 @@
+"""Modes of the interface that grow from interval to interval.
+
+A coupling that is unstable on a light point leaves the unit circle at -1
+(docs/theory/stability.md): the point's velocity changes its sign with every interval, and grows.
+The second difference of three velocities is four times as large as what alternates, and small,
+(w H)^2 of it, of what moves smoothly.  A point whose second differences turn round again and again,
+each time larger than before, is taken for such a mode: what rings decays between two blows.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+
+from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports.state import put_back, taken
+from orchestrator.run.watching.created_energy import SLOW_M_S
+
+TURNS = 8  # as often in succession
+ROUND = 0.8  # of the way at least, as a cosine
+GROWTH = 2.0  # as large after so many turns
+
+_STATE = ("_before_m_s", "_step_m_s", "_change_m_s", "_first", "_turns")
+_ALL = (*_STATE, "_quick_m_s", "_growing_m_s")
+
+
+class Alternation:
+    """Of the surface's points, (points, 3) velocities at successive sync points.  Points are looked
+    at one by one only where one alternates with the share ``least`` of the surface's speed."""
+
+    def __init__(self, velocity_m_s: Array, least: float) -> None:
+        self._least = least
+        self._quick_m_s, self._growing_m_s = SLOW_M_S, 0.0
+        self._begin(velocity_m_s)
+
+    def _begin(self, velocity_m_s: Array) -> None:
+        self._before_m_s = velocity_m_s
+        self._step_m_s, self._change_m_s = np.zeros((2, *velocity_m_s.shape))
+        # making room anew takes longer than filling it
+        self._room: tuple[Array, Array] = (np.empty_like(velocity_m_s), np.empty_like(velocity_m_s))
+        self._first: Array = np.zeros(len(velocity_m_s))
+        self._turns: Indices = np.zeros(len(velocity_m_s), dtype=np.int64)
+
+    def add(self, velocity_m_s: Array) -> None:
+        step_m_s, change_m_s = self._room
+        np.subtract(velocity_m_s, self._before_m_s, out=step_m_s)
+        np.subtract(step_m_s, self._step_m_s, out=change_m_s)
+        if points := len(velocity_m_s):
+            quick_m_s = sqrt(np.vdot(velocity_m_s, velocity_m_s) / points)
+            self._quick_m_s = max(self._quick_m_s, quick_m_s)
+            self._count(change_m_s, self._loud(change_m_s))
+        self._before_m_s, self._room = velocity_m_s, (self._step_m_s, self._change_m_s)
+        self._step_m_s, self._change_m_s = step_m_s, change_m_s
+
+    def _loud(self, change_m_s: Array) -> bool:
+        """Whether a point may alternate fast enough to count; the norm, no smaller than any of its
+        parts, is the quickest to find."""
+        least_m_s = 4 * self._least * self._quick_m_s
+        if np.vdot(change_m_s, change_m_s) < least_m_s**2:
+            return False
+        return bool(max(change_m_s.max(), -change_m_s.min()) > least_m_s)
+
+    def _count(self, change_m_s: Array, loud: bool) -> None:
+        """How often each point has turned round in succession."""
+        self._growing_m_s = 0.0
+        if not loud:
+            if self._turns.any():
+                self._turns = np.zeros_like(self._turns)
+            return
+        square, before, along = (
+            np.einsum("ij,ij->i", *pair)
+            for pair in (
+                (change_m_s, change_m_s),
+                (self._change_m_s, self._change_m_s),
+                (change_m_s, self._change_m_s),
+            )
+        )
+        turned = (along < -ROUND * np.sqrt(square * before)) & (square > before)
+        self._turns = (self._turns + 1) * turned
+        self._first = np.where(self._turns > 1, self._first, square)
+        grows = (self._turns >= TURNS) & (square > GROWTH**2 * self._first)
+        if grows.any():
+            self._growing_m_s = float(np.sqrt(square[grows].max())) / 4
+
+    def share(self) -> float:
+        """Speed of the fastest point that alternates and grows, of the surface's largest speed so
+        far (the root mean square of all points')."""
+        return self._growing_m_s / self._quick_m_s
+
+    def begin_anew(self) -> None:
+        """Where intervals are of another length."""
+        self._growing_m_s = 0.0
+        self._begin(self._before_m_s)
+
+    def save(self) -> Saved:
+        return taken(self, *_ALL)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_ALL)

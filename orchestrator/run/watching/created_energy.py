@@ -1,0 +1,233 @@
+"""Energy that the coupling creates, interval by interval, from what crosses at sync points.
+
+Between two sync points each side of an interface moves from a known place to a known place under a
+known mean load, so that no solver needs to be asked, and no rank to wait.
+
+Particles and panels: the panels move from x to y under the load P, the particles on a path from p
+to q under their mean load F, after a jump to p from where their last path ended, under J.  They
+receive -F.(q - p) and -J.jump, the panels P.(y - x); the sum is what was created.  J is
+(2 F + 5 F_before - F_twice_before)/6, exact for loads that go with the square of time.  Left out:
+what J is off, and on a curved path the load's deviation from its mean times the velocity's; both
+are of second order in what changes within an interval.
+
+Panels and frames: the clamps are told to go to y - e, with R as the panels' mean reaction, and the
+frames go to y under Q.  Created are  (Q - R).(y - x) + R.(e - e_before).  Left out: likewise.
+
+docs/theory/stability.md, "The watch"; tests/watching compares both with the ledger.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.ports import Array, Indices, Load, Saved
+from orchestrator.ports.state import put_back, taken
+from orchestrator.run.watching.crossed import Crossed
+
+SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
+FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
+
+_SUMS = ("created_J", "through_J", "_recent_created_J", "_recent_through_J", "_newest_J")
+_EXCHANGED = ("_given_J", "_least_J", "_most_J", "_slow_J")
+
+
+class Exchange:
+    """How much energy went through an interface since t = 0: the scale for what was created there.
+
+    The work that one side has done on the other since t = 0 rises where it gives and falls where it
+    gets back.  Its range is what was exchanged, whether it was given for good (a bed that is thrown
+    and takes all of it) or came back (a ball that bounces).  An interface at rest exchanges
+    nothing, and what rounding creates there is not to be measured by nothing: what the largest load
+    so far does in a sync interval on points that move at ``SLOW_M_S`` is added.
+    """
+
+    def __init__(self) -> None:
+        self._given_J = self._least_J = self._most_J = self._slow_J = 0.0
+
+    def add(self, work_J: float, force_N: Array, length_s: float) -> None:
+        """An interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
+        self._given_J += work_J
+        self._least_J = min(self._least_J, self._given_J)
+        self._most_J = max(self._most_J, self._given_J)
+        self._slow_J = max(self._slow_J, SLOW_M_S * length_s * float(np.abs(force_N).sum()))
+
+    @property
+    def scale_J(self) -> float:
+        return self._most_J - self._least_J + self._slow_J
+
+    def save(self) -> Saved:
+        return taken(self, *_EXCHANGED)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_EXCHANGED)
+
+
+class Balance:
+    """Energy created at an interface, against what went through it.
+
+    ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
+    slower than ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
+    destroyed.
+    """
+
+    def __init__(self) -> None:
+        self.created_J = self.through_J = 0.0
+        self._recent_created_J = self._recent_through_J = self._newest_J = 0.0
+
+    def add(self, created_J: float, through_J: float) -> None:
+        """An interval's."""
+        self.created_J += created_J
+        self.through_J += through_J
+        self._recent_created_J = FADE * self._recent_created_J + created_J
+        self._recent_through_J = FADE * self._recent_through_J + through_J
+        self._newest_J = through_J
+
+    def recently(self) -> float:
+        """Share created of what went through in the last twenty intervals or so.  What went through
+        in the newest does not count as created: it may come back in the next."""
+        beyond_J = abs(self._recent_created_J) - self._newest_J
+        if beyond_J <= 0 or self._recent_through_J <= 0:
+            return 0.0
+        return beyond_J / self._recent_through_J
+
+    def begin_anew(self, in_transit_J: float = 0.0) -> None:
+        """Forgets what is recent but what the next interval takes back."""
+        self._recent_created_J = in_transit_J / FADE  # whole in the next interval
+        self._recent_through_J = self._newest_J = 0.0
+
+    def save(self) -> Saved:
+        return taken(self, *_SUMS)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_SUMS)
+
+
+@dataclass(frozen=True)
+class Acting:
+    """What of a load is not zero: of a surface's many points, particles touch few.  ``where`` (n,)
+    among the flattened components, ``force_N`` (n,)."""
+
+    where: Indices
+    force_N: Array
+
+    def moved_m(self, from_m: Array, to_m: Array) -> Array:
+        """(n,) of the points' ways."""
+        return np.subtract(to_m.take(self.where), from_m.take(self.where))
+
+    def work_J(self, from_m: Array, to_m: Array) -> float:
+        """On points that move so."""
+        return float(self.force_N.dot(self.moved_m(from_m, to_m)))
+
+
+def acting(load: Load, points: slice) -> Acting:
+    """Of a load on some of the points."""
+    force_N = load.force_N[points]
+    where = np.flatnonzero(force_N != 0.0)
+    return Acting(where, force_N.take(where))
+
+
+_OF_CONTACTS = ("_whole_m", "_path_end_m", "_load", "_load_before")
+
+
+class ContactWork:
+    """Between particles and panels; ``exchange`` is with all that particles touch, walls, too."""
+
+    def __init__(self, start: State, points: slice) -> None:
+        """``points``: those of the surface that count."""
+        self.balance, self.exchange, self._points = Balance(), Exchange(), points
+        self._whole_m = start.panel.surface.position_m
+        self._path_end_m = self._whole_m[points]
+        self._load = self._load_before = acting(start.load, points)
+
+    def add(self, crossed: Crossed) -> None:
+        assert crossed.particles is not None
+        path, load = crossed.particles
+        _, given, state = crossed.panel
+        before_m, surface_m = (m[self._points] for m in (self._whole_m, state.surface.position_m))
+        start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
+        newest = acting(load, self._points)
+        moved_m = newest.moved_m(before_m, surface_m)
+        given_J = newest.force_N.dot(moved_m)
+        if given is not load:
+            given_J = acting(given, self._points).work_J(before_m, surface_m)
+        new_J, before_J, twice_before_J = (
+            one.work_J(self._path_end_m, start_m) for one in (newest, self._load, self._load_before)
+        )
+        jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
+        particles_J = newest.work_J(start_m, end_m) + jump_J
+        went_J = through_J(newest.force_N, moved_m, crossed.length_s)
+        self.balance.add(float(given_J - particles_J), went_J)
+        everywhere = newest if len(surface_m) == len(load) else acting(load, slice(None))
+        work_J = everywhere.work_J(self._whole_m, state.surface.position_m)
+        self.exchange.add(work_J, everywhere.force_N, crossed.length_s)
+        self._whole_m, self._path_end_m = state.surface.position_m, end_m
+        self._load_before, self._load = self._load, newest
+
+    def begin_anew(self) -> None:
+        """Intervals are of another length from now on."""
+        surface_m = self._whole_m[self._points]
+        self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
+
+    def save(self) -> Saved:
+        sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
+        return taken(self, *_OF_CONTACTS) | sums
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_OF_CONTACTS)
+        self.balance.restore(saved["balance"])
+        self.exchange.restore(saved["exchange"])
+
+
+_OF_CLAMPS = ("_clamps_m", "_missed_m", "_at_end_J")
+
+
+class ClampWork:
+    """Between panels and frames; ``exchange`` is with all that frames carry, walls, too."""
+
+    def __init__(self, start: State, points: slice) -> None:
+        """``points``: those of the clamps that count."""
+        self.balance, self.exchange, self._points = Balance(), Exchange(), points
+        self._clamps_m = start.clamps.position_m
+        self._missed_m = np.zeros_like(self._clamps_m[points])
+        self._at_end_J = 0.0  # R.e of the last interval
+
+    def add(self, crossed: Crossed) -> None:
+        reaction, clamps = crossed.frames
+        told, _, state = crossed.panel
+        all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
+        moved_m, force_N = all_moved_m[self._points], all_N[self._points]
+        missed_m = (clamps.position_m - told.position_m)[self._points]
+        at_end_J = dot(force_N, missed_m)
+        created_J = at_end_J - dot(force_N, self._missed_m)
+        if reaction is not state.reaction:
+            created_J += dot(reaction.force_N[self._points] - force_N, moved_m)
+        self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
+        self.exchange.add(dot(all_N, all_moved_m), all_N, crossed.length_s)
+        self._clamps_m, self._missed_m = clamps.position_m, missed_m
+        self._at_end_J = at_end_J
+
+    def begin_anew(self) -> None:
+        """Intervals are of another length from now on."""
+        self.balance.begin_anew(self._at_end_J)
+
+    def save(self) -> Saved:
+        sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
+        return taken(self, *_OF_CLAMPS) | sums
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_OF_CLAMPS)
+        self.balance.restore(saved["balance"])
+        self.exchange.restore(saved["exchange"])
+
+
+def dot(one: Array, other: Array) -> float:
+    """Sum over all points and axes."""
+    return float(np.vdot(one, other))
+
+
+def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
+    """Of components that moved so far in ``length_s``, force and motion of the same shape."""
+    return dot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s)

@@ -1,0 +1,102 @@
+"""How finely a sync interval is run: whole, or in equal parts.
+
+Parts are halves of halves, so that their lengths are again exact decimal numbers.  Every solver
+takes whole steps in each, as long as its own or, where a part is shorter than that, as the part.
+Nobody else knows of parts: records, saves and counts go by whole sync intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
+from orchestrator.ports import Load, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import put_back, taken
+
+_STATE = ("parts", "last_s", "trusted", "divided", "finest", "_quiet", "_patience", "_eased")
+
+Look = Callable[[Interval], None]
+
+
+class Pace:
+    """``parts`` of the next interval; ``last_s`` the length of the last part; ``trusted`` where
+    nothing has been amiss for a while.  Alike on all ranks.
+
+    ``divided`` counts intervals that were run in parts, ``finest`` is the largest number of them.
+    """
+
+    def __init__(self, length_s: float, most: int, calm: int) -> None:
+        """``calm``: after so many intervals without trouble parts become twice as long.  Where that
+        was too early, it is twice as many the next time."""
+        self.parts, self.last_s, self.trusted = 1, length_s, True
+        self.divided, self.finest = 0, 1
+        self._most, self._patience = most, max(1, calm)
+        self._quiet, self._eased = 0, False
+
+    def advance(
+        self, scheme: Scheme, solvers: Solvers, interval: Interval, state: State, look: Look
+    ) -> tuple[State, State]:
+        """The state after a sync interval to go on from, and the one to be recorded: the same, with
+        the mean loads of the whole interval.  ``look`` is shown each part when it
+        has ended."""
+        ends = []
+        for part in interval.divided(self.parts):
+            state = scheme.advance(solvers, part, self._handed_on(scheme, state, part))
+            self.last_s = part.length_s
+            look(part)
+            ends.append(state)
+        self.divided += self.parts > 1
+        self.finest = max(self.finest, self.parts)
+        return state, mean_of(ends)
+
+    def shorten(self) -> bool:
+        """Twice as many parts; False where they are the shortest already."""
+        self._quiet, self.trusted = 0, False
+        if 2 * self.parts > self._most:
+            return False
+        if self._eased:
+            self._patience, self._eased = 2 * self._patience, False
+        self.parts *= 2
+        return True
+
+    def ease(self, intervals: int = 1) -> bool:
+        """So many without trouble; True where that makes parts longer."""
+        if self.trusted:
+            return False
+        self._quiet += intervals
+        if self._quiet < self._patience:
+            return False
+        self._quiet = 0
+        self.trusted = self.parts == 1
+        self._eased = not self.trusted
+        self.parts = max(1, self.parts // 2)
+        return self._eased
+
+    def _handed_on(self, scheme: Scheme, state: State, part: Interval) -> State:
+        """Loads that act late carry the impulse of the part in which they arose."""
+        if not scheme.late or part.length_s == self.last_s:
+            return state
+        share = self.last_s / part.length_s
+        reaction = Load(share * state.panel.reaction.force_N)
+        panel = replace(state.panel, reaction=reaction)
+        return replace(state, load=Load(share * state.load.force_N), panel=panel)
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+
+
+def mean_of(ends: list[State]) -> State:
+    """The last of the states at the ends of equal parts, with the loads' means."""
+    if len(ends) == 1:
+        return ends[0]
+    load_N = np.mean([end.load.force_N for end in ends], axis=0)
+    reaction_N = np.mean([end.panel.reaction.force_N for end in ends], axis=0)
+    panel = replace(ends[-1].panel, reaction=Load(reaction_N))
+    return replace(ends[-1], load=Load(load_N), panel=panel)

@@ -1,0 +1,209 @@
+"""The study: the case as it is, its knobs one at a time, then what these propose together.
+
+First the case as it is and a short part of it (``flipflow plan`` compares machines by that), then
+each setting of each knob.  From these follow the reference, the best that the budget allows, and
+the diagonal: for each tolerance the settings that should meet it at the least cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+
+from orchestrator.ports.clock import exact
+from orchestrator.preflight.levels import NUMERICS, LoadedCase
+from orchestrator.studies import sweep
+from orchestrator.studies.accuracy.answers import Answer, answers
+from orchestrator.studies.accuracy.calibration import part_s
+from orchestrator.studies.accuracy.families import Converged, all_converged, options, remaining
+from orchestrator.studies.accuracy.knobs import Offer, offer
+from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, read, scatter
+from orchestrator.studies.accuracy.model import Model, Option, Proposal
+from orchestrator.studies.accuracy.points import (
+    BASE,
+    CALIBRATION,
+    KNOB,
+    REFERENCE,
+    TOGETHER,
+    Asked,
+    Point,
+    checked,
+    common,
+    is_random,
+    point,
+    scale,
+)
+from orchestrator.studies.accuracy.setting import Setting
+from orchestrator.studies.figures import QUANTITIES, happens
+
+TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+SHORT = 5  # the short part is one of so many of the run
+
+Say = Callable[[str], None]
+
+
+class Unmeasured(Exception):
+    """The case as it is does not run to its end, or not so that it could be trusted: there is
+    nothing to compare with."""
+
+
+@dataclass(frozen=True)
+class Listed:
+    """What is known before anything is run; ``shared``: ``--set`` overlays of all points."""
+
+    asked: Asked
+    loaded: LoadedCase
+    offer: Offer
+    shared: tuple[str, ...]
+    points: list[Point]
+    known: dict[str, Answer]
+
+    @property
+    def random(self) -> bool:
+        return is_random(self.loaded.case)
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that was found.  ``reference``: name of a point; ``proposals``: what was predicted of
+    points, by name."""
+
+    listed: Listed
+    points: list[Point]
+    measured: dict[str, Measured]
+    spread: Scatter
+    families: list[Converged]
+    options: dict[str, list[Option]]
+    remaining: dict[str, float]
+    judged_by: list[str]
+    proposals: dict[str, Proposal]
+    reference: str
+
+    @property
+    def base(self) -> Measured:
+        return self.measured[BASE]
+
+    def model(self) -> Model:
+        return Model(self.options, self.base.processor_by_part_s, self.remaining, self.judged_by)
+
+
+def listed(asked: Asked) -> Listed:
+    """Raises CaseError."""
+    loaded = checked(asked)
+    there = offer(loaded.case, asked.knobs, asked.values)
+    lengths_s = [one.h or 0.0 for family in there.of("coupling") for one in family.settings]
+    shared = common(loaded.case, max([loaded.case.coupling.sync_interval_s, *lengths_s]))
+    base = point(asked, loaded.case, shared, BASE, {})
+    points = [base, point(replace(asked, seeds=1), loaded.case, shared, CALIBRATION, _short(base))]
+    for family in there.families:
+        for one in family.settings:
+            if one.sets:
+                points.append(point(asked, loaded.case, shared, KNOB, {family.axis: one}))
+    return Listed(asked, loaded, there, shared, points, _known(asked))
+
+
+def _known(asked: Asked) -> dict[str, Answer]:
+    """Answers are of the case as it is described: they do not hold for another physics."""
+    numerics = all(one.partition(".")[0] in NUMERICS for one in asked.sets)
+    return answers(asked.case) if numerics else {}
+
+
+def _short(base: Point) -> dict[str, Setting]:
+    """A whole number of samples."""
+    case = base.runs[0].loaded.case
+    sample_s = exact(case.output.series_s)
+    short_s = float(ceil(exact(part_s(case, SHORT)) / sample_s) * sample_s)
+    return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
+
+
+def studied(asked: Asked, say: Say) -> Study:
+    """Runs what is not done yet.  Raises CaseError, FolderUnusable and Unmeasured."""
+    there = listed(asked)
+    start = there.points[:2]
+    _run(start, asked, say)
+    first = read(start)
+    if BASE not in first:
+        one = next((run for run in start[0].runs if run.status() != "done"), start[0].runs[0])
+        raise Unmeasured(
+            f"{one.folder}: the run of the case as it is is {one.status()}, so that there is "
+            f"nothing to compare with; {one.folder}.log says why"
+        )
+    if not happens({name: first[BASE].mean(name) for name in QUANTITIES}):
+        raise Unmeasured(
+            f"{start[0].runs[0].folder}: nothing happens in the case as it is: no panel, frame or "
+            "particle moves by more than can be resolved (a nanometre), and no clamp's pull "
+            "changes, so that there are no errors to compare; let it last until something does"
+        )
+    points = afford(there.points, asked, first)
+    _run(points[2:], asked, say)
+    before = _evaluated(there, points, {}, BASE)
+    proposed = _proposed(before)
+    there_already = {one.name for one in points}
+    new = list({one.name: one for one, _ in proposed if one.name not in there_already}.values())
+    _run(new, asked, say)
+    reference = next((one.name for one, _ in proposed if one.done), BASE)
+    proposals = {one.name: proposal for one, proposal in proposed}
+    return _evaluated(there, [*points, *new], proposals, reference)
+
+
+def _evaluated(
+    there: Listed, points: list[Point], proposals: dict[str, Proposal], reference: str
+) -> Study:
+    measured = read(points)
+    spread = scatter([*measured.values()], there.random)
+    families = all_converged(there.offer, measured, spread, there.known)
+    judged_by = [name for name in there.asked.judged_by if measured[BASE].mean(name)]
+    return Study(
+        there,
+        points,
+        measured,
+        spread,
+        families,
+        options(there.offer, families, measured[BASE], spread),
+        remaining(there.offer, families, judged_by),
+        judged_by,
+        proposals,
+        reference,
+    )
+
+
+def _proposed(before: Study) -> list[tuple[Point, Proposal]]:
+    """The reference first, then the diagonal; a point that is there already stands for itself."""
+    asked, model = before.listed.asked, before.model()
+    # chance is no reason to take less than the best for what all are compared with
+    careful = options(before.listed.offer, before.families, before.base, EXACT)
+    finest = replace(before, options=careful).model().best(asked.budget_s, "finest")
+    wanted = [(REFERENCE, finest)]
+    wanted += [(TOGETHER, model.cheapest(tolerance)) for tolerance in TOLERANCES]
+    known = {one.sets: one for one in before.points if one.kind != CALIBRATION}
+    found = []
+    for kind, proposal in wanted:
+        if proposal is None:
+            continue
+        sets = tuple(x for one in proposal.settings.values() for x in one.sets)
+        if sets not in known:
+            case, shared = before.listed.loaded.case, before.listed.shared
+            known[sets] = point(asked, case, shared, kind, proposal.settings)
+            known[sets] = replace(known[sets], predicted_s=proposal.processor_s)
+        found.append((known[sets], proposal))
+    return found
+
+
+def afford(points: Sequence[Point], asked: Asked, measured: dict[str, Measured]) -> list[Point]:
+    """Those predicted to take more than the budget are left out, if they have not been run."""
+    factor = scale(points, {name: one.processor_s for name, one in measured.items()})
+    return [_affordable(one, factor * one.predicted_s, asked.budget_s) for one in points]
+
+
+def _affordable(one: Point, cost_s: float, budget_s: float) -> Point:
+    if one.ended or one.omitted or one.kind in (BASE, CALIBRATION) or cost_s <= budget_s:
+        return replace(one, predicted_s=cost_s)
+    why = f"predicted {cost_s:.0f} s of processor time, more than --budget {budget_s:g}"
+    return replace(one, runs=(), predicted_s=cost_s, omitted=why)
+
+
+def _run(points: Sequence[Point], asked: Asked, say: Say) -> None:
+    """Runs that have failed are results, too, and not run again."""
+    todo = [run for one in points for run in one.runs if run.status() != "failed"]
+    sweep.run(todo, asked.crew, say)

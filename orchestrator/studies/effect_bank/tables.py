@@ -1,0 +1,150 @@
+"""What the study of the bank found, for the terminal, for other programs and for the manual."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.table import Table
+
+from orchestrator.output.records.run_folder import write_text
+from orchestrator.preflight.judgement.pair import Change
+from orchestrator.studies.effect_bank.confusion import (
+    MAY_GO,
+    MOST_FALSE_ALARMS,
+    OUTCOMES,
+    PREDICTIONS,
+    Confusion,
+    Row,
+)
+
+HEAD = ("scene", "effect", "number", "value", "threshold", "verdict", "outcome", "changes")
+CSV_HEAD = (
+    "scene",
+    "effect",
+    "number",
+    "value",
+    "threshold",
+    "verdict",
+    "outcome",
+    "remark",
+    "result",
+    "with",
+    "without",
+    "change",
+    "half_width",
+)
+DIGITS = 3
+
+
+def confusion_table(found: Confusion) -> Table:
+    """For the terminal: verdicts down, outcomes across."""
+    printed = Table(title="verdict before the run, against runs with and without the effect")
+    printed.add_column("explain says")
+    for outcome in OUTCOMES:
+        printed.add_column(outcome, justify="right")
+    for predicted in PREDICTIONS:
+        counts = (str(found.count(predicted, outcome)) for outcome in OUTCOMES)
+        printed.add_row(predicted, *counts)
+    return printed
+
+
+def lines(found: Confusion) -> Iterator[str]:
+    """What follows from the table, in sentences."""
+    yield (
+        f'wrong "{MAY_GO}": {len(found.wrong)}; false alarms: {100 * found.false_alarms:.0f} % of '
+        f'"matters" (the goal is below {100 * MOST_FALSE_ALARMS:.0f} %)'
+    )
+    for row in found.wrong:
+        yield f"wrong: {row.scene}: {row.effect} {_number(row)}: {changes_in_words(row)}"
+    for row in found.rows:
+        if row.false_alarm:
+            yield f"false alarm: {row.scene}: {row.effect} {_number(row)}: {changes_in_words(row)}"
+    if found.missing:
+        yield f"{found.missing} comparisons lack a run"
+
+
+def write(found: Confusion, folder: Path) -> list[Path]:
+    """Writes ``effects.csv``, a row for each effect and result asked for, and ``effects.md``."""
+    file = folder / "effects.csv"
+    with file.open("w", newline="", encoding="utf-8") as text:
+        writer = csv.writer(text)
+        writer.writerow(CSV_HEAD)
+        for row in found.rows:
+            writer.writerows(_csv_rows(row))
+    write_text(folder / "effects.md", markdown(found))
+    return [file, folder / "effects.md"]
+
+
+def markdown(found: Confusion) -> str:
+    """The tables of docs/theory/effects.md."""
+    head = ["explain says", *OUTCOMES]
+    table = [
+        [predicted, *(str(found.count(predicted, outcome)) for outcome in OUTCOMES)]
+        for predicted in PREDICTIONS
+    ]
+    rows = [_row_in_words(row) for row in found.rows]
+    return "\n".join([*_table(head, table), "", *_table(list(HEAD), rows)]) + "\n"
+
+
+def changes_in_words(row: Row) -> str:
+    """Every result asked for, with and without the effect, and its change."""
+    said = [
+        f"{name} {_short(one.with_it)} → {_short(one.without)}{_percent(one)}"
+        for name, one in row.changes.items()
+    ]
+    return "; ".join(filter(None, [", ".join(said), row.remark]))
+
+
+def _table(head: list[str], rows: list[list[str]]) -> Iterator[str]:
+    yield f"| {' | '.join(head)} |"
+    yield f"|{'---|' * len(head)}"
+    for row in rows:
+        yield f"| {' | '.join(row)} |"
+
+
+def _row_in_words(row: Row) -> list[str]:
+    verdict, mark = row.verdict, ""
+    if row.wrong:
+        mark = " **WRONG**"
+    elif row.false_alarm:
+        mark = " (false alarm)"
+    numbers = ["", "-", ""]
+    if verdict is not None:
+        numbers = [verdict.number, verdict.value_in_words, verdict.threshold]
+    cells = [row.scene, row.effect, *numbers, row.predicted + mark, row.outcome]
+    return [cell.replace("|", "\\|") for cell in [*cells, changes_in_words(row)]]
+
+
+def _csv_rows(row: Row) -> Iterator[tuple[object, ...]]:
+    verdict = row.verdict
+    numbers: tuple[object, ...] = ("", "", "")
+    if verdict is not None:
+        numbers = (verdict.number, "" if verdict.value is None else verdict.value)
+        numbers = (*numbers, verdict.threshold)
+    shared = (row.scene, row.effect, *numbers, row.predicted, row.outcome, row.remark)
+    if not row.changes:
+        yield (*shared, "", "", "", "", "")
+    for name, one in row.changes.items():
+        values = (one.with_it, one.without, one.relative, one.uncertain)
+        yield (*shared, name, *("" if value is None else value for value in values))
+
+
+def _number(row: Row) -> str:
+    return "" if row.verdict is None else f"({row.verdict.in_numbers})"
+
+
+def _short(value: float | None) -> str:
+    return "none" if value is None else f"{value:.{DIGITS}g}"
+
+
+def _percent(one: Change) -> str:
+    if one.relative is None:
+        return " (too small)" if one.with_it is not None else ""
+    if math.isinf(one.relative):
+        return ""
+    percent = 100 * one.relative
+    width = "" if one.uncertain is None else f" ± {100 * one.uncertain:.0f}"
+    return f" ({percent:.0f}{width} %)" if percent >= 10 else f" ({percent:.2g}{width} %)"

@@ -1,0 +1,188 @@
+"""The runs of the bank: every scene as it is, and without each effect that can be left out of it.
+
+The runs are points of a sweep, in folders of their own, and none is made twice.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.studies import sweep
+from orchestrator.studies.accuracy.points import seeded
+from orchestrator.studies.effect_bank.bank import Scene
+from orchestrator.studies.sampling import sample_s
+
+AS_IT_IS = ""
+"""Stands for the name of the effect that is left out where none is."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A scene ``without`` an effect (AS_IT_IS: with all it has): one run for each seed, or
+    ``omitted`` says why there are none.  ``predicted_s`` is the processor time of one run."""
+
+    scene: str
+    without: str
+    runs: tuple[sweep.Point, ...] = ()
+    predicted_s: float = 0.0
+    omitted: str = ""
+
+    @property
+    def statuses(self) -> set[str]:
+        """Of all its runs; "missing" of those that have not been made."""
+        return {one.status() for one in self.runs}
+
+    @property
+    def ended(self) -> bool:
+        """Whether all its runs have come to their end, trusted or not."""
+        return all(one.ended(one.folder) for one in self.runs)
+
+    @property
+    def summaries(self) -> list[dict[str, Any]]:
+        """``summary.json`` of those runs that came to their end, trusted or not."""
+        return [
+            json.loads((one.folder / "summary.json").read_text(encoding="utf-8"))
+            for one in self.runs
+            if one.ended(one.folder)
+        ]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """A scene of the bank as it is loaded, with its trials; the first is the scene as it is."""
+
+    name: str
+    scene: Scene
+    loaded: LoadedCase
+    trials: tuple[Trial, ...]
+
+
+def all_tried(bank: Mapping[str, Scene], folder: Path, out: Path) -> list[Tried]:
+    """Returns all scenes with their trials; nothing is run.  Raises CaseError with the mistakes of
+    all scenes, each with the scene's name."""
+    found, wrong = [], []
+    for name, scene in bank.items():
+        try:
+            found.append(tried(name, scene, folder, out))
+        except CaseError as error:
+            wrong += [replace(one, file=f"scene {name}, {one.file}") for one in error.mistakes]
+    if wrong:
+        raise CaseError(wrong)
+    return found
+
+
+def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
+    """Returns a scene with all its trials, each checked; nothing is run here.
+
+    ``folder`` is that of the bank's file, ``out`` that of the study.  Raises CaseError if the scene
+    itself is wrong; what is only wrong without an effect is said in the trial.
+    """
+    case = folder / scene.case
+    sets = _sets(load(case, scene.level, scene.sets), scene)
+    first = _trial(name, AS_IT_IS, case, scene, sets, out)
+    loaded = first.runs[0].loaded
+    here = [one for one in EFFECTS if present(loaded.described, one)]
+    trials = [first]
+    for effect in here:
+        if can_go(loaded.described, effect) and (not scene.effects or effect in scene.effects):
+            going = with_dependents([effect], "")
+            kept = json.dumps([one for one in here if one not in going])
+            try:
+                trials.append(_trial(name, effect, case, scene, [*sets, f"effects={kept}"], out))
+            except CaseError as error:
+                trials.append(Trial(name, effect, omitted=str(error.mistakes[0])))
+    return Tried(name, scene, loaded, tuple(trials))
+
+
+def _trial(
+    name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path
+) -> Trial:
+    """Raises CaseError."""
+    whole = f"{name}-without-{without}" if without else name
+    bare = load(case, scene.level, sets).case
+    runs = tuple(
+        sweep.point(
+            case,
+            scene.level,
+            [*sets, *seeded(bare, number)],
+            whole,
+            out / (f"{whole}-seed{number}" if number else whole),
+        )
+        for number in range(scene.seeds)
+    )
+    return Trial(name, without, runs, predicted_s(bare, particles_at_start(bare)))
+
+
+def _sets(loaded: LoadedCase, scene: Scene) -> list[str]:
+    """``--set`` overlays of all runs of a scene: no pictures and saves, and rows as often as
+    accelerations to 500 Hz need them, unless the scene says otherwise."""
+    quiet = {
+        "output.pictures": "false",
+        "save.wall_min": "0.0",
+        "output.series_s": repr(float(sample_s(loaded.case.coupling.sync_interval_s))),
+    }
+    if scene.duration_s is not None:
+        quiet["duration_s"] = repr(scene.duration_s)
+    given = {one.partition("=")[0].strip() for one in scene.sets}
+    return [f"{key}={value}" for key, value in quiet.items() if key not in given] + [*scene.sets]
+
+
+def every_run(scenes: Sequence[Tried]) -> Iterator[tuple[sweep.Point, float]]:
+    """All runs of all scenes, with their predicted processor time in s."""
+    for one in scenes:
+        for trial in one.trials:
+            for run in trial.runs:
+                yield run, trial.predicted_s
+
+
+def still_to_run(scenes: Sequence[Tried]) -> dict[str, float]:
+    """Predicted processor time, in s, of every run that has not come to an end, by the name of its
+    folder.  A run that failed is a result, too, and is not made again."""
+    return {
+        run.folder.name: cost_s
+        for run, cost_s in every_run(scenes)
+        if not run.ended(run.folder) and run.status() != "failed"
+    }
+
+
+@dataclass
+class Countdown:
+    """Passes on what a sweep says of each run, with the time that the others will take.
+
+    ``left_s`` is the predicted processor time of the runs still to be made, by the names of their
+    folders; predictions are scaled by what the runs so far have taken.
+    """
+
+    left_s: Mapping[str, float]
+    say: Callable[[str], None]
+    now: Callable[[], float] = time.monotonic
+    _began_s: float = field(init=False)
+    _waiting: dict[str, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._began_s, self._waiting = self.now(), dict(self.left_s)
+
+    def __call__(self, line: str) -> None:
+        name = line.partition(":")[0]
+        if name not in self._waiting:
+            self.say(line)
+            return
+        del self._waiting[name]
+        waiting_s = sum(self._waiting.values())
+        done_s = sum(self.left_s.values()) - waiting_s
+        wall_s = (self.now() - self._began_s) * waiting_s / done_s
+        self.say(f"{line}; {len(self._waiting)} to go, about {in_time(wall_s)}")
+
+
+def in_time(seconds: float) -> str:
+    """Seconds, or minutes above a hundred seconds."""
+    return f"{seconds:.0f} s" if seconds < 100 else f"{seconds / 60:.0f} min"
