@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames import linear
-from adapters.frames.drive import DrivenPoints
+from adapters.frames.common import linear
+from adapters.frames.common.drive import DrivenPoints
 from orchestrator.ports import Account, Known, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan

@@ -18,9 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames import linear
-from adapters.frames.collocation import Gauss, gauss
-from adapters.frames.unbalance import Unbalance
+from adapters.frames.common import linear
+from adapters.frames.common.collocation import Gauss, gauss
+from adapters.frames.common.unbalance import Unbalance
 from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan

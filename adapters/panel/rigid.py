@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel import bilinear
+from adapters.panel.common import bilinear
 from orchestrator.ports import (
     Account,
     Array,

@@ -10,15 +10,16 @@ from __future__ import annotations
 from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 try:
-    from adapters.panel import _petsc, opening  # noqa: F401
-    from adapters.panel.elastic_panel import ElasticPanel
-    from adapters.panel.sheet_forms import sheet
+    from adapters.panel.common import _petsc  # noqa: F401
+    from adapters.panel.finite_element import opening
+    from adapters.panel.finite_element.elastic_panel import ElasticPanel
+    from adapters.panel.finite_element.sheet_forms import sheet
 except ImportError as missing:
     raise SolverMissing(
         f"panel solver 'sheet' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"
     ) from missing
 try:
-    from adapters.panel import compiled_sheet
+    from adapters.panel.finite_element import compiled_sheet
 except ImportError as missing:
     raise SolverMissing(
         f"panel solver 'sheet' needs its compiled part, which docker/setup.sh builds: {missing}"

@@ -9,9 +9,10 @@ from __future__ import annotations
 from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 try:
-    from adapters.panel import _petsc, opening  # noqa: F401
-    from adapters.panel.elastic_panel import ElasticPanel
-    from adapters.panel.solid_forms import solid
+    from adapters.panel.common import _petsc  # noqa: F401
+    from adapters.panel.finite_element import opening
+    from adapters.panel.finite_element.elastic_panel import ElasticPanel
+    from adapters.panel.finite_element.solid_forms import solid
 except ImportError as missing:
     raise SolverMissing(
         f"panel solver 'solid' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"

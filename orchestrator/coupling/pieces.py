@@ -150,4 +150,5 @@ def _looked_at(case: Case, frame: str) -> Piece:
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
     """Opens a rigid surface of points (n, 3) that ``frame`` carries."""
-    return lambda: cast(Panel, import_module("adapters.panel.carried").build(position_m, frame))
+    made = "adapters.panel.common.carried"
+    return lambda: cast(Panel, import_module(made).build(position_m, frame))

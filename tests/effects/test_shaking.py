@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.frames import linear
+from adapters.frames.common import linear
 from adapters.frames.two_mass import steady_amplitudes_m
 from orchestrator.ports.plans import Drive
 from orchestrator.preflight.scene.shaking import PanelSpring, shakings
@@ -54,7 +54,7 @@ def test_a_loss_factor_takes_the_place_of_the_bushings_damping() -> None:
 
 
 def test_rotations_solve_the_adapters_linearised_machine() -> None:
-    """Six freedoms, an exciter off the centre: K, C, M of adapters/frames/linear.py."""
+    """Six freedoms, an exciter off the centre: K, C, M of adapters/frames/common/linear.py."""
     plan = two_bodies((exciter(position_m=np.array([0.3, 0.05, 0.226])),))
     machine = linear.linearised(plan, linear.SPACE)
     force_N = 3.5 * 78.5**2 * np.array([-1j, 0.0, 1.0])  # start up, turning from z to x

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adapters.frames import exudyn, prescribed, two_mass
-from adapters.frames.drive import moved
+from adapters.frames.common.drive import moved
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval, intervals
 from orchestrator.ports.plans import FramesPlan

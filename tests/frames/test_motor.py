@@ -16,7 +16,7 @@ import pytest
 from scipy.optimize import brentq
 
 from adapters.frames import planar
-from adapters.frames.motor import torque_N_m
+from adapters.frames.common.motor import torque_N_m
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, Motor

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from adapters.frames.drive import angular_velocity, moved
+from adapters.frames.common.drive import angular_velocity, moved
 from adapters.frames.prescribed import build
 from orchestrator.ports import Load
 from orchestrator.ports.clock import Interval

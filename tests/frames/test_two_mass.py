@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from adapters.frames import linear
+from adapters.frames.common import linear
 from adapters.frames.two_mass import build, steady_amplitudes_m
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval, intervals

@@ -10,11 +10,11 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from adapters.panel import sheet_forms
-from adapters.panel.compiled import function_space
-from adapters.panel.resting_shape import first_guess_m, settle
-from adapters.panel.structure import Structure
-from adapters.panel.tangent import Tangent
+from adapters.panel.common.compiled import function_space
+from adapters.panel.finite_element import sheet_forms
+from adapters.panel.finite_element.resting_shape import first_guess_m, settle
+from adapters.panel.finite_element.structure import Structure
+from adapters.panel.finite_element.tangent import Tangent
 
 
 def lines_m(length_m, centres_m, size_m, clamp_m, per_opening, per_land):

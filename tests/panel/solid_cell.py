@@ -9,8 +9,8 @@ from mpi4py import MPI
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from adapters.panel.compiled import function_space
-from adapters.panel.unit_cell import _matrix
+from adapters.panel.common.compiled import function_space
+from adapters.panel.perforation.unit_cell import _matrix
 
 POISSON_RATIO = 0.49
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adapters.panel.carried import build
+from adapters.panel.common.carried import build
 from orchestrator.ports import BrokenRecord, Load, Motion
 from orchestrator.ports.clock import Interval
 from tests.panel.contract import INTERVAL_S, held

@@ -30,8 +30,8 @@ def given(pattern, branches=BRANCHES, **more):
 def test_force_and_energy_of_deformed_shapes(pattern):
     """Stretched, turned and crumpled at random: force and energies to rounding.  Stretch and turn
     cancel out of the energy of bending, so its rounding is that of the sum of absolute terms."""
-    from adapters.panel.compiled_sheet import CompiledSheet
-    from adapters.panel.sheet_forms import sheet
+    from adapters.panel.finite_element.compiled_sheet import CompiledSheet
+    from adapters.panel.finite_element.sheet_forms import sheet
 
     structure, surface = sheet(given(pattern))
     with closing(structure):
@@ -58,8 +58,9 @@ def test_a_shaken_and_loaded_panel(pattern, branches):
     """One cycle and a half of a slack panel under a load that jumps.  1e-9 of the surface's
     motion, the reaction and every entry of the account: the shape at rest, of 1e-7 N out of
     balance, and rounding are all that differs."""
-    from adapters.panel import opening, sheet
-    from adapters.panel.sheet_forms import sheet as forms
+    from adapters.panel import sheet
+    from adapters.panel.finite_element import opening
+    from adapters.panel.finite_element.sheet_forms import sheet as forms
 
     wanted = given(pattern, branches)
     panels = opening.open_panel(wanted, *forms(wanted)), sheet.build(wanted)

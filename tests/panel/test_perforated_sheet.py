@@ -30,7 +30,7 @@ def small(pattern, span_m=0.12, gravity_m_s2=1e-4, **more):
 
 
 def both(given):
-    from adapters.panel.sheet_forms import sheet
+    from adapters.panel.finite_element.sheet_forms import sheet
     from tests.panel.resolved_sheet import Found, resolved
 
     return Found(given, sheet(given)[0]), Found(given, resolved(given, (4, 2), (2, 2)))
@@ -75,10 +75,10 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
     import ufl
     from dolfinx import fem
 
-    from adapters.panel.compiled import expression, function_space
-    from adapters.panel.perforated_sheet import perforated
-    from adapters.panel.sheet_forms import Grid, flat_mesh, scaled_strain
-    from adapters.panel.unit_cell import SOLID
+    from adapters.panel.common.compiled import expression, function_space
+    from adapters.panel.finite_element.sheet_forms import Grid, flat_mesh, scaled_strain
+    from adapters.panel.perforation.sheet import perforated
+    from adapters.panel.perforation.unit_cell import SOLID
 
     given = small(ALONG)
     flat = flat_mesh(Grid.of(given.rectangle, (8, 4), ALONG.region_m(given.rectangle)))
@@ -125,7 +125,7 @@ def test_strip_and_sheet_agree():
 
 def test_the_bending_matrix_is_stable_where_the_pattern_begins():
     """No negative eigenvalue, and just the three zero ones of motions without curvature."""
-    from adapters.panel.sheet_forms import sheet
+    from adapters.panel.finite_element.sheet_forms import sheet
 
     structure, _ = sheet(small(ACROSS))
     values = np.linalg.eigvalsh(structure.bending.matrix.toarray())

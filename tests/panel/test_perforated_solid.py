@@ -41,8 +41,8 @@ def small(pattern, span_m=0.12, gravity_m_s2=0.02, **more):
 
 def both(given):
     """Sheet and solid at rest."""
-    from adapters.panel.sheet_forms import sheet
-    from adapters.panel.solid_forms import solid
+    from adapters.panel.finite_element.sheet_forms import sheet
+    from adapters.panel.finite_element.solid_forms import solid
     from tests.panel.resolved_sheet import Found
 
     return Found(given, sheet(given)[0]), Found(given, solid(given)[0])

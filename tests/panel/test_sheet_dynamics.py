@@ -203,7 +203,7 @@ def test_refuses_a_step_above_the_limit():
 def test_the_limit_is_where_it_becomes_unstable():
     """Just below the theoretical limit a disturbance stays bounded, just above it explodes."""
     from adapters.panel import sheet
-    from adapters.panel.integrators import STABLE_SHARE
+    from adapters.panel.finite_element.integrators import STABLE_SHARE
 
     critical_s = sheet.largest_step_s(plan(cells=(8, 1))) / STABLE_SHARE
     speeds = []

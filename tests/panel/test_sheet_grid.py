@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from adapters.panel.grid import Grid
+from adapters.panel.finite_element.grid import Grid
 from tests.panel.elastic_plans import plan
 
 GRID = Grid.of(plan().rectangle, (7, 3))

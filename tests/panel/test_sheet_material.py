@@ -12,7 +12,7 @@ pytestmark = pytest.mark.solver
 
 @pytest.fixture(scope="module")
 def strip():
-    from adapters.panel.sheet_forms import sheet
+    from adapters.panel.finite_element.sheet_forms import sheet
 
     given = plan(cells=(4, 2))
     structure, _ = sheet(given)
@@ -66,7 +66,7 @@ def test_force_turns_with_the_panel(strip):
 def test_bending_is_zero_only_for_affine_positions(width_m, cells):
     """Three zero eigenvalues (1, s, y), none below: the interior penalty is large enough for
     cells of any shape."""
-    from adapters.panel.sheet_forms import sheet
+    from adapters.panel.finite_element.sheet_forms import sheet
 
     structure, _ = sheet(plan(width_m=width_m, cells=cells))
     matrix = structure.bending.matrix.toarray()

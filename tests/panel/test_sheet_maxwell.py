@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from adapters.panel.maxwell import Branches
+from adapters.panel.common.maxwell import Branches
 
 RATIO, TIME_S = 0.3, 2e-3
 

@@ -31,10 +31,10 @@ def structure_of(given, held_s_m=None, volumetric_degree=2):
     import ufl
     from dolfinx import fem
 
-    from adapters.panel import solid_forms
-    from adapters.panel.compiled import function_space
-    from adapters.panel.solid_grid import solid_grid
-    from adapters.panel.structure import Structure
+    from adapters.panel.common.compiled import function_space
+    from adapters.panel.finite_element import solid_forms
+    from adapters.panel.finite_element.solid_grid import solid_grid
+    from adapters.panel.finite_element.structure import Structure
 
     box = solid_forms.box_mesh(solid_grid(given), given.thickness_m)
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
@@ -45,8 +45,8 @@ def structure_of(given, held_s_m=None, volumetric_degree=2):
 
 
 def settled(structure, given):
-    from adapters.panel.resting_shape import settle
-    from adapters.panel.tangent import Tangent
+    from adapters.panel.finite_element.resting_shape import settle
+    from adapters.panel.finite_element.tangent import Tangent
 
     weight_N = structure.mass_kg[:, None] * given.gravity_m_s2
     return settle(structure, Tangent(structure), structure.material_m, weight_N, "cantilever")
@@ -112,8 +112,8 @@ def test_reduced_integration_prevents_locking():
     20 mm cells); full integration is stiffer by more than twice that."""
     from dolfinx import fem
 
-    from adapters.panel import sheet_forms
-    from adapters.panel.structure import Structure
+    from adapters.panel.finite_element import sheet_forms
+    from adapters.panel.finite_element.structure import Structure
 
     given = plan(length_m=0.2, width_m=0.1, thickness_m=0.004, cells=(20, 4), gravity_m_s2=0.02)
     sags = {}

@@ -9,8 +9,9 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from adapters.panel import chain, strip
-from adapters.panel.chain_motion import ChainMotion
+from adapters.panel import strip
+from adapters.panel.strip import chain
+from adapters.panel.strip.motion import ChainMotion
 from orchestrator.ports import Array, Load, Motion, PanelState
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Hyperelastic, PanelPlan, SolverFailed

@@ -10,10 +10,10 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from adapters.particles.sphere_contacts import laws
-from adapters.particles.sphere_forces import System, forces_at
-from adapters.particles.sphere_neighbours import neighbours
-from adapters.particles.sphere_state import spheres as rows
+from adapters.particles.spheres.contacts import laws
+from adapters.particles.spheres.forces import System, forces_at
+from adapters.particles.spheres.neighbours import neighbours
+from adapters.particles.spheres.state import spheres as rows
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan, SolverMissing
@@ -100,7 +100,7 @@ def _in_liggghts(plan: ParticlesPlan, place_m: Array) -> Held:
     from mpi4py import MPI
 
     from adapters.particles import liggghts
-    from adapters.particles.liggghts_input import FIRST_EVALUATION
+    from adapters.particles.liggghts.input import FIRST_EVALUATION
 
     forces_N, loads_N, energies_J = [], [], []
     with TemporaryDirectory() as folder:

@@ -11,7 +11,7 @@ from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")
-from adapters.particles.liggghts_input import FIRST_EVALUATION  # noqa: E402
+from adapters.particles.liggghts.input import FIRST_EVALUATION  # noqa: E402
 
 pytestmark = pytest.mark.solver
 

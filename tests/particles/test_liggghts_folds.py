@@ -8,7 +8,7 @@ import pytest
 from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, travel
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")
-from adapters.particles.liggghts_laws import effective_moduli  # noqa: E402
+from adapters.particles.liggghts.laws import effective_moduli  # noqa: E402
 
 pytestmark = pytest.mark.solver
 

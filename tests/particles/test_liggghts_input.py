@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from adapters.particles.liggghts_input import contact_model, input_text, smallest_box_m
+from adapters.particles.liggghts.input import contact_model, input_text, smallest_box_m
 from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 

@@ -10,7 +10,7 @@ from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, tra
 from tests.particles.test_liggghts_balance import ranks
 
 liggghts = pytest.importorskip("adapters.particles.liggghts")
-liggghts_start = pytest.importorskip("adapters.particles.liggghts_start")
+liggghts_start = pytest.importorskip("adapters.particles.liggghts.start")
 
 pytestmark = pytest.mark.solver
 

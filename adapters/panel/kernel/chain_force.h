@@ -6,7 +6,7 @@
 
 namespace flipflow {
 
-// Rows joined by axial springs and bending springs: what adapters/panel/chain.py describes.
+// Rows joined by axial springs and bending springs: what adapters/panel/strip/chain.py describes.
 struct ChainLinks {
   int first;                                 // row where the springs begin
   double rest_m, c10_Pa, c01_Pa;             // of every spring

@@ -45,7 +45,7 @@ struct MembranePass {
   double *cross_J = nullptr, *square_J = nullptr;
 };
 
-// Force and energy of the membrane (adapters/panel/sheet_forms.py, perforated_sheet.py).
+// Force and energy of the membrane (adapters/panel/finite_element/sheet_forms.py, perforated_sheet.py).
 class Membrane {
  public:
   Membrane(const CellGrid &grid, const MembraneLaw &law);

@@ -18,7 +18,8 @@ def mesh_sizes(case: Case) -> dict[str, MeshSize]:
     cannot resolve."""
     if case.panel.solver != "solid":
         return {}
-    grids = adapter.imported("panel", "solid_grid")  # without the solver, which loads DOLFINx
+    # without the solver, which loads DOLFINx
+    grids = adapter.imported("panel", "finite_element.solid_grid")
     return {plan.name: grids.size(plan) for plan in panel_plans(case)}
 
 

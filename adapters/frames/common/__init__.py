@@ -1,0 +1,1 @@
+"""What frames of several solvers are made of."""

@@ -1,0 +1,123 @@
+"""Where a drive has its body at a time, and how fast it moves it there.  Exact.
+
+Equations: docs/theory/frames.md.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from adapters.frames.common.poses import cross
+from orchestrator.ports import Array, Known, Motion
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import Drive, FramesPlan
+
+
+@dataclass(frozen=True)
+class Driving:
+    """Where a drive's centre is and how fast it moves (3,), the rotation from the drawn position,
+    and the angular velocity (3,) in the world."""
+
+    center_m: Array
+    velocity_m_s: Array
+    rotation: Rotation
+    spin_rad_s: Array
+
+    def carried(self, arm_m: Array) -> tuple[Array, Array]:
+        """Position and velocity of points ``arm_m`` (n, 3) away from the centre as drawn."""
+        arm_m = self.rotation.apply(arm_m)
+        spin_rad_s = np.broadcast_to(self.spin_rad_s, arm_m.shape)
+        return self.center_m + arm_m, self.velocity_m_s + cross(spin_rad_s, arm_m)
+
+
+def driving(drive: Drive, time_s: float) -> Driving:
+    """The motion that the drive prescribes."""
+    when_s = np.array([time_s])
+    shift_m, shift_m_s = shifted(drive, when_s)
+    turn_rad, turn_rad_s = turned(drive, when_s)
+    return Driving(
+        drive.center_m + shift_m[0],
+        shift_m_s[0],
+        Rotation.from_rotvec(turn_rad[0]),
+        angular_velocity(turn_rad[0], turn_rad_s[0]),
+    )
+
+
+def moved(drive: Drive, points_m: Array, time_s: float) -> tuple[Array, Array]:
+    """Position and velocity, (n, 3) each, of points that a driven body carries."""
+    return driving(drive, time_s).carried(points_m - drive.center_m)
+
+
+class DrivenPoints:
+    """The carried points of a plan where its drives have them at a time; all others stay where they
+    were drawn."""
+
+    def __init__(self, plan: FramesPlan) -> None:
+        self._points_m, carrier = plan.points_m, np.array(plan.carrier, dtype=str)
+        self._driven = [(drive, np.flatnonzero(carrier == drive.body)) for drive in plan.drives]
+        self.still_or_driven = np.isin(carrier, ["ground", *(d.body for d in plan.drives)])
+
+    def at(self, time_s: float) -> Motion:
+        """Exact."""
+        position_m = self._points_m.copy()
+        velocity_m_s = np.zeros_like(position_m)
+        for drive, points in self._driven:
+            position_m[points], velocity_m_s[points] = moved(drive, self._points_m[points], time_s)
+        return Motion(position_m, velocity_m_s)
+
+    def ahead(self, interval: Interval) -> Known | None:
+        """At the interval's end, of the points on driven bodies and on the ground; None without
+        drives."""
+        if not self._driven:
+            return None
+        return Known(self.at(interval.end_s), self.still_or_driven)
+
+
+def shifted(drive: Drive, time_s: Array) -> tuple[Array, Array]:
+    """Displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
+    return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
+
+
+def turned(drive: Drive, time_s: Array) -> tuple[Array, Array]:
+    """Rotation vector and its rate, (n, 3) each, at the times (n,)."""
+    return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
+
+
+def angular_velocity(turn_rad: Array, rate_rad_s: Array) -> Array:
+    """World angular velocity (3,) of a body turned by the rotation vector ``turn_rad`` that
+    changes at ``rate_rad_s``: the left Jacobian of the exponential map times the rate
+    (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, 2012, ch. 10)."""
+    square = float(turn_rad @ turn_rad)
+    angle = math.sqrt(square)
+    if angle < 1e-4:  # series: the closed forms cancel; next terms are below rounding
+        one_minus_cos, one_minus_sinc = 0.5 - square / 24, 1 / 6 - square / 120
+    else:
+        one_minus_cos = 2 * math.sin(angle / 2) ** 2 / square
+        one_minus_sinc = (1 - math.sin(angle) / angle) / square
+    turn = turn_rad[None]
+    across = cross(turn, rate_rad_s[None])
+    return np.asarray(
+        rate_rad_s + (one_minus_cos * across + one_minus_sinc * cross(turn, across))[0]
+    )
+
+
+def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
+    """Value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
+    ramp, ramp_1_s = (one[:, None] for one in _ramp(drive.run_up_s, time_s))
+    angle = drive.speed_rad_s * time_s[:, None] + phase_rad
+    value = ramp * size * np.sin(angle)
+    rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_s * np.cos(angle))
+    return value, rate
+
+
+def _ramp(run_up_s: float, time_s: Array) -> tuple[Array, Array]:
+    """Value and rate (n,) of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
+    if run_up_s <= 0:
+        return np.ones_like(time_s), np.zeros_like(time_s)
+    angle = np.pi * np.minimum(time_s / run_up_s, 1.0)
+    rate = np.where(time_s < run_up_s, np.pi / (2 * run_up_s) * np.sin(angle), 0.0)
+    return (1 - np.cos(angle)) / 2, rate

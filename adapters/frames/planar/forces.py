@@ -1,0 +1,116 @@
+"""What acts on bodies in the plane: bushings, exciters, weight and the panels' reaction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adapters.frames.common import linear
+from adapters.frames.common.unbalance import Unbalance
+from adapters.frames.planar.plane import Complex, Poses, Symmetric, carrying, in_plane, power
+from orchestrator.ports import Array
+from orchestrator.ports.plans import FramesPlan
+
+
+@dataclass(frozen=True)
+class Pulls:
+    """Of bushings, (times, bushings) each: between their ends ``stretch_m`` and its rate, along
+    the axes as drawn ``elongation_m`` with preload; ``drag_N`` by damping, ``pull_N`` in all on
+    the first body.  On the bodies: ``force`` (times, 2 bodies) on the natural coordinates and
+    ``couple_N_m`` (times, bodies)."""
+
+    stretch_m: Complex
+    stretch_m_s: Complex
+    elongation_m: Complex
+    drag_N: Complex
+    pull_N: Complex
+    force: Complex
+    couple_N_m: Array
+
+
+class Bushings:
+    """``sag_m`` (bushings, 3): how far each is stretched along its axes as drawn."""
+
+    def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
+        place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
+        axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
+        first, second = (
+            linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
+        )
+        self._stretching = carrying(second, place_m, drawn_m) - carrying(first, place_m, drawn_m)
+        self._first = linear.onto_bodies(plan, first)
+        self._on_ground = np.asarray(first < 0, dtype=np.float64)
+        back = axes.transpose(0, 2, 1)
+        self._preload_m = in_plane((back @ sag_m[:, :, None])[:, :, 0])
+        stiffness, damping = (
+            np.array([getattr(b, of) for b in plan.bushings]).reshape(-1, 3, 1)
+            for of in ("stiffness_N_m", "damping_N_s_m")
+        )
+        self._stiffness = Symmetric.of(back @ (stiffness * axes))
+        self._damping = Symmetric.of(back @ (damping * axes))
+
+    def pulls(self, poses: Poses) -> Pulls:
+        """The spring axes turn with the first body, which therefore gets the couple stretch x
+        pull besides: no moment is lost between the ends."""
+        turn = poses.turn @ self._first + self._on_ground
+        stretch_m, stretch_m_s = poses.place @ self._stretching, poses.rate @ self._stretching
+        back = turn.conj()
+        elongation_m = back * stretch_m + self._preload_m
+        drag_N = turn * self._damping.times(back * stretch_m_s)
+        pull_N = turn * self._stiffness.times(elongation_m) + drag_N
+        force = -pull_N @ self._stretching.conj().T
+        couple_N_m = (stretch_m.conj() * pull_N).imag @ self._first.T
+        return Pulls(stretch_m, stretch_m_s, elongation_m, drag_N, pull_N, force, couple_N_m)
+
+    def lost_W(self, poses: Poses, pulls: Pulls) -> Array:
+        """(times,): damping forces times the elongations' rates along the turning axes."""
+        turning_m_s = 1j * (poses.spin_rad_s @ self._first) * pulls.stretch_m
+        return np.asarray(power(pulls.drag_N, pulls.stretch_m_s - turning_m_s).sum(axis=1))
+
+    def work_W(self, poses: Poses, pulls: Pulls, body: int) -> Array:
+        """(times,): what they do on one body."""
+        both = [body, body + poses.turn.shape[1]]
+        pushed_W = power(pulls.force[:, both], poses.rate[:, both]).sum(axis=1)
+        return np.asarray(pushed_W + pulls.couple_N_m[:, body] * poses.spin_rad_s[:, body])
+
+    def elastic_J(self, pulls: Pulls) -> float:
+        """At one time."""
+        elongation_m = pulls.elongation_m
+        return float(power(self._stiffness.times(elongation_m), elongation_m).sum()) / 2
+
+
+class Forces:
+    """All but bushings and unbalances with motors, as forces on the natural coordinates.
+
+    ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per
+    coordinate."""
+
+    def __init__(self, plan: FramesPlan, drawn_m: Array, carried: Complex) -> None:
+        exciters = [exciter for exciter in plan.exciters if exciter.motor is None]
+        self._unbalances = [Unbalance(exciter) for exciter in exciters]
+        excited = linear.numbers(plan, tuple(e.body for e in exciters))
+        place_m = np.array([e.position_m for e in exciters]).reshape(-1, 3)
+        self._excited = carrying(excited, place_m, drawn_m)
+        mass_kg = np.array([body.mass_kg for body in plan.bodies])
+        self._weight = np.concatenate([mass_kg * in_plane(plan.gravity_m_s2), 0 * mass_kg])
+        self._onto_bodies = carried.conj().T
+
+    def exciter_N(self, time_s: Array) -> Complex:
+        """(times, exciters)"""
+        force_N = np.zeros((len(time_s), len(self._unbalances)), dtype=np.complex128)
+        for number, unbalance in enumerate(self._unbalances):
+            force_N[:, number] = in_plane(unbalance.force_N(time_s))
+        return force_N
+
+    def reaction(self, force_N: Array) -> Complex:
+        """(2 bodies,) of forces (n, 3) on the carried points."""
+        return np.asarray(in_plane(force_N) @ self._onto_bodies)
+
+    def given(self, exciter_N: Complex, reaction: Complex) -> Complex:
+        """(times, 2 bodies): all that does not depend on where the bodies are."""
+        return np.asarray(exciter_N @ self._excited.conj().T + (reaction + self._weight))
+
+    def exciter_W(self, poses: Poses, exciter_N: Complex) -> Array:
+        """(times,)"""
+        return np.asarray(power(exciter_N, poses.rate @ self._excited).sum(axis=1))

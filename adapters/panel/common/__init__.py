@@ -1,0 +1,1 @@
+"""What panels of several solvers are made of."""

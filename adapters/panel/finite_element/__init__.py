@@ -1,0 +1,1 @@
+"""Finite-element panels: meshes, forms and time steps of ``sheet`` and ``solid``."""

@@ -1,0 +1,176 @@
+"""The sheet's explicit integration, compiled: one call per sync interval (``kernel/``).
+
+DOLFINx remains the author: mass, bending matrix, openings and resting shape are its own; the
+compiled loop adds the membrane's force on the same cells and Gauss points.  Scheme and books are
+those of ``explicit`` on a ``Structure``, which tests compare it with.  docs/theory/panel_sheet.md
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from adapters.panel._kernel import LANES, Sheet
+from adapters.panel.common.maxwell import checked
+from adapters.panel.common.state import Action, HeldForce, State
+from adapters.panel.finite_element.elastic_panel import ElasticPanel
+from adapters.panel.finite_element.grid import Grid, Surface
+from adapters.panel.finite_element.sheet_forms import openings, strain_entries
+from adapters.panel.finite_element.structure import Structure
+from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.state import taken
+
+
+def panel(
+    plan: PanelPlan, structure: Structure, surface: Surface[Grid], resting_m: Array, step_s: float
+) -> ElasticPanel:
+    """The panel of ``plan`` at rest at ``resting_m`` (nodes, 3), in steps of at most ``step_s``.
+
+    Its nodes are numbered as those of the grid.  Closes ``structure``."""
+    sheet = CompiledSheet(plan, structure, surface, step_s)
+    structure.close()
+    sheet.rest(resting_m[surface.nodes])
+    return ElasticPanel(plan, sheet, sheet, sheet.state, surface.grid, slice(None))
+
+
+class CompiledSheet:
+    """Body and integrator in one, at rest nowhere before ``rest``.
+
+    ``state`` and ``memory`` are all that changes; the compiled code works on these very arrays.
+    """
+
+    def __init__(
+        self, plan: PanelPlan, structure: Structure, surface: Surface[Grid], step_s: float
+    ) -> None:
+        nodes, bending = surface.nodes, structure.bending
+        assert bending is not None  # every sheet bends
+        branches = plan.material.branches
+        self.mass_kg = structure.mass_kg[nodes]
+        self.held = np.flatnonzero(np.isin(nodes, structure.held))
+        self._flat_m = bending.flat_m[nodes]
+        self._step_s = step_s
+        self.state = State(*np.zeros((3, len(nodes), 3)))
+        self.memory = Memory(len(nodes), surface.grid, len(branches))
+        ratio, time_s = checked(branches)
+        self._kernel = Sheet(
+            **_cells(plan, structure, surface.grid),
+            **_diagonals(bending.matrix[nodes][:, nodes]),
+            flat_m=self._flat_m,
+            mobility_1_kg=structure.mobility_1_kg[nodes, 0],
+            held=self.held.astype(np.int32),
+            ratio=ratio,
+            time_s=time_s,
+            state=[*self.state.moved(), *self.memory.arrays()],
+        )
+
+    def rest(self, position_m: Array) -> None:
+        """Take ``position_m`` (nodes, 3) as the shape at rest, with relaxed branches."""
+        self.state.position_m[:] = position_m
+        self._kernel.rest()
+
+    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+        """Move ``state``, which must be its own, to the interval's end under ``action``."""
+        path, impulse_N_s = action.held, np.zeros((len(self.held), 3))
+        work_J = self._kernel.advance(
+            path.start.position_m,
+            path.start.velocity_m_s,
+            path.end.position_m,
+            path.end.velocity_m_s,
+            action.outside_N,
+            path.length_s,
+            interval.steps(self._step_s),
+            impulse_N_s,
+        )
+        return HeldForce(impulse_N_s, work_J)
+
+    def stored_J(self) -> dict[str, float]:
+        """Elastic energy by name and that of the Maxwell branches."""
+        bent_m = self.state.position_m - self._flat_m
+        return {
+            "membrane": self._kernel.membrane_J(),
+            "bending": 0.5 * float(np.vdot(bent_m, self.memory.elastic_N)),
+            "maxwell": float(self.memory.energy_J.sum()),
+        }
+
+    def lost_J(self) -> float:
+        """What the Maxwell branches dissipated since the start."""
+        return float(self.memory.lost_J[0])
+
+    def save(self) -> Saved:
+        """``state`` is saved by its owner."""
+        return taken(self.memory, *vars(self.memory))
+
+    def restore(self, saved: Saved) -> None:
+        for name, array in vars(self.memory).items():
+            array[:] = saved[name]
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+class Memory:
+    """What the sheet knows of its past, beside ``State``.
+
+    Scaled strain at the Gauss points, in groups of cells side by side; elastic bending force; the
+    stresses of both parts' branches, each over its ratio; their energies (2, branches); the energy
+    lost (1,).
+    """
+
+    def __init__(self, nodes: int, grid: Grid, branches: int) -> None:
+        groups = -(-grid.shape[0] * grid.shape[1] // LANES)
+        self.strain = np.zeros((groups, 9, 3, LANES))
+        self.strain_stress = np.zeros((groups, 9, branches, 3, LANES))
+        self.elastic_N = np.zeros((nodes, 3))
+        self.bending_stress_N = np.zeros((branches, nodes, 3))
+        self.energy_J = np.zeros((2, branches))
+        self.lost_J = np.zeros(1)
+
+    def arrays(self) -> list[Array]:
+        """In the order in which the compiled code takes them."""
+        return list(vars(self).values())
+
+
+def _cells(plan: PanelPlan, structure: Structure, grid: Grid) -> dict[str, Any]:
+    """The membrane's law on each cell of ``grid``, y running fastest."""
+    flat = structure.space.mesh
+    count = grid.shape[0] * grid.shape[1]
+    strain = np.tile(strain_entries(plan.material, plan.thickness_m), (count, 1))
+    solid, rest = np.ones(count), np.empty((0, 6))
+    holes = openings(plan, flat)
+    if holes:
+        stiffness_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m
+        cells = _cell_numbers(grid, holes.share.function_space.tabulate_dof_coordinates())
+        share = holes.share.x.array[cells]
+        factor, stiffer = holes.split(stiffness_N_m)
+        solid = 1.0 - (1.0 - factor) * share
+        rest = np.outer(share, stiffer[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
+        strain = holes.strain_entries(stiffness_N_m)[cells]
+    return {
+        "along_m": np.diff(grid.s_m),
+        "across_m": np.diff(grid.y_m),
+        "c10_N_m": plan.material.c10_Pa * plan.thickness_m,
+        "c01_N_m": plan.material.c01_Pa * plan.thickness_m,
+        "solid": solid,
+        "rest": rest,
+        "strain": strain,
+    }
+
+
+def _cell_numbers(grid: Grid, middle_m: Array) -> Indices:
+    """(cells,): for each cell of ``grid``, which of the points ``middle_m`` is in it."""
+    row = np.searchsorted(grid.s_m, middle_m[:, 0]) - 1
+    column = np.searchsorted(grid.y_m, middle_m[:, 1]) - 1
+    return np.argsort(row * grid.shape[1] + column)
+
+
+def _diagonals(matrix: csr_matrix) -> dict[str, Any]:
+    """``entry`` (offsets, nodes): what stands in each row, ``offset`` columns off the diagonal."""
+    entries = matrix.tocoo()
+    offset, which = np.unique(entries.col - entries.row, return_inverse=True)
+    entry = np.zeros((len(offset), matrix.shape[0]))
+    entry[which, entries.row] = entries.data
+    return {"offset": offset.astype(np.int32), "entry": entry}

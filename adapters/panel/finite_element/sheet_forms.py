@@ -1,0 +1,133 @@
+"""The sheet: a Kirchhoff-Love model on the flat, stress-free rectangle.
+
+The unknown is the world position x(s, y) of the mid-surface.  Membrane: two-parameter
+Mooney-Rivlin in plane stress, incompressible, so that C33 = 1/det C.  Bending: ``bending``.
+Openings, if any: ``perforated_sheet``.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+from adapters.panel.common.compiled import function_space
+from adapters.panel.finite_element.bending import Bending, plate, stiffness_matrix
+from adapters.panel.finite_element.grid import Grid, Surface
+from adapters.panel.finite_element.material import Law
+from adapters.panel.finite_element.structure import Structure
+from orchestrator.ports import Array
+from orchestrator.ports.plans import Hyperelastic, PanelPlan
+
+if TYPE_CHECKING:
+    from adapters.panel.perforation.sheet import Perforated
+
+QUADRATURE_DEGREE = 4  # 3 x 3 Gauss points
+POISSON_RATIO = 0.5
+
+
+def flat_mesh(grid: Grid) -> Any:
+    """One quadrilateral per cell of ``grid``, in its material coordinates."""
+    along, across = grid.shape
+    flat = mesh.create_rectangle(
+        MPI.COMM_SELF, [[0, 0], [along, across]], [along, across], mesh.CellType.quadrilateral
+    )
+    nodes = flat.geometry.x
+    nodes[:, 0] = np.interp(nodes[:, 0], np.arange(along + 1), grid.s_m)
+    nodes[:, 1] = np.interp(nodes[:, 1], np.arange(across + 1), grid.y_m)
+    return flat
+
+
+def _membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
+    """Energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
+    trace, det = ufl.tr(C), ufl.det(C)
+    return thickness_m * (
+        material.c10_Pa * (trace + 1 / det - 3) + material.c01_Pa * (det + trace / det - 3)
+    )
+
+
+def strain_entries(material: Hyperelastic, thickness_m: float) -> tuple[float, ...]:
+    """The entries of ``scaled_strain`` with which half its square is the small-strain plane-stress
+    energy  mu t (E:E + (tr E)^2)."""
+    root = (2.0 * material.shear_modulus_Pa * thickness_m) ** 0.5
+    isochoric = root * 0.5**0.5
+    return (root * 1.5**0.5, root * 1.5**0.5, isochoric, -isochoric, isochoric)
+
+
+def scaled_strain(entries: Any, C: Any) -> Any:
+    """The vector (s0 E11 + s1 E22, s2 E11 + s3 E22, s4 2 E12) for five ``entries``."""
+    E = 0.5 * (C - ufl.Identity(2))
+    return ufl.as_vector(
+        [
+            entries[0] * E[0, 0] + entries[1] * E[1, 1],
+            entries[2] * E[0, 0] + entries[3] * E[1, 1],
+            2.0 * entries[4] * E[0, 1],
+        ]
+    )
+
+
+def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
+    """The structure of ``plan``; its surface is all its nodes."""
+    pattern = plan.apertures
+    region_m = pattern.region_m(plan.rectangle) if pattern else None
+    grid = Grid.of(plan.rectangle, plan.cells, region_m)
+    flat = flat_mesh(grid)
+    holes = openings(plan, flat)
+    space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
+    scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
+    material_m = space.tabulate_dof_coordinates()
+    nodes = grid.numbers_of(material_m)
+    held = nodes[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
+    areal_mass_kg_m2 = plan.material.density_kg_m3 * plan.thickness_m
+    if holes:
+        areal_mass_kg_m2 = holes.areal_mass_kg_m2(areal_mass_kg_m2)
+    membrane = law(plan, fem.Function(space), holes)
+    bent = bending(plan, scalars, material_m, holes)
+    return Structure(membrane, areal_mass_kg_m2, held, bent), Surface(grid, nodes)
+
+
+def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
+    """Those of ``plan`` on its mesh."""
+    if plan.apertures is None:
+        return None
+    from adapters.panel.perforation.sheet import perforated
+
+    return perforated(plan, plan.apertures, flat)
+
+
+def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
+    """The membrane on the field ``position``."""
+    gradient = ufl.grad(position)
+    C = ufl.transpose(gradient) * gradient
+    measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
+    energy = _membrane_energy(plan.material, plan.thickness_m, C)
+    entries: Any = strain_entries(plan.material, plan.thickness_m)
+    if holes:
+        stiffness_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m
+        energy = holes.membrane_energy(energy, stiffness_N_m, C)
+        entries = holes.strain_field(stiffness_N_m)
+    return Law(
+        position,
+        {"membrane": energy * measure},
+        scaled_strain(entries, C),
+        QUADRATURE_DEGREE,
+        plan.material.branches,
+    )
+
+
+def bending(
+    plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None
+) -> Bending:
+    """Plate bending stiffness  E t^3 / (12 (1 - nu^2))  where there are no openings."""
+    rectangle, material = plan.rectangle, plan.material
+    beam_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / 12
+    moment = plate(beam_N_m / (1 - POISSON_RATIO**2), POISSON_RATIO)
+    if holes:
+        moment = holes.moment(beam_N_m)
+    sides = np.stack((rectangle.along, rectangle.across))
+    flat_m = rectangle.corner_m + material_m[:, :2] @ sides
+    matrix = stiffness_matrix(scalars, moment)
+    return Bending(matrix, flat_m, material.branches)

@@ -1,0 +1,103 @@
+"""The solid: nearly incompressible Mooney-Rivlin on quadratic hexahedra.
+
+The unknown is the world position x(s, y, z).  One cell through the thickness has nodes on the
+mid-surface.  The volumetric energy is integrated with 2 x 2 x 2 points (selective reduced
+integration: Malkus and Hughes, Comput. Methods Appl. Mech. Engrg. 15 (1978) 63-81,
+doi:10.1016/0045-7825(78)90005-1), without which the thin cells lock.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+
+from adapters.panel.common.compiled import function_space
+from adapters.panel.finite_element.grid import Surface
+from adapters.panel.finite_element.material import Law
+from adapters.panel.finite_element.pierced_grid import PiercedGrid
+from adapters.panel.finite_element.solid_grid import bearable_grid
+from adapters.panel.finite_element.structure import Structure
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import PanelPlan
+
+ISOCHORIC_DEGREE = 4  # 3 x 3 x 3 Gauss points
+VOLUMETRIC_DEGREE = 2  # 2 x 2 x 2
+
+
+def box_mesh(grid: PiercedGrid, thickness_m: float) -> Any:
+    """One hexahedron per cell with material, from half the thickness below to half above."""
+    s_m, y_m = grid.whole.s_m, grid.whole.y_m
+    shape = (len(s_m), len(y_m), 2)
+    number = np.arange(np.prod(shape)).reshape(shape)
+    along, across = np.nonzero(grid.hole_of_cell() < 0)
+    corners = [number[along + i, across + j, k] for k in (0, 1) for j in (0, 1) for i in (0, 1)]
+    used, cells = np.unique(np.stack(corners, axis=1), return_inverse=True)
+    height_m = np.array([-0.5, 0.5]) * thickness_m
+    places = np.meshgrid(s_m, y_m, height_m, indexing="ij")
+    points_m = np.stack(places, axis=-1).reshape(-1, 3)[used]
+    hexahedron = ufl.Cell("hexahedron", geometric_dimension=3)
+    linear = ufl.Mesh(ufl.VectorElement("Lagrange", hexahedron, 1))
+    return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 8), points_m, linear)
+
+
+def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGREE) -> Law:
+    """Isochoric invariants, and  K/2 (J - 1)^2  with its own quadrature degree."""
+    material = plan.material
+    gradient = ufl.grad(position)
+    C, J = ufl.transpose(gradient) * gradient, ufl.det(gradient)
+    first = ufl.tr(C)
+    second = 0.5 * (first**2 - ufl.inner(C, C))
+    isochoric = material.c10_Pa * (J ** (-2 / 3) * first - 3) + material.c01_Pa * (
+        J ** (-4 / 3) * second - 3
+    )
+    volumetric = 0.5 * material.bulk_modulus_Pa * (J - 1) ** 2
+    energy = {
+        "isochoric": isochoric * ufl.dx(metadata={"quadrature_degree": ISOCHORIC_DEGREE}),
+        "volumetric": volumetric * ufl.dx(metadata={"quadrature_degree": volumetric_degree}),
+    }
+    strain = _scaled_strain(material.shear_modulus_Pa, C)
+    return Law(position, energy, strain, ISOCHORIC_DEGREE, material.branches)
+
+
+def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
+    """Vector whose half square is  mu dev(E) : dev(E)."""
+    E = ufl.dev(0.5 * (C - ufl.Identity(3)))
+    root, twice = (2.0 * shear_modulus_Pa) ** 0.5, 2.0**0.5
+    return ufl.as_vector(
+        [
+            root * E[0, 0],
+            root * E[1, 1],
+            root * E[2, 2],
+            root * twice * E[0, 1],
+            root * twice * E[0, 2],
+            root * twice * E[1, 2],
+        ]
+    )
+
+
+def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
+    """The nodes that the clamps prescribe, of all nodes ``material_m`` (nodes, 3).
+
+    A clamp with depth holds every node on and under it, so that the end cannot turn.  A clamp
+    without depth (``clamp_m`` is 0) is a hinge as it is for the strip and for the sheet: it holds
+    only those nodes of its edge that lie on the mid-surface, ``middle``, and the end face is free
+    to turn about them.
+    """
+    held = np.flatnonzero(~np.isnan(plan.rectangle.end(material_m[:, :2])))
+    return held if plan.rectangle.clamp_m > 0.0 else np.intersect1d(held, middle)
+
+
+def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
+    """The structure of ``plan``; its surface is the nodes of the mid-surface."""
+    grid = bearable_grid(plan)
+    box = box_mesh(grid, plan.thickness_m)
+    space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
+    material_m = space.tabulate_dof_coordinates()
+    middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
+    held = held_nodes(plan, material_m, middle)
+    structure = Structure(law(plan, fem.Function(space)), plan.material.density_kg_m3, held)
+    return structure, Surface(grid, middle[grid.numbers_of(material_m[middle])])

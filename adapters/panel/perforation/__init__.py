@@ -1,0 +1,1 @@
+"""Panels with openings as if they were whole: unit cells and what they give."""

@@ -1,0 +1,145 @@
+"""The stiffness of a perforated sheet: one cell of its pattern, repeated for ever, on DOLFINx.
+
+Membrane: plane stress.  Bending: Reissner-Mindlin, because lands are often no wider than the
+sheet is thick.  Small strain, incompressible (Poisson's ratio 1/2): only geometry counts.
+docs/theory/perforated_panel.md
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import dolfinx.fem.petsc as fem_petsc
+import numpy as np
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+from scipy.sparse import csc_matrix, csr_matrix
+from scipy.sparse.linalg import splu
+
+from adapters.panel.common.compiled import form, function_space
+from adapters.panel.perforation.unit_cell_mesh import cell_m, cell_triangles
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Apertures
+
+POISSON_RATIO = 0.5
+SHEAR_CORRECTION = 5 / 6
+# plane stress of unit modulus, for strains (11, 22, 2 x 12)
+SOLID = np.array(
+    [[1, POISSON_RATIO, 0], [POISSON_RATIO, 1, 0], [0, 0, (1 - POISSON_RATIO) / 2]]
+) / (1 - POISSON_RATIO**2)
+
+
+@dataclass(frozen=True)
+class CellStiffness:
+    """``membrane`` (3, 3) in units of E t and ``bending`` (3, 3) in units of E t^3 / 12, for
+    strains and curvatures (11, 22, 2 x 12) along and across; both are ``SOLID`` without openings.
+    """
+
+    membrane: Array
+    bending: Array
+
+
+def along(stiffness: Array) -> float:
+    """Stiffness of a strip that may contract across: its modulus along, in units of E."""
+    return float(1.0 / np.linalg.inv(stiffness)[0, 0])
+
+
+@cache
+def cell_stiffness(apertures: Apertures, thickness_m: float) -> CellStiffness:
+    """Of the pattern in a sheet of ``thickness_m``; margins do not matter."""
+    cell = _mesh(*cell_triangles(apertures))
+    area_m2 = float(np.prod(cell_m(apertures)))
+    period_m = np.array(cell_m(apertures))
+    return CellStiffness(
+        _effective(_membrane(cell), cell, 2, period_m) / area_m2,
+        _effective(_bending(cell, thickness_m), cell, 3, period_m) / area_m2,
+    )
+
+
+def _mesh(points_m: Array, triangles: Indices) -> Any:
+    linear = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("triangle", geometric_dimension=2), 1))
+    return mesh.create_mesh(MPI.COMM_SELF, triangles, points_m, linear)
+
+
+def _strain(u: Any) -> Any:
+    """(11, 22, 2 x 12) of the first two components of a field."""
+    g = ufl.grad(u)
+    return ufl.as_vector([g[0, 0], g[1, 1], g[0, 1] + g[1, 0]])
+
+
+def _solid(strain: Any) -> Any:
+    return ufl.dot(ufl.as_matrix(SOLID.tolist()), strain)
+
+
+def _membrane(cell: Any) -> Any:
+    """Energy product of two displacement fluctuations."""
+    return lambda u, v: ufl.inner(_solid(_strain(u)), _strain(v)) * ufl.dx
+
+
+def _bending(cell: Any, thickness_m: float) -> Any:
+    """Energy product of two fields (slope 1, slope 2, deflection), over t^3 / 12; the shear part
+    with reduced integration, so that thin sheets do not lock."""
+    shear = SHEAR_CORRECTION / (2 * (1 + POISSON_RATIO)) * 12 / thickness_m**2
+    shear_1_m2 = fem.Constant(cell, shear)
+
+    def turned(u: Any) -> Any:  # transverse shear
+        return ufl.grad(u)[2, :] - ufl.as_vector([u[0], u[1]])
+
+    def product(u: Any, v: Any) -> Any:
+        reduced = ufl.dx(metadata={"quadrature_degree": 2})
+        return (
+            ufl.inner(_solid(_strain(u)), _strain(v)) * ufl.dx
+            + shear_1_m2 * ufl.inner(turned(u), turned(v)) * reduced
+        )
+
+    return product
+
+
+def _effective(product: Any, cell: Any, size: int, period_m: Array) -> Array:
+    """(3, 3): energy of the unit strains with the periodic fluctuation that makes it least."""
+    space = function_space(cell, ufl.VectorElement("Lagrange", cell.ufl_cell(), 2, dim=size))
+    u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
+    fold = _periodic(space.tabulate_dof_coordinates()[:, :2], period_m, size)
+    stiffness = fold.T @ _matrix(product(u, v)) @ fold
+    loads = np.column_stack([_load(unit, v) for unit in np.eye(3)])
+    kept = np.arange(stiffness.shape[0] - size)  # the last point is held: no rigid motion
+    right = (fold.T @ loads)[kept]
+    factors = splu(
+        csc_matrix(stiffness[kept][:, kept]),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    answer = factors.solve(right)
+    solid_m2 = fem.assemble_scalar(form(fem.Constant(cell, 1.0) * ufl.dx))
+    # the pattern is its own mirror image, so that shear couples to nothing but by the mesh
+    uncoupled = np.array([[1, 1, 0], [1, 1, 0], [0, 0, 1]])
+    return np.asarray(uncoupled * (solid_m2 * SOLID - right.T @ answer))
+
+
+def _load(unit: Array, test: Any) -> Array:
+    """Virtual work of the stress of a uniform strain or curvature."""
+    stress = ufl.as_vector((SOLID @ unit).tolist())
+    work: Array = fem.assemble_vector(form(ufl.inner(stress, _strain(test)) * ufl.dx)).array
+    return work.copy()
+
+
+def _matrix(integral: Any) -> csr_matrix:
+    matrix = fem_petsc.assemble_matrix(form(integral))
+    matrix.assemble()
+    starts, columns, values = matrix.getValuesCSR()
+    matrix.destroy()
+    return csr_matrix((values, columns, starts))
+
+
+def _periodic(points_m: Array, period_m: Array, size: int) -> csr_matrix:
+    """(all, independent) unknowns: points a period apart are one, of ``size`` components."""
+    fine = 1e-7 * period_m
+    place = np.round(points_m / fine).astype(np.int64) % np.round(period_m / fine).astype(np.int64)
+    _, same = np.unique(place, axis=0, return_inverse=True)
+    columns = (size * same[:, None] + np.arange(size)).ravel()
+    rows = np.arange(len(columns))
+    return csr_matrix((np.ones(len(rows)), (rows, columns)))

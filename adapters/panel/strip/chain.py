@@ -1,0 +1,151 @@
+"""A strip as a chain: rows of material joined by axial springs and bending springs.
+
+Rows stand at s = ``rows_m`` along the strip; one point (3,) per row, its middle.  Between two rows
+of the free length acts an axial spring with the law of a uniaxially stretched incompressible
+Mooney-Rivlin bar (Treloar, The Physics of Rubber Elasticity, 3rd ed. 1975, ch. 5)
+
+    N = A P(l),    P = 2 (l - l^-2) (C10 + C01 / l),    l = length / rest length,
+
+and at every row but the outermost a bending spring on the second difference of positions
+
+    energy = 1/2 E I  cell  |kappa|^2,    I = width thickness^3 / 12,
+
+which does not change when the strip is moved or turned.  A clamp is rigid, so at its inner edge
+kappa belongs to the free half cell only: (first free slope - clamp's slope) / (half a cell), and
+without its part along the clamp as mounted, which would resist stretching, not bending.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from adapters.panel.perforation.strip import left
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import Hyperelastic, PanelPlan
+
+
+@dataclass(frozen=True)
+class Chain:
+    """``rows_m`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
+    ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and of
+    bearing cross-sections ``area_m2`` (c,); ``curvature_1_m2`` (b, r) maps positions to
+    curvatures, of weights ``bending_N_m3`` (b,), E I times the length that each stands for; those
+    of ``at_clamps`` count only across ``clamp_along`` (3,)."""
+
+    rows_m: Array
+    held: Indices
+    springs: slice
+    rest_m: float
+    area_m2: Array
+    material: Hyperelastic
+    curvature_1_m2: Array
+    bending_N_m3: Array
+    at_clamps: Indices
+    clamp_along: Array
+
+    def stretched(self, position_m: Array) -> tuple[Array, Array]:
+        """Unit vectors (c, 3) along the axial springs and their lengths (c,)."""
+        along = np.diff(position_m[self.springs], axis=0)
+        length_m = np.sqrt(np.einsum("ij,ij->i", along, along))
+        return along / length_m[:, None], length_m
+
+    def curvature_1_m(self, position_m: Array) -> Array:
+        """(b, 3)"""
+        curvature_1_m: Array = self.curvature_1_m2 @ position_m
+        along = curvature_1_m[self.at_clamps] @ self.clamp_along
+        curvature_1_m[self.at_clamps] -= np.outer(along, self.clamp_along)
+        return curvature_1_m
+
+    def tension_N(self, length_m: Array) -> Array:
+        return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
+
+    def force_N(self, along: Array, tension_N: Array, moment: Array) -> Array:
+        """Force (r, 3) on the rows of spring tensions (c,) along ``along`` and of the bending
+        springs' ``moment`` (b, 3), the derivative of energy with respect to curvature."""
+        force_N = -self.curvature_1_m2.T @ moment
+        pull_N = tension_N[:, None] * along
+        inner = force_N[self.springs]
+        inner[:-1] += pull_N
+        inner[1:] -= pull_N
+        return np.asarray(force_N)
+
+    def membrane_J(self, length_m: Array) -> float:
+        stretch = length_m / self.rest_m
+        density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
+        density_Pa = density_Pa + self.material.c01_Pa * (2 * stretch + stretch**-2 - 3)
+        return float(self.rest_m * (self.area_m2 @ density_Pa))
+
+    def bending_J(self, curvature_1_m: Array) -> float:
+        return float(self.bending_N_m3 @ (curvature_1_m**2).sum(axis=1)) / 2
+
+    def tangent_N_m(self, position_m: Array) -> Array:
+        """Second derivative of the elastic energy, (3 r, 3 r)."""
+        along, length_m = self.stretched(position_m)
+        rate_N_m = self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m)
+        turning_N_m = self.tension_N(length_m) / length_m
+        outer = along[:, :, None] * along[:, None, :]
+        blocks = (rate_N_m - turning_N_m)[:, None, None] * outer
+        blocks = blocks + turning_N_m[:, None, None] * np.eye(3)
+        rows = len(self.rows_m)
+        across = np.tile(np.eye(3), (len(self.bending_N_m3), 1, 1))
+        across[self.at_clamps] -= np.outer(self.clamp_along, self.clamp_along)
+        bent = self.curvature_1_m2
+        tangent = np.einsum("b,bi,bj,bkl->ikjl", self.bending_N_m3, bent, bent, across)
+        for row, block in enumerate(blocks, start=self.springs.start):
+            tangent[row, :, row] += block
+            tangent[row + 1, :, row + 1] += block
+            tangent[row, :, row + 1] -= block
+            tangent[row + 1, :, row] -= block
+        return np.asarray(tangent.reshape(3 * rows, 3 * rows))
+
+
+def chain(plan: PanelPlan) -> Chain:
+    """``plan.cells[0]`` springs on the free length; a clamp of depth ``clamp_m`` holds position
+    and slope, one without depth is a hinge."""
+    rectangle, cells = plan.rectangle, plan.cells[0]
+    if cells < 2:
+        raise ValueError(f"panel {plan.name}: a strip needs at least two cells, got {cells}")
+    free = np.linspace(0.0, rectangle.length_m, cells + 1)
+    under = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
+    rows_m = np.concatenate([[-c for c in under], free, [rectangle.length_m + c for c in under]])
+    first, last = len(under), len(under) + cells
+    held = np.full(len(rows_m), -1)
+    held[: first + 1], held[last:] = 0, 1
+    gap = np.diff(rows_m)
+    cell = rectangle.length_m / cells
+    stands_for = np.where(held[1:-1] < 0, cell, cell / 2)
+    curvature = np.zeros((len(gap) - 1, len(rows_m)))
+    for k in range(len(gap) - 1):
+        before, after = 1 / gap[k], 1 / gap[k + 1]
+        curvature[k, k : k + 3] = np.array([before, -before - after, after]) / stands_for[k]
+    area_m2 = rectangle.width_m * plan.thickness_m
+    bending_N_m2 = plan.material.youngs_modulus_Pa * area_m2 * plan.thickness_m**2 / 12
+    bent_m = np.clip([rows_m[1:-1] - cell / 2, rows_m[1:-1] + cell / 2], 0, rectangle.length_m)
+    weights_N_m3 = bending_N_m2 * left(plan, *bent_m).bending * stands_for
+    springs = slice(first, last + 1)
+    return Chain(
+        rows_m,
+        held,
+        springs,
+        cell,
+        area_m2 * left(plan, free[:-1], free[1:]).tension,
+        plan.material,
+        curvature,
+        weights_N_m3,
+        np.flatnonzero(held[1:-1] >= 0),
+        rectangle.along,
+    )
+
+
+def nominal_stress_Pa(material: Hyperelastic, stretch: Array) -> Array:
+    """Uniaxial, incompressible: force over the undeformed cross-section."""
+    return np.asarray(2 * (stretch - stretch**-2) * (material.c10_Pa + material.c01_Pa / stretch))
+
+
+def stiffness_Pa(material: Hyperelastic, stretch: Array) -> Array:
+    """The derivative of the nominal stress; E at stretch 1."""
+    shear = material.c10_Pa + material.c01_Pa / stretch
+    softening = (stretch - stretch**-2) * material.c01_Pa / stretch**2
+    return np.asarray(2 * (1 + 2 * stretch**-3) * shear - 2 * softening)

@@ -1,0 +1,1 @@
+"""The surface of triangles as particles meet it, for any solver."""
