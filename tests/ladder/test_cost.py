@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.cost import particles_at_start, predicted_parts_s, predicted_s
 from orchestrator.preflight.levels import load
 from orchestrator.studies.ladder.rungs import LADDERS, rungs
 from tests.runs.outside import ROOT
@@ -50,16 +50,20 @@ def test_predictions_are_good_to_a_factor_of_three(
 
 
 def test_what_makes_a_run_dear() -> None:
-    """Twice the time costs twice as much but for the start; particles, panels and the third power
-    of a sheet's cells (their number, and the step) add to it."""
+    """Twice the time costs twice as much but for the start; particles and panels add to it, and the
+    steps of a sheet go with the third power of its cells (their number, and the step)."""
 
     def of(*sets: str, at_start: int = 0) -> float:
         return predicted_s(load(ROOT / "cases/quickstart", "default", sets).case, at_start)
 
-    half, whole, empty = of("duration_s=0.25"), of("duration_s=0.5"), of("particles.solver=none")
+    def of_panels(*sets: str) -> float:
+        case = load(ROOT / "cases/quickstart", "default", [*sets, "particles.solver=none"]).case
+        return predicted_parts_s(case, 0)["panel"]
+
+    half, whole = of("duration_s=0.25"), of("duration_s=0.5")
     nothing_s = 2 * half - whole
     assert 0.0 < nothing_s < half
     assert of(at_start=10_000) - whole == pytest.approx(2 * (of(at_start=5_000) - whole))
-    cells = [of(f"panel.cells=[{22 * n}, {4 * n}]", "particles.solver=none") for n in (1, 2, 3)]
-    assert cells[0] == pytest.approx(empty)
+    cells = [of_panels(f"panel.cells=[{22 * n}, {4 * n}]") for n in (1, 2, 3)]
+    assert cells[0] == pytest.approx(of_panels())
     assert (cells[2] - cells[0]) / (cells[1] - cells[0]) == pytest.approx(26 / 7)
