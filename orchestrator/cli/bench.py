@@ -16,7 +16,7 @@ from rich.table import Table
 
 from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.coupling.build import build
-from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.levels import LoadedCase

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orchestrator.coupling.build import build
-from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.levels import load

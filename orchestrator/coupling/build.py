@@ -39,7 +39,7 @@ from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.pieces import frame_pieces, panel_pieces, wall_pieces
 from orchestrator.coupling.ranks import FramesOnFirstRank
 from orchestrator.coupling.schemes import scheme
-from orchestrator.coupling.schemes.scheme import Solvers
+from orchestrator.coupling.schemes.exchange import Solvers
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import Frames, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan

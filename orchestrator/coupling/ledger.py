@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.schemes.scheme import Pending
+from orchestrator.coupling.schemes.exchange import Pending
 from orchestrator.ports import Account, Array
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from orchestrator.case.bed.material_book import MaterialBook
 from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.coupling.ledger import Members
-from orchestrator.coupling.schemes.scheme import Scheme, Solvers
+from orchestrator.coupling.schemes.exchange import Scheme, Solvers
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import Array, Indices, Wearing
 from orchestrator.ports.geometry import TriangleSurface

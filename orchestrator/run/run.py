@@ -16,7 +16,7 @@ from orchestrator.coupling.build import build
 from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import is_first
-from orchestrator.coupling.schemes.scheme import State, initial
+from orchestrator.coupling.schemes.exchange import State, initial
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
 from orchestrator.output.saves.files import Save

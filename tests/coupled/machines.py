@@ -10,8 +10,8 @@ from pathlib import Path
 from orchestrator.coupling.build import build
 from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes import scheme as coupling
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes import exchange as coupling
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import ParticleSnapshot
 from orchestrator.ports.clock import Interval

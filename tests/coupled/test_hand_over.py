@@ -10,7 +10,7 @@ import pytest
 from adapters.frames import two_mass
 from adapters.particles import liggghts
 from orchestrator.case.planning import frames_plan, particles_plan
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Load, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path as PointPath

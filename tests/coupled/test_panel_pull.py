@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.build import build
-from orchestrator.coupling.schemes import scheme as coupling
+from orchestrator.coupling.schemes import exchange as coupling
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports.clock import intervals
 from orchestrator.preflight.levels import load

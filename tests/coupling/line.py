@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.coupling.schemes.scheme import Solvers
+from orchestrator.coupling.schemes.exchange import Solvers
 from orchestrator.ports import (
     Account,
     Crossings,

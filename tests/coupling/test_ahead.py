@@ -14,7 +14,7 @@ from orchestrator.coupling.metered import MeteredFrames, MeteredPanel
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.ranks import FramesOnFirstRank
 from orchestrator.coupling.schemes import SCHEMES, scheme
-from orchestrator.coupling.schemes.scheme import Solvers, State, initial
+from orchestrator.coupling.schemes.exchange import Solvers, State, initial
 from orchestrator.coupling.schemes.steps import ahead, extrapolated
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.coupling.timed_panel import timed

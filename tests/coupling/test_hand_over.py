@@ -13,7 +13,7 @@ from orchestrator.coupling.hand_over import (
     unloaded,
 )
 from orchestrator.coupling.schemes import SCHEMES, scheme
-from orchestrator.coupling.schemes.scheme import Solvers, State, initial
+from orchestrator.coupling.schemes.exchange import Solvers, State, initial
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import as_arrays, restorable

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.schemes import scheme
+from orchestrator.coupling.schemes.exchange import Scheme, initial
 from orchestrator.coupling.schemes.iterated import Relaxation
 from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
-from orchestrator.coupling.schemes.scheme import Scheme, initial
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.effort import Effort

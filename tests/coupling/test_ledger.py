@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.coupling.ledger import Ledger, Members
 from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.schemes.scheme import Pending
+from orchestrator.coupling.schemes.exchange import Pending
 from orchestrator.ports import Account, Array
 
 

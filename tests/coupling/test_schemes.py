@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from orchestrator.coupling.schemes import scheme as named
-from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.ports.clock import Interval
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 

@@ -13,7 +13,7 @@ from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.coupling.ledger import Members
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.schemes.scheme import Solvers, State, initial
+from orchestrator.coupling.schemes.exchange import Solvers, State, initial
 from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval

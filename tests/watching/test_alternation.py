@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.schemes import scheme
-from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.contact_limits import light_point_s

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.coupling.schemes.scheme import initial
+from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.ports.clock import Interval
 from orchestrator.run.watching.created_energy import Balance, ClampWork, ContactWork, Exchange
 from orchestrator.run.watching.crossed import crossed

@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.case.tables.numerics import Watch
 from orchestrator.coupling.machine import PanelPoints
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import Overlaps

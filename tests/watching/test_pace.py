@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from orchestrator.case.bed.feed import Feeds
 from orchestrator.coupling.schemes import SCHEMES, scheme
-from orchestrator.coupling.schemes.scheme import State, initial
+from orchestrator.coupling.schemes.exchange import State, initial
 from orchestrator.ports.clock import Interval
 from orchestrator.run.watching.pace import Pace
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members

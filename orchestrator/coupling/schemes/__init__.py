@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orchestrator.coupling.schemes import iterated, robin, staggered
-from orchestrator.coupling.schemes.scheme import Scheme
+from orchestrator.coupling.schemes.exchange import Scheme
 from orchestrator.preflight.effort import Effort
 
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {

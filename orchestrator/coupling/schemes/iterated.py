@@ -18,8 +18,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
 from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
-from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
 from orchestrator.coupling.schemes.steps import Ahead, ahead, chord, ended
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval

@@ -23,7 +23,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
+from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
 from orchestrator.coupling.schemes.staggered import particles_first
 from orchestrator.coupling.schemes.steps import Ahead, ahead, ended
 from orchestrator.coupling.schemes.yielding import Yielding, against

@@ -14,7 +14,7 @@ acts like negative damping: first order, and it adds energy.
 
 from __future__ import annotations
 
-from orchestrator.coupling.schemes.scheme import Solvers, State
+from orchestrator.coupling.schemes.exchange import Solvers, State
 from orchestrator.coupling.schemes.steps import acceleration, ahead, ended
 from orchestrator.ports import Load, Motion
 from orchestrator.ports.clock import Interval

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from orchestrator.coupling.schemes.scheme import Solvers, State
+from orchestrator.coupling.schemes.exchange import Solvers, State
 from orchestrator.ports import Array, Following, Known, Load, Motion, PanelState
 from orchestrator.ports.ahead import carried_ahead
 from orchestrator.ports.clock import Interval

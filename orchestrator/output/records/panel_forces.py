@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Array, Indices
 
 FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.coupling.machine import Machine, Probe
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output.records.frame_rotation import rotations
 from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_forces import FORCES

@@ -10,7 +10,7 @@ from typing import Any
 from orchestrator.case.tables.numerics import Save as Wanted
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.saves import files
 from orchestrator.output.saves.files import Save

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Saved
 from orchestrator.run.watching.alternation import Alternation
 from orchestrator.run.watching.created_energy import ClampWork, ContactWork

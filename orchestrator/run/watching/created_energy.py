@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Array, Indices, Load, Saved
 from orchestrator.ports.state import put_back, taken
 from orchestrator.run.watching.crossed import Crossed

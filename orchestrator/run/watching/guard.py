@@ -13,7 +13,7 @@ from orchestrator.case.tables.numerics import Then
 from orchestrator.coupling.ledger import created_shares
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does, is_first
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output.records.summary import cycle_s
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval, steps_in

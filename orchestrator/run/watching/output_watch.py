@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from orchestrator.coupling.machine import PanelPoints
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.ports.particle_records import Bed
 from orchestrator.ports.penetration import Penetrations

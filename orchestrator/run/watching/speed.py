@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.coupling.schemes.scheme import State
+from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports.plans import SolverFailed
 
 FASTEST_M_S = 300.0  # nothing on a screen moves at the speed of sound in air
