@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from adapters.panel import strip
-from adapters.panel.strip import chain
+from adapters.panel.strip.chain import chain, nominal_stress_Pa, stiffness_Pa
 from adapters.panel.strip.motion import ChainMotion
 from orchestrator.ports import Array, Load, Motion, PanelState
 from orchestrator.ports.clock import Interval
@@ -49,14 +49,14 @@ def middle_m(panel: strip.Strip) -> float:
 )
 def test_uniaxial_law(material: Hyperelastic, stretch: float, stress_MPa: str) -> None:
     """P = 2 (l - l^-2)(C10 + C01 / l), evaluated independently; to the digits given."""
-    found = chain.nominal_stress_Pa(material, np.array([stretch]))[0]
+    found = nominal_stress_Pa(material, np.array([stretch]))[0]
     digits = len(stress_MPa.split(".")[1])
     assert found / 1e6 == pytest.approx(float(stress_MPa), abs=0.51 * 10**-digits)
 
 
 def test_tangent_is_the_derivative_of_the_force() -> None:
     """Central differences, 1e-6 relative, on a bent and stretched chain."""
-    links = chain.chain(taut(6))
+    links = chain(taut(6))
     rng = np.random.default_rng(9)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
@@ -76,7 +76,7 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
 def test_compiled_force_is_the_chain_s() -> None:
     """Of relaxed branches on a bent and stretched chain: 1e-13, rounding."""
     given = taut(6, branches=BRANCHES)
-    links = chain.chain(given)
+    links = chain(given)
     rng = np.random.default_rng(11)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
@@ -89,7 +89,7 @@ def test_compiled_force_is_the_chain_s() -> None:
 
 
 def test_force_is_minus_the_derivative_of_the_energy() -> None:
-    links = chain.chain(taut(6))
+    links = chain(taut(6))
     rng = np.random.default_rng(10)
     rows = len(links.rows_m)
     x = np.column_stack([links.rows_m, np.zeros(rows), np.zeros(rows)])
@@ -238,8 +238,8 @@ def test_maxwell_branch_relaxes_the_pull() -> None:
         pulls.append(state.reaction.force_N[second].sum(axis=0)[0])
     viscous_N = g * 21e6 * 0.05 * 0.005 * small_m / 0.3
     elastic_N = -(np.mean(pulls[-50:]) - resting_N) - viscous_N * np.exp(-0.094 / tau)
-    stiffness_Pa = chain.stiffness_Pa(PRINTED, np.array([1.025]))[0]
-    assert elastic_N == pytest.approx(stiffness_Pa * 0.05 * 0.005 * small_m / 0.3, rel=0.02)
+    modulus_Pa = stiffness_Pa(PRINTED, np.array([1.025]))[0]
+    assert elastic_N == pytest.approx(modulus_Pa * 0.05 * 0.005 * small_m / 0.3, rel=0.02)
 
 
 def test_too_large_a_step_is_refused_with_the_value_to_use() -> None:
