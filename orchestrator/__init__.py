@@ -1,0 +1,1 @@
+"""The orchestrator of flipflow; ARCHITECTURE.md shows its rooms and what each is for."""

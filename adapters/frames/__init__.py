@@ -1,0 +1,1 @@
+"""Solvers of the frames; ``common`` has what several of them are made of."""

@@ -12,7 +12,7 @@ struct StepWork {
   double square_J = 0.0;
 };
 
-// Maxwell branches over steps of one length: the update and the books of adapters/panel/parts/maxwell.py.
+// Maxwell branches over steps of one length: the update and the books of adapters/panel/common/maxwell.py.
 // A branch's `stress` is its overstress divided by its ratio;
 //   stress <- decay * stress + gain * (change of the elastic stress).
 class Branches {

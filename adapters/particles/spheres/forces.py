@@ -95,9 +95,9 @@ class Forces:
 
 @dataclass(frozen=True)
 class History:
-    """What contacts remember of the instant before: springs, couples, and which contact each was.
-    Springs and couples an instant ago, in the rows of now; zero where the contact is new.
-    ``same``, ``parent``: see ``continued``."""
+    """What contacts remember of the instant before: their springs and couples, in the rows of now
+    and zero where a contact is new, and which contact each was (``same``, ``parent``: see
+    ``continued``)."""
 
     same: Indices
     parent: Indices

@@ -1,1 +1,1 @@
-"""The surface of triangles as particles meet it, for any solver."""
+"""The surface of triangles as spheres meet it: nearest features, smooth patches, its turning."""
