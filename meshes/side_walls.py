@@ -15,14 +15,10 @@ import meshio
 import numpy as np
 
 
-def side_walls(
-    x_m: tuple[float, float], y_m: tuple[float, float], z_m: tuple[float, float]
-) -> meshio.Mesh:
+def side_walls(x_m: tuple[float, float], y_m: tuple[float, float], z_m: tuple[float, float]) -> meshio.Mesh:
     """A mesh of 8 points and 6 triangles between the given limits."""
     points = np.array([(x, y, z) for x in x_m for y in y_m for z in z_m])
-    triangles = np.array(
-        [(0, 1, 5), (0, 5, 4), (2, 7, 3), (2, 6, 7), (0, 3, 1), (0, 2, 3)], dtype=np.int64
-    )
+    triangles = np.array([(0, 1, 5), (0, 5, 4), (2, 7, 3), (2, 6, 7), (0, 3, 1), (0, 2, 3)], dtype=np.int64)
     return meshio.Mesh(points, [("triangle", triangles)])
 
 

@@ -27,11 +27,7 @@ CASES = {
     "ffs0827-panelpair draft": ("ffs0827-panelpair", "draft", ["duration_s=0.5"]),
     "ffs0827-slice dry": ("ffs0827-slice", "dry", ["duration_s=0.5"]),
     "banana draft": ("banana", "draft", ["duration_s=0.5"]),
-    "quickstart draft, aitken": (
-        "quickstart",
-        "draft",
-        ["duration_s=0.1", "coupling.scheme=aitken"],
-    ),
+    "quickstart draft, aitken": ("quickstart", "draft", ["duration_s=0.1", "coupling.scheme=aitken"]),
     "quickstart draft, quasi-newton": (
         "quickstart",
         "draft",

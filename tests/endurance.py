@@ -21,15 +21,7 @@ import numpy as np
 from tests.runs.outside import QUICK, started
 
 EVERY_S = 10.0
-COLUMNS = (
-    "wall_s",
-    "simulated_s",
-    "processor_s",
-    "resident_MiB",
-    "files_open",
-    "folder_MiB",
-    "files",
-)
+COLUMNS = ("wall_s", "simulated_s", "processor_s", "resident_MiB", "files_open", "folder_MiB", "files")
 
 
 def main(words: list[str]) -> int:

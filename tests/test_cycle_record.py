@@ -79,7 +79,7 @@ def test_every_cycle_has_its_own_extremes(tmp_path: Path) -> None:
         assert frame["least_m"][:, 0] == pytest.approx([-0.003, -0.002, 0.0], abs=1e-12)
         assert frame["mean_m"][:2, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
         assert frame["farthest_m"][:] == pytest.approx([0.003, 0.002, 0.001])
-        assert frame["fastest_m_s"][:] == pytest.approx([0.5, 0.5, 0.5])
+        assert frame["fastest_m_per_s"][:] == pytest.approx([0.5, 0.5, 0.5])
         assert middle["most_m"][:, 2] == pytest.approx([0.01, 0.01, 0.01])
         panel = {name: rows[:] for name, rows in history["panel_cycles/deck"].items()}
     assert panel["pull_most_N"] == pytest.approx([120.0, 120.0, 120.0])

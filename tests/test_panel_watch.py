@@ -55,7 +55,7 @@ def test_a_folded_panel_stops_the_run_or_is_said_once(
     case = written(tmp_path / "case", CASE)
     with pytest.raises(SolverFailed, match=r"panel deck has folded into itself at t = 0\.5 s"):
         PanelWatch(load(case, None, []).case).look(0.5, "deck", hairpin(0.003))
-    watch = PanelWatch(load(case, None, ["watch.folded_panels=warn"]).case)
+    watch = PanelWatch(load(case, None, ["monitor.folded_panels=warn"]).case)
     with caplog.at_level(logging.WARNING, "flipflow"):
         watch.look(0.5, "deck", hairpin(0.003))
         watch.look(0.6, "deck", hairpin(0.003))

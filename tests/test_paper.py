@@ -17,11 +17,11 @@ from orchestrator.studies.quantities import Sweep, Unknown
 from orchestrator.studies.steady import NotSteady, steady
 from tests.case.cases import CASE, written
 
-SPEED = "screen.exciters.shaft.speed_rad_s"
+SPEED = "screen.exciters.shaft.speed_rad_per_s"
 DRIVEN = "[screen.frames.driven]\nmass_kg = 30.0\ninertia_kg_m2 = [1.0, 2.0, 2.0]\n"
 HELD = (
     '[screen.bushings.shear]\nbetween = ["driving", "driven"]\n'
-    "positions_m = [[0.0, 0.0, 0.0]]\nstiffness_N_m = [1e4, 1e4, 1e4]\n"
+    "positions_m = [[0.0, 0.0, 0.0]]\nstiffness_N_per_m = [1e4, 1e4, 1e4]\n"
 )
 HEAD = f'source = "made up"\n[runs.speed]\nvary = "{SPEED}=70,60,80,90"\n'
 ROW = """
@@ -70,7 +70,7 @@ def fake(point: sweep.Point) -> None:
         "efficiency_percent": {"value": speed},
         "sections": [{"depth_m": speed / 100 - step} for step in (0.0, 0.3, 0.4)],
     }
-    bed = {"velocity_m_s": {"value": speed / 10}}
+    bed = {"velocity_m_per_s": {"value": speed / 10}}
     summary = {
         "status": "done",
         "cycle_s": 2 * np.pi / speed,
@@ -81,10 +81,7 @@ def fake(point: sweep.Point) -> None:
     with h5py.File(point.folder / "history.h5", "w") as history:
         for name, size in (("driving", driving), ("driven", -driven)):
             place = np.outer(1e-3 * size * np.cos(speed * time_s), [1.0, 0.0, 0.0])
-            history[f"frames/{name}/time_s"], history[f"frames/{name}/displacement_m"] = (
-                time_s,
-                place,
-            )
+            history[f"frames/{name}/time_s"], history[f"frames/{name}/displacement_m"] = (time_s, place)
         history["panel_cycles/deck/time_s"] = [0.5, 1.0, 1.5, 2.0]
         history["panel_cycles/deck/sag_most_m"] = [0.05, 0.03, 0.01, 0.02]
 
@@ -104,10 +101,7 @@ def test_bands_and_fits(case: Path) -> None:
 
 @pytest.mark.parametrize(
     ("quantity", "unit", "expected"),
-    [
-        ("growth", "%", 100 * (moved_mm(90)[0] / moved_mm(60)[0] - 1)),
-        ("lowest-at", "rad/s", 78.0),
-    ],
+    [("growth", "%", 100 * (moved_mm(90)[0] / moved_mm(60)[0] - 1)), ("lowest-at", "rad/s", 78.0)],
 )
 def test_quantities_of_a_sweep(case: Path, quantity: str, unit: str, expected: float) -> None:
     """A parabola through three of its points is the parabola."""
@@ -126,7 +120,7 @@ def test_the_arch_of_a_panel(case: Path) -> None:
     ("change", "said"),
     [
         (("driven-driving", "nowhere"), 'no point "nowhere"'),
-        (('at = "70"', 'at = "71"'), "no run with speed_rad_s = 71"),
+        (('at = "70"', 'at = "71"'), "no run with speed_rad_per_s = 71"),
     ],
 )
 def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: str) -> None:
@@ -139,7 +133,7 @@ def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: st
 def test_rows_that_come_too_seldom_are_no_motion(case: Path) -> None:
     """One in a hundred: less than two in a cycle, of which any amplitude could be made."""
     compared(case, ROW)
-    folder = case.parent / "out/speed/speed_rad_s-70"
+    folder = case.parent / "out/speed/speed_rad_per_s-70"
     with h5py.File(folder / "history.h5", "a") as history:
         for group in history["frames"].values():
             for name in list(group):
@@ -152,10 +146,10 @@ def test_rows_that_come_too_seldom_are_no_motion(case: Path) -> None:
 
 def test_a_run_that_failed_is_no_value(case: Path) -> None:
     compared(case, ROW)
-    summary = case.parent / "out/speed/speed_rad_s-70/summary.json"
+    summary = case.parent / "out/speed/speed_rad_per_s-70/summary.json"
     summary.write_text('{"status": "failed"}')
     (line,) = compared(case, ROW)
-    assert line.verdict == "speed_rad_s-70: failed"
+    assert line.verdict == "speed_rad_per_s-70: failed"
 
 
 @pytest.mark.parametrize(
@@ -180,9 +174,7 @@ def test_the_file_has_every_row(case: Path) -> None:
     assert [row["verdict"] for row in table] == ["NOT MET", "not run"]
 
 
-@pytest.mark.parametrize(
-    "case_folder", sorted(Path(__file__).parents[1].glob("cases/*/paper.toml"))
-)
+@pytest.mark.parametrize("case_folder", sorted(Path(__file__).parents[1].glob("cases/*/paper.toml")))
 def test_every_papers_table_is_right(case_folder: Path) -> None:
     """Its bands hold the paper's own values."""
     for row in paper.read(case_folder.parent).rows:
@@ -227,7 +219,7 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
         for quantity, part, path, band, unit in (
             ("result", 'at = "80"\n', "screening.efficiency_percent", "79.9, 80.1", "%"),
             ("effect", "", "screening.efficiency_percent", "29.9, 30.1", "%"),
-            ("effect", "", "bed.velocity_m_s", "2.9, 3.1", "m/s"),
+            ("effect", "", "bed.velocity_m_per_s", "2.9, 3.1", "m/s"),
             ("result", 'at = "80"\n', "screening.sections.0.depth_m", "0.79, 0.81", "m"),
             ("rise", 'at = "80"\n', "screening.sections.*.depth_m", "-0.11, -0.09", "m"),
             ("result", 'at = "80"\n', "screening.absent.value_m", "0, 1", "m"),

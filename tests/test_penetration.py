@@ -91,9 +91,7 @@ def test_a_plate_that_comes_through_a_panel() -> None:
 
 
 @pytest.mark.parametrize("across_m", [0.0, 0.013, 0.2])
-def test_a_side_plate_at_the_edge_or_through_the_panel_as_drawn_is_taken_as_meant(
-    across_m: float,
-) -> None:
+def test_a_side_plate_at_the_edge_or_through_the_panel_as_drawn_is_taken_as_meant(across_m: float) -> None:
     """It stands upright along the panel, which moves up and down along it."""
     upright = np.array([[-0.1, 0, -0.1], [0.4, 0, -0.1], [0.4, 0, 0.1], [-0.1, 0, 0.1]])
     for sag_m in (0.05, -0.05):

@@ -10,10 +10,10 @@ from orchestrator.ports import BrokenRecord, Load, Motion
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_what_is_no_number_cannot_cross(bad: float) -> None:
-    velocity_m_s = np.zeros((4, 3))
-    velocity_m_s[2, 1] = bad
-    with pytest.raises(BrokenRecord, match=r"Motion\.velocity_m_s: point 2 is"):
-        Motion(np.zeros((4, 3)), velocity_m_s)
+    velocity_m_per_s = np.zeros((4, 3))
+    velocity_m_per_s[2, 1] = bad
+    with pytest.raises(BrokenRecord, match=r"Motion\.velocity_m_per_s: point 2 is"):
+        Motion(np.zeros((4, 3)), velocity_m_per_s)
 
 
 def test_numbers_whose_square_overflows_cross() -> None:

@@ -13,12 +13,7 @@ BIN = Path(sys.executable).parent
 
 @pytest.mark.parametrize(
     "command",
-    [
-        ["lint-imports", "--no-cache"],
-        ["ruff", "check", "."],
-        ["ruff", "format", "--check", "."],
-        ["mypy"],
-    ],
+    [["lint-imports", "--no-cache"], ["ruff", "check", "."], ["ruff", "format", "--check", "."], ["mypy"]],
     ids=["imports", "ruff", "format", "mypy"],
 )
 def test_rules_hold(command: list[str]) -> None:

@@ -24,11 +24,9 @@ def test_a_run_whose_coupling_created_energy_is_doubtful(created_J: float, doubt
 
 
 @pytest.mark.parametrize(("times", "doubtful"), [(0, False), (3, True)])
-def test_a_run_in_which_a_panel_went_through_a_surface_is_doubtful(
-    times: int, doubtful: bool
-) -> None:
+def test_a_run_in_which_a_panel_went_through_a_surface_is_doubtful(times: int, doubtful: bool) -> None:
     figure = {"worst": 4.7, "limit": 0.5, "times": times, "first_s": 0.02 if times else None}
-    summary = {"energy_ledger_J": {}, "watch": {"figures": {"penetrated_surfaces": figure}}}
+    summary = {"energy_ledger_J": {}, "monitor": {"figures": {"penetrated_surfaces": figure}}}
     said = trust.doubts(summary)
     assert bool(said) is doubtful
     assert all("t = 0.02 s on a panel went through a surface, by up to 4.7" in one for one in said)
@@ -82,11 +80,11 @@ def test_intervals_run_in_parts_are_warned_of(intervals: int) -> None:
 
 
 def test_the_cycle_is_that_of_the_slowest_that_moves(tmp_path: Path) -> None:
-    drive = "screen.frames.driving.drive={speed_rad_s=90, amplitude_m=[0.01, 0, 0]}"
-    for given, speed_rad_s in (
+    drive = "screen.frames.driving.drive={speed_rad_per_s=90, amplitude_m=[0.01, 0, 0]}"
+    for given, speed_rad_per_s in (
         ([], 78.5),
         ([drive], 78.5),
-        ([drive, "screen.exciters.shaft.speed_rad_s=100"], 90.0),
+        ([drive, "screen.exciters.shaft.speed_rad_per_s=100"], 90.0),
         ([drive, "frames.solver=prescribed"], 90.0),
     ):
-        assert cycle_s(loaded(tmp_path, given).case) == pytest.approx(2 * math.pi / speed_rad_s)
+        assert cycle_s(loaded(tmp_path, given).case) == pytest.approx(2 * math.pi / speed_rad_per_s)

@@ -16,7 +16,7 @@ from orchestrator.studies import sweep_table
 from orchestrator.studies.points import Vary
 from orchestrator.studies.steady import NotSteady, Steady
 
-VARY = Vary("screen.exciters.shaft.speed_rad_s", ("58", "78", "98", "118"))
+VARY = Vary("screen.exciters.shaft.speed_rad_per_s", ("58", "78", "98", "118"))
 RESULTS: dict[str, Any] = {
     "missing": {},
     "failed": {},
@@ -25,12 +25,10 @@ RESULTS: dict[str, Any] = {
         "efficiency_percent": {"value": 80.0, "half_width": 1.5, "batches": 20},
         "recovered_percent": {"value": None, "half_width": None, "batches": 0},
         "particles": 22,
-        "sections": [
-            {"exit": "one", "yield_percent": {"value": 7.0, "half_width": None, "batches": 3}}
-        ],
+        "sections": [{"exit": "one", "yield_percent": {"value": 7.0, "half_width": None, "batches": 3}}],
         "in_time": {"time_s": [0.1, 0.2]},
     },
-    "bed": {"velocity_m_s": {"value": 0.4, "half_width": 0.1, "batches": 20}},
+    "bed": {"velocity_m_per_s": {"value": 0.4, "half_width": 0.1, "batches": 20}},
     "motion": {"is_settled": True, "frames": {"a": {"amplitude_m": [0.1, 0.2, 0.3]}}},
 }
 
@@ -57,10 +55,10 @@ def points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 
 def test_a_measured_figure_does_not_overwrite_the_swept_value(points: list[Any]) -> None:
-    """Both end with speed_rad_s."""
+    """Both end with speed_rad_per_s."""
     table = sweep_table.rows(VARY, points)
     assert [row[VARY.key] for row in table] == ["58", "78", "98", "118"]
-    assert table[0]["speed_rad_s"] == 78.5
+    assert table[0]["speed_rad_per_s"] == 78.5
     assert table[3] == {VARY.key: "118", "status": "failed"}
 
 
@@ -78,21 +76,14 @@ def test_every_single_result_is_there_with_its_interval(points: list[Any], tmp_p
 
 
 def test_what_has_not_settled_says_so(points: list[Any], tmp_path: Path) -> None:
-    assert [row.get("settled") for row in sweep_table.rows(VARY, points)] == [
-        "yes",
-        "no",
-        "yes",
-        None,
-    ]
+    assert [row.get("settled") for row in sweep_table.rows(VARY, points)] == ["yes", "no", "yes", None]
     moving = RESULTS | {"motion": {"is_settled": False}}
     (tmp_path / "more").mkdir()
     (row,) = sweep_table.rows(VARY, [point(tmp_path / "more", "58", "done", moving)])
     assert row["settled"] == "no"
 
 
-def test_without_frames_there_are_the_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_frames_there_are_the_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def steady(folder: Path) -> Steady:
         raise NotSteady("the case has no frames")
 
@@ -107,7 +98,7 @@ def test_only_good_points_are_drawn_as_data(points: list[Any], tmp_path: Path) -
     table = sweep_table.rows(VARY, points)
     for column, kinds in (
         ("a.x_m", ["good", "open", "cross"]),
-        ("bed.velocity_m_s", ["good", "good", "cross"]),
+        ("bed.velocity_m_per_s", ["good", "good", "cross"]),
     ):
         assert [sweep_table._kind(row, column) for row in table[:3]] == kinds
     picture = sweep_table.write(table, VARY, tmp_path)[1]

@@ -19,17 +19,7 @@ import math
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.ports import (
-    Account,
-    Array,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    PanelState,
-    Saved,
-    counted,
-)
+from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan
@@ -62,24 +52,24 @@ class RecordedPanel:
         inner = np.isin(corners_m[:, 0], (0.0, rectangle.length_m))
         self._pulled = np.where(inner, np.where(ends == 0, 0.5, -0.5), 0.0)[:, None]
         share = plan.apertures.material_share(rectangle) if plan.apertures else 1.0
-        per_area = plan.material.density_kg_m3 * plan.thickness_m
+        per_area = plan.material.density_kg_per_m3 * plan.thickness_m
         self._mass_kg = self._grid.mass_kg(rectangle, per_area, share)[:, None]
-        self._gravity_m_s2, self._edges_m = plan.gravity_m_s2, (0.0, rectangle.length_m)
+        self._gravity_m_per_s2, self._edges_m = plan.gravity_m_per_s2, (0.0, rectangle.length_m)
         self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
         self._surface = self._rest = self._placed(self._clamps, 0.0)
         self._elapsed_s, self._supplied_J = 0.0, 0.0
         self._received_J = {"load": 0.0, "clamps": 0.0}
 
     def initial(self) -> PanelState:
-        weight_N = self._carried.T @ (self._mass_kg * self._gravity_m_s2)
+        weight_N = self._carried.T @ (self._mass_kg * self._gravity_m_per_s2)
         return PanelState(self._surface, Load(weight_N + self._pull_N(0.0)))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         counted("recorded panel's clamps", clamps, len(self._clamps))
         counted("recorded panel's load", load, len(self._surface))
         surface = self._placed(clamps, interval.end_s)
-        acceleration = (surface.velocity_m_s - self._surface.velocity_m_s) / interval.length_s
-        through_N = load.force_N + self._mass_kg * (self._gravity_m_s2 - acceleration)
+        acceleration = (surface.velocity_m_per_s - self._surface.velocity_m_per_s) / interval.length_s
+        through_N = load.force_N + self._mass_kg * (self._gravity_m_per_s2 - acceleration)
         middle_s = (interval.start_s + interval.end_s) / 2
         reaction_N = self._carried.T @ through_N + self._pull_N(middle_s)
         self._book(clamps, surface, load.force_N, through_N, reaction_N)
@@ -96,11 +86,11 @@ class RecordedPanel:
         mass_kg, now = self._mass_kg, self._surface
         risen_m = now.position_m - self._rest.position_m
         return Account(
-            (mass_kg * now.velocity_m_s).sum(axis=0),
-            mass_kg.sum() * self._gravity_m_s2 * self._elapsed_s,
+            (mass_kg * now.velocity_m_per_s).sum(axis=0),
+            mass_kg.sum() * self._gravity_m_per_s2 * self._elapsed_s,
             stored_J={
-                "kinetic": float(np.sum(mass_kg * now.velocity_m_s**2) / 2),
-                "gravitational": -float(np.sum(mass_kg * risen_m * self._gravity_m_s2)),
+                "kinetic": float(np.sum(mass_kg * now.velocity_m_per_s**2) / 2),
+                "gravitational": -float(np.sum(mass_kg * risen_m * self._gravity_m_per_s2)),
             },
             supplied_J={"recording": self._supplied_J},
             received_J=dict(self._received_J),
@@ -120,10 +110,10 @@ class RecordedPanel:
         return csr_array(interpolated(self._grid, self._edges_m, coordinates_m))
 
     def _placed(self, clamps: Motion, time_s: float) -> Motion:
-        shape_m, rate_m_s = self._played.shape(time_s)
+        shape_m, rate_m_per_s = self._played.shape(time_s)
         return Motion(
             self._carried @ clamps.position_m + shape_m @ self._axes,
-            self._carried @ clamps.velocity_m_s + rate_m_s @ self._axes,
+            self._carried @ clamps.velocity_m_per_s + rate_m_per_s @ self._axes,
         )
 
     def _pull_N(self, time_s: float) -> Array:
@@ -153,15 +143,15 @@ class Played:
 
     def shape(self, time_s: float) -> tuple[Array, Array]:
         """Shape in m and its velocity in m/s, (points, 3) each."""
-        found, speed = self._recording, self._playback.speed_rad_s
+        found, speed = self._recording, self._playback.speed_rad_per_s
         one, two, fraction = self._between(time_s)
         before = Motion(found.shape_m[one], found.rate_m[one])
         after = Motion(found.shape_m[two], found.rate_m[two])
         now = Path(before, after, self._step_rad).at(fraction)
         grown, rate_1_s = self._grown(time_s)
         away_m = now.position_m - found.rest_m
-        velocity_m_s = rate_1_s * away_m + grown * speed * now.velocity_m_s
-        return found.rest_m + grown * away_m, velocity_m_s
+        velocity_m_per_s = rate_1_s * away_m + grown * speed * now.velocity_m_per_s
+        return found.rest_m + grown * away_m, velocity_m_per_s
 
     def pull_N(self, time_s: float) -> Array:
         """(3,) on the first clamp."""
@@ -172,7 +162,7 @@ class Played:
 
     def _between(self, time_s: float) -> tuple[int, int, float]:
         """The samples before and after, and where between them."""
-        angle = self._playback.speed_rad_s * (time_s - self._playback.zero_s) / self._step_rad
+        angle = self._playback.speed_rad_per_s * (time_s - self._playback.zero_s) / self._step_rad
         first = math.floor(angle)
         return first % self._samples, (first + 1) % self._samples, angle - first
 

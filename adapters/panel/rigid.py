@@ -17,17 +17,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
-from orchestrator.ports import (
-    Account,
-    Array,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    PanelState,
-    Saved,
-    counted,
-)
+from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan
 from orchestrator.ports.state import put_back, taken
@@ -50,12 +40,12 @@ class RigidPanel:
             rows = [-rectangle.clamp_m, *rows, rectangle.length_m + rectangle.clamp_m]
         self._rows_m, self._width_m = np.array(rows), rectangle.width_m
         material_m = bilinear.points_m(self._rows_m, rectangle.width_m)
-        per_length = plan.material.density_kg_m3 * plan.thickness_m * rectangle.width_m
+        per_length = plan.material.density_kg_per_m3 * plan.thickness_m * rectangle.width_m
         solid = np.ones(len(rows) - 1)
         if plan.apertures:
             solid[len(solid) // 2] = plan.apertures.material_share(rectangle)
         self._mass_kg = bilinear.half_row_mass_kg(self._rows_m, per_length * solid)[:, None]
-        self._gravity_m_s2 = plan.gravity_m_s2
+        self._gravity_m_per_s2 = plan.gravity_m_per_s2
         end = rectangle.end(material_m).astype(int)
         position_m = rectangle.mounted(material_m)
         self.mount = Mount(position_m, tuple(plan.frames[k] for k in end))
@@ -64,14 +54,14 @@ class RigidPanel:
         self._received_J = {"load": 0.0, "clamps": 0.0}
 
     def initial(self) -> PanelState:
-        return PanelState(self._now, Load(self._mass_kg * self._gravity_m_s2))
+        return PanelState(self._now, Load(self._mass_kg * self._gravity_m_per_s2))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         counted("rigid panel's clamps", clamps, len(self._now))
         counted("rigid panel's load", load, len(self._now))
         before, self._now = self._now, clamps
-        acceleration = (clamps.velocity_m_s - before.velocity_m_s) / interval.length_s
-        reaction = load.force_N + self._mass_kg * (self._gravity_m_s2 - acceleration)
+        acceleration = (clamps.velocity_m_per_s - before.velocity_m_per_s) / interval.length_s
+        reaction = load.force_N + self._mass_kg * (self._gravity_m_per_s2 - acceleration)
         self._book(load, before)
         self._elapsed_s += interval.length_s
         return PanelState(clamps, Load(reaction))
@@ -83,11 +73,11 @@ class RigidPanel:
         mass_kg, now = self._mass_kg, self._now
         risen_m = now.position_m - self.mount.position_m
         return Account(
-            (mass_kg * now.velocity_m_s).sum(axis=0),
-            mass_kg.sum() * self._gravity_m_s2 * self._elapsed_s,
+            (mass_kg * now.velocity_m_per_s).sum(axis=0),
+            mass_kg.sum() * self._gravity_m_per_s2 * self._elapsed_s,
             stored_J={
                 "kinetic": self._kinetic_J(now),
-                "gravitational": -float(np.sum(mass_kg * risen_m * self._gravity_m_s2)),
+                "gravitational": -float(np.sum(mass_kg * risen_m * self._gravity_m_per_s2)),
             },
             received_J=dict(self._received_J),
         )
@@ -106,12 +96,12 @@ class RigidPanel:
         return bilinear.interpolation(self._rows_m, self._width_m, coordinates_m)
 
     def _kinetic_J(self, motion: Motion) -> float:
-        return float(np.sum(self._mass_kg * motion.velocity_m_s**2) / 2)
+        return float(np.sum(self._mass_kg * motion.velocity_m_per_s**2) / 2)
 
     def _book(self, load: Load, before: Motion) -> None:
         """Work of the load, and of the clamps' force m (a - gravity) - load along their path."""
         moved_m = self._now.position_m - before.position_m
-        held_N = load.force_N + self._mass_kg * self._gravity_m_s2
+        held_N = load.force_N + self._mass_kg * self._gravity_m_per_s2
         faster_J = self._kinetic_J(self._now) - self._kinetic_J(before)
         self._received_J["load"] += float(np.sum(load.force_N * moved_m))
         self._received_J["clamps"] += faster_J - float(np.sum(held_N * moved_m))

@@ -20,11 +20,7 @@ class Engine:
 
     def command(self, line: str) -> None: ...
     def set_surface(
-        self,
-        position_m: Array,
-        triangles: Ints,
-        type: Ints,
-        largest_radius_m: float,
+        self, position_m: Array, triangles: Ints, type: Ints, largest_radius_m: float
     ) -> None: ...
     def set_laws(
         self,
@@ -37,16 +33,16 @@ class Engine:
         """Tables row by row (types x types); ``adhesion`` is "none", "jkr" with ``strength`` in
         J/m2, or "sjkr" with it in J/m3."""
 
-    def set_wear(self, rate_m3_N_m: list[float]) -> None:
+    def set_wear(self, rate_m3_per_N_m: list[float]) -> None:
         """From now on contacts wear the surface; a table row by row (types x types)."""
 
     def create(
         self,
         position_m: Array,
-        velocity_m_s: Array,
-        spin_rad_s: Array,
+        velocity_m_per_s: Array,
+        spin_rad_per_s: Array,
         diameter_m: Array,
-        density_kg_m3: Array,
+        density_kg_per_m3: Array,
         type: Ints,
         first_id: int,
     ) -> None:
@@ -76,9 +72,9 @@ class Engine:
     def begin_path(
         self,
         start_m: Array,
-        start_m_s: Array,
+        start_m_per_s: Array,
         end_m: Array,
-        end_m_s: Array,
+        end_m_per_s: Array,
         length_s: float,
         steps: int,
     ) -> None: ...

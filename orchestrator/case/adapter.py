@@ -6,7 +6,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, cast
 
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.naming import named
 from orchestrator.ports.plans import Cost
 
@@ -33,5 +33,5 @@ def opened(port: str, solver: str, plan: Any) -> Any:
         with named(f"{port} ({solver})", None):
             return build(plan)
     except ValueError as error:
-        refusal = Mistake((port,), f"{solver} cannot take this case", str(error))
+        refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error))
         raise CaseError([refusal]) from error

@@ -26,10 +26,10 @@ class NoMatch(Exception):
 
 @dataclass(frozen=True)
 class Turning:
-    """``speed_rad_s``, when the angle of the running machine passes 0, when it starts, and how
+    """``speed_rad_per_s``, when the angle of the running machine passes 0, when it starts, and how
     long it runs up."""
 
-    speed_rad_s: float
+    speed_rad_per_s: float
     zero_s: float
     start_s: float
     run_up_s: float
@@ -39,19 +39,19 @@ def turning(case: Case) -> Turning | None:
     """None for a machine that nothing turns."""
     exciters = [
         Turning(
-            one.speed_rad_s,
-            one.start_s + one.run_up_s / 2 - one.phase_rad / one.speed_rad_s,
+            one.speed_rad_per_s,
+            one.start_s + one.run_up_s / 2 - one.phase_rad / one.speed_rad_per_s,
             one.start_s,
             one.run_up_s,
         )
         for one in case.screen.exciters.values()
     ]
     drives = [
-        Turning(frame.drive.speed_rad_s, 0.0, 0.0, frame.drive.run_up_s)
+        Turning(frame.drive.speed_rad_per_s, 0.0, 0.0, frame.drive.run_up_s)
         for frame in case.screen.frames.values()
         if frame.drive
     ]
-    return min(exciters or drives, key=lambda one: one.speed_rad_s, default=None)
+    return min(exciters or drives, key=lambda one: one.speed_rad_per_s, default=None)
 
 
 def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
@@ -66,11 +66,11 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
     if machine is None or case.panel.recording is None:
         raise NoMatch("a recording is played back to the speed of an exciter or drive, and named")
     recorded = recording_file.read(folder / case.panel.recording)
-    run_up_s = max(machine.run_up_s, 2 * math.pi / machine.speed_rad_s)
+    run_up_s = max(machine.run_up_s, 2 * math.pi / machine.speed_rad_per_s)
     return {
         panel.name: Playback(
             _fitting(panel, recorded).recording,
-            machine.speed_rad_s,
+            machine.speed_rad_per_s,
             machine.zero_s,
             machine.start_s,
             run_up_s,
@@ -89,8 +89,7 @@ def _fitting(panel: SinglePanel, recorded: recording_file.File) -> recording_fil
     for name, value in here.items():
         if not np.isclose(found.shape[name], value, rtol=ALIKE, atol=0):
             raise NoMatch(
-                f'panel "{panel.name}" has {name} = {value:g}, the recorded one '
-                f"{found.shape[name]:g}"
+                f'panel "{panel.name}" has {name} = {value:g}, the recorded one {found.shape[name]:g}'
             )
     return found
 

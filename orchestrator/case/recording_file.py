@@ -29,9 +29,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class File:
-    """``speed_rad_s`` of the machine that was recorded, and its panels by name."""
+    """``speed_rad_per_s`` of the machine that was recorded, and its panels by name."""
 
-    speed_rad_s: float
+    speed_rad_per_s: float
     panels: Mapping[str, Panel]
 
 
@@ -41,7 +41,7 @@ def write(path: Path, content: File) -> None:
 
     aside = path.with_name(f".{path.name}")
     with h5py.File(aside, "w") as file:
-        file.attrs["speed_rad_s"] = content.speed_rad_s
+        file.attrs["speed_rad_per_s"] = content.speed_rad_per_s
         for name, panel in content.panels.items():
             group, recording = file.create_group(name), panel.recording
             group.attrs.update({**panel.shape, "cycles": recording.cycles})
@@ -62,7 +62,7 @@ def read(path: Path) -> File:
     try:
         with h5py.File(path) as file:
             panels = {name: _panel(group) for name, group in file.items()}
-            return File(float(file.attrs["speed_rad_s"]), panels)
+            return File(float(file.attrs["speed_rad_per_s"]), panels)
     except (OSError, KeyError, ValueError, AttributeError) as error:
         raise Unreadable(f"{path}: is no recording ({error})") from None
 

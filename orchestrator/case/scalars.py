@@ -1,7 +1,7 @@
 """Scalar results of a run by short names: the one table that says what each name means.
 
 A name with dots that is not in the table is taken as a path of keys in ``summary.json``, such as
-``results.screening.feed_kg_s``.
+``results.screening.feed_kg_per_s``.
 """
 
 from __future__ import annotations
@@ -107,17 +107,13 @@ def _middle(summary: Summary) -> Value | None:
 
 
 SCALARS: dict[str, Scalar] = {
-    "stroke": Scalar(
-        "amplitude of the frames against each other along the deck / m", 1e-6, _stroke
-    ),
+    "stroke": Scalar("amplitude of the frames against each other along the deck / m", 1e-6, _stroke),
     "frame_amplitude": Scalar(
         "largest amplitude of a frame or a probe on it / m",
         1e-6,
         _largest("results.motion.frames", "major_m"),
     ),
-    "middle_amplitude": Scalar(
-        "largest amplitude of a probe on a panel / m", 1e-6, _middle, of_panels=True
-    ),
+    "middle_amplitude": Scalar("largest amplitude of a probe on a panel / m", 1e-6, _middle, of_panels=True),
     "rms_g": Scalar(
         "acceleration of probes on panels, root mean square / g",
         1e-3,
@@ -148,19 +144,14 @@ SCALARS: dict[str, Scalar] = {
         _largest("results.motion.panels", "stretch_largest_percent"),
         of_panels=True,
     ),
-    "efficiency": Scalar(
-        "screening efficiency / %", 0.1, _at("results.screening.efficiency_percent"), True
-    ),
+    "efficiency": Scalar("screening efficiency / %", 0.1, _at("results.screening.efficiency_percent"), True),
     "recovery": Scalar(
-        "fines that passed, of those that came / %",
-        0.1,
-        _at("results.screening.recovered_percent"),
-        True,
+        "fines that passed, of those that came / %", 0.1, _at("results.screening.recovered_percent"), True
     ),
-    "undersize": Scalar("undersize / (kg/s)", 1e-6, _at("results.screening.undersize_kg_s"), True),
-    "oversize": Scalar("oversize / (kg/s)", 1e-6, _at("results.screening.oversize_kg_s"), True),
+    "undersize": Scalar("undersize / (kg/s)", 1e-6, _at("results.screening.undersize_kg_per_s"), True),
+    "oversize": Scalar("oversize / (kg/s)", 1e-6, _at("results.screening.oversize_kg_per_s"), True),
     "velocity": Scalar(
-        "speed of the bed along the deck / (m/s)", 1e-3, _at("results.bed.velocity_m_s"), True
+        "speed of the bed along the deck / (m/s)", 1e-3, _at("results.bed.velocity_m_per_s"), True
     ),
     "on_deck": Scalar("mass on the deck / kg", 1e-6, _at("results.bed.on_deck_kg"), True),
     "depth": Scalar("largest depth of the bed / m", 1e-4, _at("results.bed.largest_depth_m"), True),

@@ -1,37 +1,29 @@
-"""Units by the ends of names."""
+"""The unit that a name carries at its end.
+
+Units that multiply stand side by side, those that divide stand after ``per``: ``force_N``,
+``damping_N_s_per_m``, ``rate_kg_per_s_m`` (kilograms per second and metre).  Names of keys, columns
+and results follow this one rule.
+"""
 
 from __future__ import annotations
 
+import re
 
-def unit_of(name: str) -> str:
-    """The unit that a name carries: position_m -> m, speed_m_s -> m/s, force_N -> N."""
-    for ending, unit in _UNITS.items():
-        if name.endswith(ending):
-            return unit
-    return "1"
+_UNIT = r"(?:m|mm|kg|s|min|h|N|J|W|Pa|Hz|rad|deg|percent|g)\d?"
+_END = re.compile(rf"(?:^|_)({_UNIT}(?:_{_UNIT})*)(?:_per_({_UNIT}(?:_{_UNIT})*))?$")
+_WRITTEN = {"deg": "degree", "percent": "%", "g": "9.80665 m/s2"}
 
 
-_UNITS = {
-    "_kg_m_s": "kg m/s",
-    "_kg_m3": "kg/m3",
-    "_m_s2": "m/s2",
-    "_rad_s": "rad/s",
-    "_kg_s_m": "kg/(s m)",
-    "_kg_s": "kg/s",
-    "_kg_m": "kg/m",
-    "_percent": "%",
-    "_deg": "degree",
-    "_rad": "rad",
-    "_g": "9.80665 m/s2",
-    "_Hz": "Hz",
-    "_N_s": "N s",
-    "_m_s": "m/s",
-    "_m_h": "m/h",
-    "_m3": "m3",
-    "_kg": "kg",
-    "_J": "J",
-    "_N": "N",
-    "_s": "s",
-    "_h": "h",
-    "_m": "m",
-}
+def unit_of(name: str, without: str = "1") -> str:
+    """The unit of a name: ``velocity_m_per_s`` has m/s, ``wear_m3_per_N_m`` m3/(N m).
+
+    A name that ends in no unit belongs to a pure number and has the unit ``without``.
+    """
+    end = _END.search(name)
+    if end is None:
+        return without
+    above, below = end.groups()
+    unit = " ".join(_WRITTEN.get(part, part) for part in above.split("_"))
+    if below is None:
+        return unit
+    return f"{unit}/({below.replace('_', ' ')})" if "_" in below else f"{unit}/{below}"

@@ -21,15 +21,10 @@ def accuracy(
     case: CasePath,
     level: Level = None,
     knobs: Annotated[
-        str,
-        typer.Option(
-            help="which, with commas; scheme=aitken+robin: only these variants [default: all]"
-        ),
+        str, typer.Option(help="which, with commas; scheme=aitken+robin: only these variants [default: all]")
     ] = "",
     values: Annotated[int, typer.Option("--points", min=2, max=7, help="values of each knob")] = 4,
-    seeds: Annotated[
-        int, typer.Option(min=1, help="runs of each point, with other random numbers")
-    ] = 3,
+    seeds: Annotated[int, typer.Option(min=1, help="runs of each point, with other random numbers")] = 3,
     quick: Annotated[bool, typer.Option("--quick", help="as --points 3 --seeds 1")] = False,
     duration: Annotated[
         float | None, typer.Option(min=1e-6, help="seconds to simulate [default: the case's]")
@@ -43,13 +38,9 @@ def accuracy(
     workers: Annotated[
         int | None, typer.Option(min=1, help="runs at a time [default: as the machine bears]")
     ] = None,
-    scheduler: Annotated[
-        str, typer.Option(help="address of a Dask scheduler with workers elsewhere")
-    ] = "",
+    scheduler: Annotated[str, typer.Option(help="address of a Dask scheduler with workers elsewhere")] = "",
     dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
-    out: Annotated[
-        Path | None, typer.Option("--out", help="folder [default: runs/<case>-accuracy]")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="folder [default: runs/<case>-accuracy]")] = None,
     overrides: Overrides = None,
 ) -> None:
     """Measure what accuracy costs: a case over the knobs that buy it.
@@ -87,7 +78,7 @@ def accuracy(
 
 def _words(option: str, given: str) -> tuple[str, ...]:
     """Names that are known.  Raises CaseError."""
-    from orchestrator.case.file.errors import CaseError, Mistake, did_you_mean
+    from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
     from orchestrator.studies.accuracy.knobs import KNOBS
     from orchestrator.studies.figures import DECISIVE, QUANTITIES
 
@@ -95,7 +86,7 @@ def _words(option: str, given: str) -> tuple[str, ...]:
     names = tuple(word.strip() for word in given.split(",")) if given else tuple(usual)
     for name in names:
         if name.partition("=")[0] not in known:
-            raise CaseError([Mistake((), f'no "{name}"', did_you_mean(name, known), option)])
+            raise CaseError([CaseProblem((), f'no "{name}"', did_you_mean(name, known), option)])
     return names
 
 

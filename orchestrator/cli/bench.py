@@ -76,7 +76,7 @@ def still(loaded: LoadedCase) -> LoadedCase:
         case=case.model_copy(
             update={
                 "panel": case.panel.model_copy(update={"solver": "rigid"}),
-                "hand_over": case.hand_over.model_copy(update=STILL),
+                "exchange": case.exchange.model_copy(update=STILL),
             }
         ),
     )

@@ -61,9 +61,7 @@ def bench(asked: Asked, intervals: int) -> Table:
         full, without, *nothing = _timed(cases, intervals)
         saved = sorted(everything - asked.loads(named))
         pair = ratio(nothing[0], without) if nothing else "the same data"
-        table.add_row(
-            f"without {name}", *without.row(), ratio(without, full), pair, " ".join(saved)
-        )
+        table.add_row(f"without {name}", *without.row(), ratio(without, full), pair, " ".join(saved))
     return table
 
 

@@ -40,8 +40,7 @@ def explain(
     case: CasePath,
     level: Level = None,
     ladder: Annotated[
-        Path | None,
-        typer.Option(help="ladder.json of flipflow ladder [default: the one beside case.toml]"),
+        Path | None, typer.Option(help="ladder.json of flipflow ladder [default: the one beside case.toml]")
     ] = None,
     results: Annotated[
         str | None,
@@ -51,9 +50,7 @@ def explain(
             help="results, by short names (efficiency,stroke,...), whose change decides",
         ),
     ] = None,
-    budget: Annotated[
-        float, typer.Option(min=0, help="with --for: processor time for all runs / s")
-    ] = 300.0,
+    budget: Annotated[float, typer.Option(min=0, help="with --for: processor time for all runs / s")] = 300.0,
     overrides: Overrides = None,
 ) -> None:
     """Say which effects a case calls for, by estimates before any run.
@@ -104,9 +101,7 @@ def list_cases(
     from orchestrator.cli.overview import case_lines
 
     if not folder.is_dir():
-        refuse(
-            f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER"
-        )
+        refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
     for line in case_lines(folder):
         CONSOLE.print(line)
 

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.units import unit
+from orchestrator.case.units import unit_of
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Part
 
@@ -72,7 +72,7 @@ def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
     else:
         value = _kind(field.annotation) + _limits(field)
     meaning = _text(field.description)
-    return f"| `{key}` | {value} | {unit(key)} | {_default(field)} | {meaning} |"
+    return f"| `{key}` | {value} | {unit_of(key, '')} | {_default(field)} | {meaning} |"
 
 
 def _text(words: str | None) -> str:

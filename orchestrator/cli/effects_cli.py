@@ -41,12 +41,7 @@ def effects(
     from orchestrator.studies.effect_bank import bank as banks
     from orchestrator.studies.effect_bank import tables
     from orchestrator.studies.effect_bank.confusion import confusion
-    from orchestrator.studies.effect_bank.trials import (
-        Countdown,
-        all_tried,
-        every_run,
-        still_to_run,
-    )
+    from orchestrator.studies.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
     from orchestrator.studies.workers import Crew, fitting
 
     with said():

@@ -24,10 +24,7 @@ NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
 COLUMNS = ("effect", "here", "number", "value", "threshold", "auto", "verdict", "change / cost")
 SHORT = ("effect", "here", "value", "auto")
-NOTHING = {
-    "particles": "no particles: nothing to decide",
-    "panels": "no panels: nothing to decide",
-}
+NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels: nothing to decide"}
 
 
 def show(
@@ -73,8 +70,7 @@ def judged_of(
         return doubted(replace(one, present=one.present and one.effect not in loaded.left_out))
 
     return {
-        part: [here(one) for one in rows]
-        for part, rows in weighed(loaded.described, pairs, asked).items()
+        part: [here(one) for one in rows] for part, rows in weighed(loaded.described, pairs, asked).items()
     }
 
 
@@ -136,15 +132,10 @@ def summary(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
     """What the case lacks, and what it could do without."""
     lacking = [one for one in verdicts if one.lacking]
     spare = [one for one in verdicts if one.spare]
-    yield (
-        "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
-    )
+    yield ("matters, and the case does not have it:" if lacking else "nothing that matters is lacking")
     yield from (f"  {one.effect}: {one.verdict.why}; {one.key}" for one in lacking)
     yield "may be left out, and the case has it:" if spare else "nothing could be left out"
-    yield from (
-        f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}"
-        for one in spare
-    )
+    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}" for one in spare)
     if loaded.case.coupling.scheme == AUTO:  # which one it is takes the solvers to say
         yield "coupling.scheme: the program's choice, which flipflow check names, with the reason"
     yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

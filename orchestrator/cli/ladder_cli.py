@@ -25,12 +25,9 @@ def ladder(
         float | None, typer.Option(min=1e-6, help="seconds to simulate [default: the case's]")
     ] = None,
     budget: Annotated[
-        float,
-        typer.Option(min=1, help="a rung predicted to take more processor seconds is left out"),
+        float, typer.Option(min=1, help="a rung predicted to take more processor seconds is left out")
     ] = 600.0,
-    out: Annotated[
-        Path | None, typer.Option("--out", help="folder [default: runs/<case>-ladder]")
-    ] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="folder [default: runs/<case>-ladder]")] = None,
     jobs: Annotated[int, typer.Option(min=1, help="runs at a time; times are best with one")] = 1,
     overrides: Overrides = None,
 ) -> None:
@@ -42,7 +39,7 @@ def ladder(
 
     Exit code 4: a rung failed; 2: the case is wrong.
     """
-    from orchestrator.case.file.errors import CaseError, Mistake, did_you_mean
+    from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
     from orchestrator.studies.ladder.climb import Wanted, climbed
     from orchestrator.studies.ladder.rungs import LADDERS
     from orchestrator.studies.ladder.tables import rows
@@ -54,7 +51,7 @@ def ladder(
         for name in names:
             if name not in LADDERS:
                 hint = did_you_mean(name, LADDERS)
-                raise CaseError([Mistake((), f'no ladder "{name}"', hint, "--ladder")])
+                raise CaseError([CaseProblem((), f'no ladder "{name}"', hint, "--ladder")])
         wanted = Wanted(case, level, tuple(sets), names, budget, folder, jobs)
         steps = climbed(wanted, CONSOLE.print)
     folder.mkdir(parents=True, exist_ok=True)

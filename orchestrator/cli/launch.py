@@ -54,9 +54,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
         loaded = load(path, level, overrides)
         ready(loaded)
         loaded = _tried_out(loaded, path, level, overrides, world)
-        entries = account(
-            loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked
-        )
+        entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
         folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
@@ -195,9 +193,7 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     else:
         code, status, reason = DONE, trust.DONE, ""
     try:
-        return ranks.first_rank_does(
-            world, lambda: _finished(run, code, status, reason, folder, console)
-        )
+        return ranks.first_rank_does(world, lambda: _finished(run, code, status, reason, folder, console))
     except KeyboardInterrupt:
         _say(f"stopped at once: what the run leaves at its end is not in {folder}", console)
         return ranks.end_all(world, AT_ONCE)

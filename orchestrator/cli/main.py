@@ -37,7 +37,7 @@ Examples:
 
   flipflow ladder cases/empty-machine --duration 0.6   every model of its parts: cost, error
 
-  flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_s=58:110:4
+  flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_per_s=58:110:4
 
   flipflow study paper cases/ffs0827-empty             a published machine against its paper
 
@@ -75,8 +75,7 @@ def _say_versions(wanted: bool) -> None:
 @app.callback(help=HELP)
 def program(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_say_versions, is_eager=True, help="say the versions"),
+        bool, typer.Option("--version", callback=_say_versions, is_eager=True, help="say the versions")
     ] = False,
 ) -> None:
     """What all commands share."""

@@ -10,8 +10,7 @@ import typer
 CasePath = Annotated[Path, typer.Argument(metavar="CASE", help="folder of the case")]
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
 Level = Annotated[
-    str | None,
-    typer.Option("--level", help="one of the case's levels [default: the case's default_level]"),
+    str | None, typer.Option("--level", help="one of the case's levels [default: the case's default_level]")
 ]
 Overrides = Annotated[
     list[str] | None,

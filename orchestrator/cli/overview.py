@@ -44,9 +44,7 @@ def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
         yield from _particles(loaded)
     yield from _times(loaded)
     yield from _cost(case, particles_at_start(case))
-    yield from at_start(
-        account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
-    )
+    yield from at_start(account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked))
     if names := wanted_before(loaded):
         yield (
             f'effects = "auto" cannot decide about {", ".join(names)}: '
@@ -108,7 +106,7 @@ def _on_panels(case: Case) -> str:
 def _particles(loaded: LoadedCase) -> Iterator[str]:
     case = loaded.case
     count = len(initial_particles(case, material_numbers(case)))
-    feeds = "".join(f", {feed.rate_kg_s:g} kg/s fed" for feed in case.bed.feeds.values())
+    feeds = "".join(f", {feed.rate_kg_per_s:g} kg/s fed" for feed in case.bed.feeds.values())
     step_s = particle_step_s(case)
     yield f"  particles  {count} at the start{feeds} ({case.particles.solver})"
     yield (

@@ -26,8 +26,7 @@ def plan(
     study: Annotated[
         Path | None,
         typer.Option(
-            "--study",
-            help="accuracy.json of a study [default: beside case.toml, or in runs/<case>-accuracy]",
+            "--study", help="accuracy.json of a study [default: beside case.toml, or in runs/<case>-accuracy]"
         ),
     ] = None,
     write: Annotated[

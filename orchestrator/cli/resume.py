@@ -48,12 +48,11 @@ def _save(folder: Path, sync_point: int | None) -> Save:
         raise FolderUnusable(f"{folder}: no save that is whole:\n" + "\n".join(torn))
     if save is None and sync_point is not None:
         raise FolderUnusable(
-            f"{folder}: has no whole save of sync point {sync_point}; saves are in "
-            f"{folder / files.FOLDER}"
+            f"{folder}: has no whole save of sync point {sync_point}; saves are in {folder / files.FOLDER}"
         )
     if save is None:
         raise FolderUnusable(
-            f"{folder}: nothing was saved; [save] in a case says when that is done, and what ends "
+            f"{folder}: nothing was saved; [checkpoint] in a case says when that is done, and what ends "
             "a run with Ctrl-C does it, too"
         )
     return save

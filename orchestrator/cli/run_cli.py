@@ -11,8 +11,7 @@ from orchestrator.cli.options import CasePath, Level, Overrides, RunPath
 from orchestrator.cli.said import CONSOLE, refuse, said
 
 Out = Annotated[
-    Path | None,
-    typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]"),
+    Path | None, typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]")
 ]
 
 
@@ -34,13 +33,12 @@ def resume(
     run: RunPath,
     overrides: Overrides = None,
     save: Annotated[
-        int | None,
-        typer.Option("--save", min=0, help="sync point of the save [default: the last save]"),
+        int | None, typer.Option("--save", min=0, help="sync point of the save [default: the last save]")
     ] = None,
 ) -> None:
     """Go on with a run from its last save.
 
-    Runs are saved every now and then ([save] in a case), at their end, and by Ctrl-C.  What goes
+    Runs are saved every now and then ([checkpoint] in a case), at their end, and by Ctrl-C.  What goes
     on is, bit for bit, the run that never stopped; on as many processes as it was saved.  It may
     be given a later end (--set duration_s=...) and other output; any other change is refused.
     """
@@ -67,8 +65,7 @@ def record(
     run: RunPath,
     out: Annotated[Path, typer.Option("--out", help="file to write")],
     cycles: Annotated[
-        int | None,
-        typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]"),
+        int | None, typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]")
     ] = None,
 ) -> None:
     """Record the panels of a run, to be played back by panel.solver = "recorded".

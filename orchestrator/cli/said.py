@@ -11,15 +11,13 @@ import typer
 from rich.console import Console
 
 if TYPE_CHECKING:
-    from orchestrator.case.file.errors import Mistake
+    from orchestrator.case.file.errors import CaseProblem
     from orchestrator.preflight.levels import LoadedCase
 
 CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
 ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
 WRONG, MISSING, FAILED, INTERRUPTED = 2, 3, 4, 130
-TOO_LARGE = (
-    "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
-)
+TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.cells need less of it"
 
 
 @contextmanager
@@ -58,7 +56,7 @@ def checked(
     case: Path,
     level: str | None,
     overrides: list[str] | None,
-    rule: Callable[[LoadedCase], list[Mistake]] | None = None,
+    rule: Callable[[LoadedCase], list[CaseProblem]] | None = None,
 ) -> LoadedCase:
     """The case, if it has no mistake (by default, of any kind); else all of them are said and the
     program ends."""

@@ -23,9 +23,7 @@ def stability(
     base: Annotated[
         str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
     ] = "interval",
-    out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path(
-        "runs/stability"
-    ),
+    out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
     jobs: Annotated[
         int | None, typer.Option(min=1, help="runs at a time [default: one per processor]")
     ] = None,
@@ -39,7 +37,7 @@ def stability(
 
     Exit code 4: a criterion is not met, or a known failure is met; 2: a case is wrong.
     """
-    from orchestrator.case.file.errors import CaseError, Mistake
+    from orchestrator.case.file.errors import CaseError, CaseProblem
     from orchestrator.output.records import folder_lock
     from orchestrator.studies import sweep
     from orchestrator.studies.hard import cases as hard
@@ -49,7 +47,7 @@ def stability(
     parts = {word.strip() for word in part.split(",")}
     with said():
         if unknown := parts - {"hard", "map"}:
-            raise CaseError([Mistake((), f"no part {sorted(unknown)[0]}", "hard or map", "--part")])
+            raise CaseError([CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part")])
         found = hard.found(cases, out / "hard") if "hard" in parts else []
         spots = stability_map.spots(cases / base, out / "map") if "map" in parts else []
         points = [*hard.all_points(found), *(spot.run for spot in spots)]

@@ -20,9 +20,7 @@ study.command()(accuracy)
 study.command()(effects)
 study.command()(stability)
 
-Out = Annotated[
-    Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")
-]
+Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="runs at a time [default: one per processor]")
 ]
@@ -32,8 +30,7 @@ Jobs = Annotated[
 def sweep(
     case: CasePath,
     vary: Annotated[
-        str,
-        typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)"),
+        str, typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)")
     ],
     level: Level = None,
     out: Out = None,
@@ -68,11 +65,7 @@ def sweep(
 
 @study.command()
 def paper(
-    case: CasePath,
-    level: Level = None,
-    out: Out = None,
-    jobs: Jobs = None,
-    overrides: Overrides = None,
+    case: CasePath, level: Level = None, out: Out = None, jobs: Jobs = None, overrides: Overrides = None
 ) -> None:
     """Compare a case with the paper it comes from: what is printed there, ours, and the error.
 

@@ -4,17 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from orchestrator.ports import (
-    Account,
-    Inertia,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    Panel,
-    PanelState,
-    Saved,
-)
+from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
 from orchestrator.ports.ahead import Ahead, ahead_of
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.inertia import inertia_of

@@ -18,13 +18,8 @@ from orchestrator.case.deck.opening_places import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.planning import bushings, frames_plan, particles_plan
 from orchestrator.case.tables.case import Case
+from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, still_clamped, unloaded
 from orchestrator.coupling.bushing_forces import BushingForces
-from orchestrator.coupling.hand_over import (
-    ParticlesOnStillSurface,
-    UnpushedFrames,
-    still_clamped,
-    unloaded,
-)
 from orchestrator.coupling.ledger import Members
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
@@ -61,9 +56,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
         return machine
 
 
-def _built(
-    loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
-) -> Machine:
+def _built(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack) -> Machine:
     case = settled(loaded.case)
     panels = panel_pieces(case, loaded.folder, stopwatch, world)
     walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
@@ -80,7 +73,7 @@ def _built(
     if found:
         raise CaseError(found)
     held_N = start.reaction.force_N
-    if not case.hand_over.panel_reaction:  # frames at rest do not hold what they do not feel
+    if not case.exchange.panel_reaction:  # frames at rest do not hold what they do not feel
         held_N = np.zeros_like(held_N)
     frames_wanted = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
     centres = {
@@ -132,13 +125,13 @@ def _particles(
     opened = adapter.opened("particles", solver, plan)
     metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
-    book = MaterialBook(feed, plan.exits, MaterialWatch(case.watch, widest_m))
-    return book, metered, None if plan.wear_m3_N_m is None else cast(Wearing, opened)
+    book = MaterialBook(feed, plan.exits, MaterialWatch(case.monitor, widest_m))
+    return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 
 def _handed_over(case: Case, members: Members) -> Solvers:
     """The solvers as the coupling sees them: with the hand-overs that the case wants."""
-    wanted = case.hand_over
+    wanted = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel
     particles: Particles | None = members.particles

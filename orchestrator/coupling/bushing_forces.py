@@ -30,21 +30,16 @@ class BushingForces:
     second: Indices
     arm_m: Array
     axes: Array
-    stiffness_N_m: Array
-    damping_N_s_m: Array
+    stiffness_N_per_m: Array
+    damping_N_s_per_m: Array
 
     @staticmethod
-    def of(
-        bushings: Sequence[Bushing], centres: Mapping[str, int], position_m: Array
-    ) -> BushingForces:
+    def of(bushings: Sequence[Bushing], centres: Mapping[str, int], position_m: Array) -> BushingForces:
         """``centres``: each frame's centre of mass among the carried points, followed by its
         arms; ``position_m`` those points at t = 0."""
         ends = np.array(
             [
-                [
-                    np.arange(1 + ARMS) + centres[body] if body in centres else [-1] * 4
-                    for body in b.bodies
-                ]
+                [np.arange(1 + ARMS) + centres[body] if body in centres else [-1] * 4 for body in b.bodies]
                 for b in bushings
             ],
             dtype=np.int64,
@@ -57,32 +52,32 @@ class BushingForces:
             second=ends[:, 1],
             arm_m=place_m - origin_m.transpose(1, 0, 2),
             axes=np.array([b.axes for b in bushings]).reshape(-1, 3, 3),
-            stiffness_N_m=np.array([b.stiffness_N_m for b in bushings]).reshape(-1, 3),
-            damping_N_s_m=np.array([b.damping_N_s_m for b in bushings]).reshape(-1, 3),
+            stiffness_N_per_m=np.array([b.stiffness_N_per_m for b in bushings]).reshape(-1, 3),
+            damping_N_s_per_m=np.array([b.damping_N_s_per_m for b in bushings]).reshape(-1, 3),
         )
 
     def at(self, carried: Motion) -> tuple[Array, Array]:
         """Deformation in m and force in N of every bushing, (n, 3) each, along its own axes, which
         turn with the first body: second end against the first, and what it takes to hold it there.
         Both count from t = 0: the preload that carries weight is not in them."""
-        (from_m, from_m_s, turn), (to_m, to_m_s, _) = (
+        (from_m, from_m_per_s, turn), (to_m, to_m_per_s, _) = (
             self._end(carried, points, arm_m)
             for points, arm_m in zip((self.first, self.second), self.arm_m, strict=True)
         )
         axes = self.axes @ turn.transpose(0, 2, 1)
         deformation_m = np.einsum("nij,nj->ni", axes, to_m - from_m)
-        rate_m_s = np.einsum("nij,nj->ni", axes, to_m_s - from_m_s)
-        return deformation_m, self.stiffness_N_m * deformation_m + self.damping_N_s_m * rate_m_s
+        rate_m_per_s = np.einsum("nij,nj->ni", axes, to_m_per_s - from_m_per_s)
+        return (deformation_m, self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s)
 
     def _end(self, carried: Motion, points: Indices, arm_m: Array) -> tuple[Array, Array, Array]:
         """Place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
         ground = np.vstack([np.zeros(3), np.eye(3)])
         still = points[:, :1, None] < 0
         place_m = np.where(still, ground, carried.position_m[points])
-        velocity_m_s = np.where(still, 0.0, carried.velocity_m_s[points])
-        turn, spin = (np.swapaxes(x[:, 1:] - x[:, :1], 1, 2) for x in (place_m, velocity_m_s))
+        velocity_m_per_s = np.where(still, 0.0, carried.velocity_m_per_s[points])
+        turn, spin = (np.swapaxes(x[:, 1:] - x[:, :1], 1, 2) for x in (place_m, velocity_m_per_s))
         return (
             place_m[:, 0] + np.einsum("nij,nj->ni", turn, arm_m),
-            velocity_m_s[:, 0] + np.einsum("nij,nj->ni", spin, arm_m),
+            velocity_m_per_s[:, 0] + np.einsum("nij,nj->ni", spin, arm_m),
             turn,
         )

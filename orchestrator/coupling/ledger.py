@@ -39,9 +39,7 @@ LOSING = {"particles-panel": ("particles",), "panel-frames": ("panel", "frames")
 panels gave them, panels and frames what drives the machine."""
 
 
-def created_shares(
-    terms_J: Mapping[str, float], exchanged_J: Mapping[str, float]
-) -> dict[str, float]:
+def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float]) -> dict[str, float]:
     """Energy created at each interface of ``exchanged_J``, over all that was exchanged there and
     lost by those that exchanged it, since t = 0.
 
@@ -123,9 +121,7 @@ class Ledger:
             )
         terms["created.panel-frames"] = received["panel"]["clamps"] + received["frames"]["reaction"]
         if "particles" in now:
-            terms["created.particles-panel"] = (
-                received["particles"]["surface"] + received["panel"]["load"]
-            )
+            terms["created.particles-panel"] = received["particles"]["surface"] + received["panel"]["load"]
         return terms
 
     def momentum_residual(self, pending: Pending) -> dict[str, float]:
@@ -160,7 +156,7 @@ class Ledger:
         for member, impulses in through.items():
             opening = self._opening[member]
             outside = now[member].outside_impulse_N_s - opening.outside_impulse_N_s
-            had, has = opening.momentum_kg_m_s, now[member].momentum_kg_m_s
+            had, has = opening.momentum_kg_m_per_s, now[member].momentum_kg_m_per_s
             size_N_s = ROUNDED * through_N_s[member]
             terms = [has, -had, -outside, *(-i for i in impulses)]
             residual[member] = _relative(terms, size_N_s)
@@ -180,10 +176,9 @@ class Ledger:
             angular = account.angular
             outside = angular.outside_impulse_N_m_s - opening.outside_impulse_N_m_s
             received = {
-                port: value - opening.received_N_m_s[port]
-                for port, value in angular.received_N_m_s.items()
+                port: value - opening.received_N_m_s[port] for port, value in angular.received_N_m_s.items()
             }
-            had, has = opening.momentum_kg_m2_s, angular.momentum_kg_m2_s
+            had, has = opening.momentum_kg_m2_per_s, angular.momentum_kg_m2_per_s
             terms = [has, -had, -outside, *(-one for one in received.values())]
             residual[member] = _relative(terms)
             if member == "particles" and particles is not None:

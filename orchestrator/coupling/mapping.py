@@ -25,7 +25,7 @@ def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
     follow = ahead_of(panel)
 
     def moved(surface: Motion) -> Motion:
-        return Motion(H @ surface.position_m, H @ surface.velocity_m_s)
+        return Motion(H @ surface.position_m, H @ surface.velocity_m_per_s)
 
     def seen(state: PanelState) -> PanelState:
         return PanelState(moved(state.surface), state.reaction)

@@ -65,7 +65,7 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
     """(3,) about the world's origin: what a mean load hands over in the interval to points that
     move smoothly from ``start`` to ``end`` (cubic Hermite), by the mean of their places."""
     mean_m = (start.position_m + end.position_m) / 2.0
-    mean_m += interval.length_s / 12.0 * (start.velocity_m_s - end.velocity_m_s)
+    mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s - end.velocity_m_per_s)
     return np.asarray(interval.length_s * np.cross(mean_m, load.force_N).sum(axis=0))
 
 
@@ -179,9 +179,7 @@ class MeteredParticles:
 
     last: tuple[Path, Load]
 
-    def __init__(
-        self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch
-    ) -> None:
+    def __init__(self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch) -> None:
         self._particles, self._name, self._stopwatch = particles, name, stopwatch
         self._feed = feed
         self.runs = 0

@@ -33,9 +33,7 @@ def touched_surface(
                 ),
             ]
         ),
-        np.concatenate(
-            [NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]
-        ),
+        np.concatenate([NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]),
     )
 
 

@@ -13,17 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.ports import (
-    Account,
-    Inertia,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    Panel,
-    PanelState,
-    Saved,
-)
+from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
 from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.inertia import inertia_of
@@ -38,9 +28,7 @@ class PanelSet:
     points ``surface[i]`` and ``clamps[i]`` (slices) of the concatenated arrays.
     """
 
-    def __init__(
-        self, count: int, open_panel: Callable[[int], Panel], communicator: Any = None
-    ) -> None:
+    def __init__(self, count: int, open_panel: Callable[[int], Panel], communicator: Any = None) -> None:
         self._communicator = communicator
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
         self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
@@ -60,9 +48,7 @@ class PanelSet:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         own = {
-            i: panel.advance(
-                interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]])
-            )
+            i: panel.advance(interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]]))
             for i, panel in self._own.items()
         }
         return joined(self._exchanged(own))
@@ -74,9 +60,7 @@ class PanelSet:
         return Known(motion, np.concatenate([part.which for part in parts]))
 
     def inertia(self) -> Inertia:
-        return joined_inertia(
-            self._exchanged({i: inertia_of(panel) for i, panel in self._own.items()})
-        )
+        return joined_inertia(self._exchanged({i: inertia_of(panel) for i, panel in self._own.items()}))
 
     def account(self) -> Account:
         return total(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
@@ -109,8 +93,7 @@ def slices(lengths: Sequence[int]) -> tuple[slice, ...]:
 def joined(states: Sequence[PanelState]) -> PanelState:
     """One state with the points of all."""
     return PanelState(
-        joined_motion([s.surface for s in states]),
-        Load(np.concatenate([s.reaction.force_N for s in states])),
+        joined_motion([s.surface for s in states]), Load(np.concatenate([s.reaction.force_N for s in states]))
     )
 
 
@@ -118,7 +101,7 @@ def joined_motion(motions: Sequence[Motion]) -> Motion:
     """The points of all, one after the other."""
     return Motion(
         np.concatenate([motion.position_m for motion in motions]),
-        np.concatenate([motion.velocity_m_s for motion in motions]),
+        np.concatenate([motion.velocity_m_per_s for motion in motions]),
     )
 
 

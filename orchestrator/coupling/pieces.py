@@ -18,7 +18,7 @@ from orchestrator.case import adapter
 from orchestrator.case.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.case.deck.surface_grids import surface_grids
 from orchestrator.case.deck.triangle_grid import Grid
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.planning import panel_plans
 from orchestrator.case.playback import playbacks
 from orchestrator.case.tables.case import Case
@@ -59,9 +59,7 @@ class Piece:
     stops: int = 0
 
 
-def panel_pieces(
-    case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None
-) -> list[Piece]:
+def panel_pieces(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[Piece]:
     """One piece per panel, in the order of the case, alike on every rank of ``world``."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
@@ -71,9 +69,7 @@ def panel_pieces(
     ]
 
 
-def _panel(
-    case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch: Stopwatch
-) -> Piece:
+def _panel(case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch: Stopwatch) -> Piece:
     at = {
         name: np.multiply(probe.at, (plan.rectangle.length_m, plan.rectangle.width_m))
         for name, probe in case.probes.items()
@@ -115,7 +111,7 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
         return StoppedPanel(panel, plan)
     except ValueError as error:
         key = ("screen", "panels", plan.name, "stops")
-        raise CaseError([Mistake(key, str(error), "lower it, or tighten the panel")]) from error
+        raise CaseError([CaseProblem(key, str(error), "lower it, or tighten the panel")]) from error
 
 
 def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:

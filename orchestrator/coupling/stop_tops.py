@@ -28,8 +28,8 @@ class Tops:
 
     coordinates_m: Array
     stop: Indices
-    stiffness_N_m: Array
-    damping_N_s_m: Array
+    stiffness_N_per_m: Array
+    damping_N_s_per_m: Array
 
     def through(self, corners_m: Array, place_m: Array) -> Through:
         """Points at ``place_m`` (n, 3), tops with ``corners_m`` (stops, 3, 3): the first, one along
@@ -56,7 +56,7 @@ def tops(stops: tuple[Stop, ...], rectangle: Rectangle, spacing_m: Array) -> Top
         number.append(np.full(len(grid), place))
         areas.append(np.full(len(grid), sides_m.prod() / len(grid)))
     of, area_m2 = np.concatenate(number), np.concatenate(areas)
-    stiffness, damping = np.array([(s.stiffness_Pa_m, s.damping_Pa_s_m) for s in stops])[of].T
+    stiffness, damping = np.array([(s.stiffness_Pa_per_m, s.damping_Pa_s_per_m) for s in stops])[of].T
     return Tops(np.concatenate(coordinates), of, stiffness * area_m2, damping * area_m2)
 
 

@@ -60,9 +60,7 @@ class StoppedPanel:
         corners = np.concatenate([corners_m(stop, at) for stop in plan.stops])
         frames = tuple(stop.frame for stop in plan.stops for _ in range(3))
         self._clamps = len(panel.mount.frame)
-        self.mount = Mount(
-            np.vstack([panel.mount.position_m, corners]), (*panel.mount.frame, *frames)
-        )
+        self.mount = Mount(np.vstack([panel.mount.position_m, corners]), (*panel.mount.frame, *frames))
         self._corners = Motion(corners, np.zeros_like(corners))
         self._surface = panel.initial().surface
         self._lost_J = self._from_stops_J = self._to_panel_J = 0.0
@@ -91,7 +89,7 @@ class StoppedPanel:
     def account(self) -> Account:
         """Of the panel and the layers on the stops."""
         own, depth_m = self._panel.account(), np.maximum(self._now().depth_m, 0.0)
-        stored_J = {"stops": 0.5 * float(self._tops.stiffness_N_m @ depth_m**2)}
+        stored_J = {"stops": 0.5 * float(self._tops.stiffness_N_per_m @ depth_m**2)}
         received_J = dict(own.received_J)
         received_J["load"] -= self._to_panel_J
         received_J["clamps"] += self._from_stops_J
@@ -125,14 +123,14 @@ class StoppedPanel:
     def _pushed(self, end: Motion, length_s: float) -> tuple[Through, Array, Array]:
         """Where the points are in the middle of the interval, and the springs' and the dampers'
         forces (n,) along the normals."""
-        start, velocity_m_s = self._corners.position_m, self._H @ self._surface.velocity_m_s
-        place_m = self._H @ self._surface.position_m + length_s / 2 * velocity_m_s
+        start, velocity_m_per_s = self._corners.position_m, self._H @ self._surface.velocity_m_per_s
+        place_m = self._H @ self._surface.position_m + length_s / 2 * velocity_m_per_s
         middle = self._tops.through(((start + end.position_m) / 2).reshape(-1, 3, 3), place_m)
-        tops_m_s = self._at_feet(middle, (end.position_m - start) / length_s)
-        closing_m_s = np.einsum("nk,nk->n", middle.normal, tops_m_s - velocity_m_s)
+        tops_m_per_s = self._at_feet(middle, (end.position_m - start) / length_s)
+        closing_m_per_s = np.einsum("nk,nk->n", middle.normal, tops_m_per_s - velocity_m_per_s)
         touching = middle.depth_m > 0
-        elastic_N = np.where(touching, self._tops.stiffness_N_m * middle.depth_m, 0.0)
-        damping_N = np.where(touching, self._tops.damping_N_s_m * closing_m_s, 0.0)
+        elastic_N = np.where(touching, self._tops.stiffness_N_per_m * middle.depth_m, 0.0)
+        damping_N = np.where(touching, self._tops.damping_N_s_per_m * closing_m_per_s, 0.0)
         return middle, elastic_N, np.maximum(damping_N, -elastic_N)
 
     def _at_feet(self, middle: Through, of_corners: Array) -> Array:

@@ -32,13 +32,7 @@ from orchestrator.ports.crossing import (
     Response,
     counted,
 )
-from orchestrator.ports.particle_records import (
-    Crossings,
-    Overlaps,
-    ParticleSnapshot,
-    Removed,
-    in_order,
-)
+from orchestrator.ports.particle_records import Crossings, Overlaps, ParticleSnapshot, Removed, in_order
 
 if TYPE_CHECKING:
     from orchestrator.ports.hermite import Path

@@ -42,14 +42,14 @@ class Motion:
     """Where points are and how fast they go: two float64 arrays of shape (points, 3)."""
 
     position_m: Array
-    velocity_m_s: Array
+    velocity_m_per_s: Array
 
     def __post_init__(self) -> None:
         _checked("Motion", "position_m", self.position_m)
-        _checked("Motion", "velocity_m_s", self.velocity_m_s)
-        if self.position_m.shape != self.velocity_m_s.shape:
+        _checked("Motion", "velocity_m_per_s", self.velocity_m_per_s)
+        if self.position_m.shape != self.velocity_m_per_s.shape:
             raise BrokenRecord(
-                f"Motion: {len(self.position_m)} positions but {len(self.velocity_m_s)} velocities"
+                f"Motion: {len(self.position_m)} positions but {len(self.velocity_m_per_s)} velocities"
             )
 
     def __len__(self) -> int:
@@ -57,7 +57,7 @@ class Motion:
 
     def part(self, points: slice | Indices) -> Motion:
         """The motion of some of the points."""
-        return Motion(self.position_m[points], self.velocity_m_s[points])
+        return Motion(self.position_m[points], self.velocity_m_per_s[points])
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Known:
         found = Known.nothing(points)
         found.which[at] = self.which
         found.motion.position_m[at] = self.motion.position_m
-        found.motion.velocity_m_s[at] = self.motion.velocity_m_s
+        found.motion.velocity_m_per_s[at] = self.motion.velocity_m_per_s
         return found
 
     def over(self, otherwise: Motion) -> Motion:
@@ -94,7 +94,7 @@ class Known:
         which = self.which[:, None]
         return Motion(
             np.where(which, self.motion.position_m, otherwise.position_m),
-            np.where(which, self.motion.velocity_m_s, otherwise.velocity_m_s),
+            np.where(which, self.motion.velocity_m_per_s, otherwise.velocity_m_per_s),
         )
 
 
@@ -147,11 +147,11 @@ class Mount:
 
 @dataclass(frozen=True)
 class AngularAccount:
-    """Angular momentum about the world's origin, (3,) each: ``momentum_kg_m2_s`` now,
+    """Angular momentum about the world's origin, (3,) each: ``momentum_kg_m2_per_s`` now,
     ``outside_impulse_N_m_s`` received since t = 0 from everything that is not a port, and
     ``received_N_m_s`` through each port, from the solver's own places inside the interval."""
 
-    momentum_kg_m2_s: Array
+    momentum_kg_m2_per_s: Array
     outside_impulse_N_m_s: Array
     received_N_m_s: Mapping[str, Array]
 
@@ -160,7 +160,7 @@ class AngularAccount:
 class Account:
     """What a solver owns and what went through it since t = 0 (all SI, world frame).
 
-    ``momentum_kg_m_s`` (3,) now; ``outside_impulse_N_s`` (3,) the impulse received so far from
+    ``momentum_kg_m_per_s`` (3,) now; ``outside_impulse_N_s`` (3,) the impulse received so far from
     everything that is *not* a port (gravity, ground, exciters, drives, particles fed or removed).
     ``stored_J`` by name, now; ``lost_J`` (dissipated), ``supplied_J`` (exciters, drives, feed) by
     name, summed since t = 0; ``received_J`` the work received through each port since t = 0,
@@ -169,7 +169,7 @@ class Account:
     ``angular`` is the same for angular momentum, None of a solver that does not tell.
     """
 
-    momentum_kg_m_s: Array
+    momentum_kg_m_per_s: Array
     outside_impulse_N_s: Array
     stored_J: Mapping[str, float] = field(default_factory=dict)
     lost_J: Mapping[str, float] = field(default_factory=dict)
@@ -183,15 +183,15 @@ class Response:
     """How the particles' mean load on the surface over an interval answers to the surface's motion:
     at each point, moving with the constant velocity v from where the particles last saw it,
 
-        load = push_N - impedance_N_s_m v.
+        load = push_N - impedance_N_s_per_m v.
 
-    ``push_N`` (points, 3), ``impedance_N_s_m`` (points, 3, 3) symmetric and not negative; the part
+    ``push_N`` (points, 3), ``impedance_N_s_per_m`` (points, 3, 3) symmetric and not negative; the part
     of a contact inside a triangle stands at its corners, by the same shares as its load.  It knows
     only the contacts that there are when it is asked for, each linear about its present place.
     """
 
     push_N: Array
-    impedance_N_s_m: Array
+    impedance_N_s_per_m: Array
 
 
 @dataclass(frozen=True)

@@ -20,29 +20,29 @@ class Path:
         t, h = fraction, self.length_s
         value: Array = (
             (1 + 2 * t) * (1 - t) ** 2 * self.start.position_m
-            + t * (1 - t) ** 2 * h * self.start.velocity_m_s
+            + t * (1 - t) ** 2 * h * self.start.velocity_m_per_s
             + t * t * (3 - 2 * t) * self.end.position_m
-            + t * t * (t - 1) * h * self.end.velocity_m_s
+            + t * t * (t - 1) * h * self.end.velocity_m_per_s
         )
         return value
 
-    def velocity_m_s(self, fraction: float) -> Array:
+    def velocity_m_per_s(self, fraction: float) -> Array:
         t, h = fraction, self.length_s
         value: Array = (
             6 * t * (t - 1) / h * (self.start.position_m - self.end.position_m)
-            + (1 - t) * (1 - 3 * t) * self.start.velocity_m_s
-            + t * (3 * t - 2) * self.end.velocity_m_s
+            + (1 - t) * (1 - 3 * t) * self.start.velocity_m_per_s
+            + t * (3 * t - 2) * self.end.velocity_m_per_s
         )
         return value
 
-    def acceleration_m_s2(self, fraction: float) -> Array:
+    def acceleration_m_per_s2(self, fraction: float) -> Array:
         t, h = fraction, self.length_s
         value: Array = (
             (12 * t - 6) / h**2 * (self.start.position_m - self.end.position_m)
-            + (6 * t - 4) / h * self.start.velocity_m_s
-            + (6 * t - 2) / h * self.end.velocity_m_s
+            + (6 * t - 4) / h * self.start.velocity_m_per_s
+            + (6 * t - 2) / h * self.end.velocity_m_per_s
         )
         return value
 
     def at(self, fraction: float) -> Motion:
-        return Motion(self.position_m(fraction), self.velocity_m_s(fraction))
+        return Motion(self.position_m(fraction), self.velocity_m_per_s(fraction))

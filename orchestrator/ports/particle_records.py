@@ -22,10 +22,10 @@ class ParticleSnapshot:
 
     id: Indices
     position_m: Array
-    velocity_m_s: Array
-    spin_rad_s: Array
+    velocity_m_per_s: Array
+    spin_rad_per_s: Array
     diameter_m: Array
-    density_kg_m3: Array
+    density_kg_per_m3: Array
     material: Indices
 
 
@@ -41,9 +41,9 @@ class Removed:
     id: Indices
     time_s: Array
     position_m: Array
-    velocity_m_s: Array
+    velocity_m_per_s: Array
     diameter_m: Array
-    density_kg_m3: Array
+    density_kg_per_m3: Array
     material: Indices
     exit: Indices
 

@@ -55,9 +55,7 @@ class Penetration:
 class Penetrations:
     """``drawn_m`` (n, 3) are all points as drawn."""
 
-    def __init__(
-        self, drawn_m: Array, bodies: Sequence[Body], panels: Sequence[ProbedPanel]
-    ) -> None:
+    def __init__(self, drawn_m: Array, bodies: Sequence[Body], panels: Sequence[ProbedPanel]) -> None:
         self._bodies, self._panels = tuple(bodies), tuple(panels)
         self._drawn_m = drawn_m
         nothing = np.empty((0, 3), dtype=np.int64)
@@ -74,9 +72,7 @@ class Penetrations:
 
     def _of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> list[Penetration]:
         """The deepest of one panel, if any."""
-        drawn_m, now_m = (
-            points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m)
-        )
+        drawn_m, now_m = (points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m))
         row, triangle = self._near(panel, drawn_m, now_m, boxes_m)
         was_m, is_m = (
             height_m(points[self._triangles], triangle, place_m[row])

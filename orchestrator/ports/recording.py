@@ -49,13 +49,13 @@ class RecordedGrid:
         across = hats(y, np.array([0.0, rectangle.width_m]))
         return both_ways(along, across)
 
-    def mass_kg(self, rectangle: Rectangle, per_area_kg_m2: float, share: float) -> Array:
+    def mass_kg(self, rectangle: Rectangle, per_area_kg_per_m2: float, share: float) -> Array:
         """Lumped mass (points,): every cell gives a quarter to each of its corners.  ``share``:
         how much of the free length openings leave."""
         middle = (self.rows_m[1:] + self.rows_m[:-1]) / 2
         free = (middle > 0) & (middle < rectangle.length_m)
         along = _halves(np.diff(self.rows_m) * np.where(free, share, 1.0))
-        return per_area_kg_m2 * np.outer(along, _halves(np.diff(self.columns_m))).ravel()
+        return per_area_kg_per_m2 * np.outer(along, _halves(np.diff(self.columns_m))).ravel()
 
 
 @dataclass(frozen=True)
@@ -92,13 +92,13 @@ class Recording:
 
 @dataclass(frozen=True)
 class Playback:
-    """A recording and the machine's angle that it follows, ``speed_rad_s`` (t - ``zero_s``).
+    """A recording and the machine's angle that it follows, ``speed_rad_per_s`` (t - ``zero_s``).
 
     The motion grows from rest from ``start_s`` on, within ``run_up_s``.
     """
 
     recording: Recording
-    speed_rad_s: float
+    speed_rad_per_s: float
     zero_s: float
     start_s: float
     run_up_s: float

@@ -24,11 +24,11 @@ from orchestrator.case.tables.case import Case
 class Bed:
     """How fast material moves along the deck."""
 
-    transport_m_s: float
+    transport_m_per_s: float
 
 
-THICK = Bed(transport_m_s=TRANSPORT_M_S)
-THIN = Bed(transport_m_s=1.5)
+THICK = Bed(transport_m_per_s=TRANSPORT_M_S)
+THIN = Bed(transport_m_per_s=1.5)
 """Level dry of cases/ffs0827-slice: single dry particles, thrown."""
 TIMES = 2000  # places in time at which particles are counted
 
@@ -49,10 +49,10 @@ class BedCost:
 def bed_cost(case: Case, at_start: int, bed: Bed) -> BedCost:
     """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
-    stays_s = stay_s(case, bed.transport_m_s)
+    stays_s = stay_s(case, bed.transport_m_per_s)
     count = np.where(time_s < stays_s, float(at_start), 0.0)
     for inlet in inlets(case, material_numbers(case)).values():
-        per_kg = 1.0 / mean_mass_kg(inlet.sizes, inlet.density_kg_m3)
+        per_kg = 1.0 / mean_mass_kg(inlet.sizes, inlet.density_kg_per_m3)
         there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
         count += per_kg * np.array(there_kg)
     steps = math.ceil(case.duration_s / particle_step_s(case))

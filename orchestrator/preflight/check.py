@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from orchestrator.case.file.deck_layout import as_given
-from orchestrator.case.file.errors import Mistake
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.plausible import unusual_sizes
 from orchestrator.preflight.checks import (
     adhesion,
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from orchestrator.preflight.levels import LoadedCase
 
 
-def mistakes(loaded: LoadedCase) -> list[Mistake]:
+def mistakes(loaded: LoadedCase) -> list[CaseProblem]:
     """All that must be put right before the case can run; empty if nothing."""
     case, folder = loaded.case, loaded.folder
     whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
@@ -71,20 +71,20 @@ def mistakes_at_rest(
     panel_of_triangle: Indices,
     penetrations: Penetrations,
     particles: ParticleList,
-) -> list[Mistake]:
+) -> list[CaseProblem]:
     """What the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
     found = list(at_rest.beyond_surfaces(loaded.case, penetrations, surface))
     found += at_rest.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
     return _as_given(loaded, found)
 
 
-def table_mistakes(loaded: LoadedCase) -> list[Mistake]:
+def table_mistakes(loaded: LoadedCase) -> list[CaseProblem]:
     """The first round alone, which reads no files and places no particles."""
     found = [mistake for rule in OF_TABLES for mistake in rule(loaded.case.whole)]
     return _as_given(loaded, [*loaded.choice.mistakes, *found])
 
 
-def _as_given(loaded: LoadedCase, found: list[Mistake]) -> list[Mistake]:
+def _as_given(loaded: LoadedCase, found: list[CaseProblem]) -> list[CaseProblem]:
     """With keys as the user gave them."""
     decks = loaded.layers.merged["screen"].get("decks", {})
     return loaded.layers.named([as_given(mistake, decks) for mistake in found])

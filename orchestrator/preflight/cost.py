@@ -30,9 +30,9 @@ IMPORT_S = 1.2
 """Starting Python, reading and checking the case."""
 MESHED_S = 1e-4
 """Of a triangle that particles may touch."""
-INTERVAL_S = {"rest": 3e-5, "watch": 3.5e-5, "coupling": 6e-5, "mapping": 6e-5}
+INTERVAL_S = {"rest": 3e-5, "monitor": 3.5e-5, "coupling": 6e-5, "mapping": 6e-5}
 """Of any sync interval; with particles twice as much but for the mapping."""
-TRIANGLE_S = {"watch": 1e-8, "coupling": 3e-8, "mapping": 5e-8}
+TRIANGLE_S = {"monitor": 1e-8, "coupling": 3e-8, "mapping": 5e-8}
 """Of any that particles may touch, and an interval."""
 MAPPED_PANEL_S = 4.5e-5
 TRIED_S = 1.5e-4
@@ -135,9 +135,7 @@ def _particles(case: Case, at_start: int, bed: Bed, runs: float) -> ParticlesWor
     if not has_particles(case):
         return ParticlesWork(0.0, 0.0, 0.0, 0, False)
     interval_s = case.coupling.sync_interval_s
-    steps = (
-        runs * math.ceil(case.duration_s / interval_s) * steps_in(interval_s, particle_step_s(case))
-    )
+    steps = runs * math.ceil(case.duration_s / interval_s) * steps_in(interval_s, particle_step_s(case))
     mean = bed_cost(case, at_start, bed).mean
     intervals = case.duration_s / interval_s
     sticky = adhesion_law(case) != "none"

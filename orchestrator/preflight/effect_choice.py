@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from orchestrator.case.file.coarse import coarsened
 from orchestrator.case.file.deck_layout import laid_out
-from orchestrator.case.file.errors import CaseError, Key, Mistake, did_you_mean, shown
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, shown
 from orchestrator.case.file.loss_curve import damped
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.file.overlays import Layers
@@ -23,13 +23,7 @@ from orchestrator.case.file.slice import sliced
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks.of_tables import OF_TABLES
-from orchestrator.preflight.judgement.catalogue import (
-    EFFECTS,
-    can_go,
-    present,
-    spared,
-    with_dependents,
-)
+from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, spared, with_dependents
 from orchestrator.preflight.judgement.pair import Pair, key_of, remembered
 from orchestrator.preflight.judgement.weighing import undecided, weighed
 
@@ -47,7 +41,7 @@ class Choice:
 
     left_out: dict[str, str] = field(default_factory=dict)
     lacking: tuple[str, ...] = ()
-    mistakes: tuple[Mistake, ...] = ()
+    mistakes: tuple[CaseProblem, ...] = ()
     described: Case | None = None
     pairs: Mapping[str, Pair] = field(default_factory=dict)
     asked: tuple[str, ...] = ()
@@ -114,7 +108,7 @@ def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
     return {name: pair for name, pair in found.items() if pair is not None}
 
 
-def _unknown_results(names: Any) -> Iterator[Mistake]:
+def _unknown_results(names: Any) -> Iterator[CaseProblem]:
     """In ``effects_for``, what is neither a short name nor a path of keys with dots."""
     if not isinstance(names, list | tuple):
         return  # the tables say so
@@ -122,16 +116,11 @@ def _unknown_results(names: Any) -> Iterator[Mistake]:
         try:
             scalar(str(name))
         except KeyError as error:
-            yield Mistake(("effects_for",), str(error.args[0]))
+            yield CaseProblem(("effects_for",), str(error.args[0]))
 
 
 def _named_choice(
-    layers: Layers,
-    bare: Case,
-    case: Case,
-    asked: Sequence[str],
-    without: Collection[str],
-    source: str,
+    layers: Layers, bare: Case, case: Case, asked: Sequence[str], without: Collection[str], source: str
 ) -> Choice:
     names = {OF_LAW.get(word, word) for word in asked}
     wrong = [*_unmet(case, names, without), *_other_laws(layers, asked)]
@@ -157,25 +146,25 @@ def _leave_out(layers: Layers, bare: Case, spare: Collection[str], source: str) 
             layers.lay(EFFECTS[name].overlay(bare), source)
 
 
-def _misnamed(asked: Any) -> Iterator[Mistake]:
+def _misnamed(asked: Any) -> Iterator[CaseProblem]:
     """What is neither "auto" nor a list of names of effects, and laws that exclude each other."""
     if asked == "auto" or asked is None:
         return
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
-        yield Mistake(KEY, f'{shown(asked)} is wrong, "auto" or a list of names is wanted')
+        yield CaseProblem(KEY, f'{shown(asked)} is wrong, "auto" or a list of names is wanted')
         return
     for word in asked:
         if word not in EFFECTS and word not in OF_LAW:
-            yield Mistake(KEY, f"no effect {shown(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
+            yield CaseProblem(KEY, f"no effect {shown(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
     laws = [word for word in dict.fromkeys(asked) if word in OF_LAW]
     for number, word in enumerate(laws):
         for other in laws[:number]:
             if OF_LAW[other] == OF_LAW[word]:
                 what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
-                yield Mistake(KEY, what, "name one of them")
+                yield CaseProblem(KEY, what, "name one of them")
 
 
-def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iterator[Mistake]:
+def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iterator[CaseProblem]:
     """What is named and is not there."""
     for name in EFFECTS:
         effect = EFFECTS[name]
@@ -184,15 +173,15 @@ def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iter
         for need in effect.needs:
             if need not in names and EFFECTS[need].overlay(case):
                 what = f'"{name}" needs "{need}", which is not named'
-                yield Mistake(KEY, what, f'name "{need}", too, or neither')
+                yield CaseProblem(KEY, what, f'name "{need}", too, or neither')
         if not effect.described(case):
-            yield Mistake(KEY, f'"{name}": the case does not describe it', effect.key)
+            yield CaseProblem(KEY, f'"{name}": the case does not describe it', effect.key)
         elif (why := effect.left_out(case)) and name not in without:
             hint = f'change that, or let the level say without = ["{name}"]'
-            yield Mistake(KEY, f'"{name}" is left out by {why}', hint)
+            yield CaseProblem(KEY, f'"{name}" is left out by {why}', hint)
 
 
-def _other_laws(layers: Layers, asked: Sequence[str]) -> Iterator[Mistake]:
+def _other_laws(layers: Layers, asked: Sequence[str]) -> Iterator[CaseProblem]:
     """Laws that are named where the case chooses another."""
     for law in (word for word in asked if word in OF_LAW):
         for table, keys in EFFECTS[OF_LAW[law]].laws[law].items():
@@ -200,4 +189,4 @@ def _other_laws(layers: Layers, asked: Sequence[str]) -> Iterator[Mistake]:
                 given = layers.merged.get(table, {}).get(key, wanted)
                 if given != wanted:
                     what = f'"{law}" is named, and {table}.{key} is {shown(given)}'
-                    yield Mistake(KEY, what, f"({layers.source((table, key))}); take one away")
+                    yield CaseProblem(KEY, what, f"({layers.source((table, key))}); take one away")

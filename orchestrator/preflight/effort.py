@@ -48,10 +48,10 @@ def effort(case: Case) -> Effort:
     tolerance = case.coupling.tolerance
     lightest_kg = min(
         (
-            float(mass_kg(np.array(diameter_m), case.materials[name].density_kg_m3))
+            float(mass_kg(np.array(diameter_m), case.materials[name].density_kg_per_m3))
             for name, diameter_m in smallest_diameters_m(case).items()
         ),
         default=0.0,
     )
-    weight_N = lightest_kg * float(np.linalg.norm(case.gravity_m_s2))
+    weight_N = lightest_kg * float(np.linalg.norm(case.gravity_m_per_s2))
     return Effort(tolerance, tolerance * weight_N, case.coupling.most_iterations)

@@ -8,7 +8,7 @@ from pathlib import Path
 import tomli_w
 
 from orchestrator.case.file.deck_layout import laid_out
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.overlays import Layers, parsed
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.case import Case
@@ -21,7 +21,7 @@ def write_level(loaded: LoadedCase, name: str, sets: Sequence[str], about: str) 
     Raises CaseError if there is one of that name, and OSError."""
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
-        raise CaseError([Mistake((), "exists already; nothing was written", file=str(file))])
+        raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file))])
     overlay = {}
     if loaded.level:
         overlay = read_toml(loaded.folder / "levels" / f"{loaded.level}.toml", loaded.folder)

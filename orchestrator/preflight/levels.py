@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from orchestrator.case.file.deck_layout import laid_out
 from orchestrator.case.file.errors import (
     CaseError,
-    Mistake,
+    CaseProblem,
     did_you_mean,
     from_validation,
     shown,
@@ -30,14 +30,14 @@ from orchestrator.preflight.judgement.catalogue import dropped, left_out
 
 NUMERICS = (
     "coupling",
-    "hand_over",
+    "exchange",
     "frames",
     "panel",
     "particles",
     "output",
-    "save",
+    "checkpoint",
     "slice",
-    "watch",
+    "monitor",
 )
 NO_PHYSICS = (*NUMERICS, "effects", "effects_for")
 
@@ -76,7 +76,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     """
     file = path if path.is_file() else path / "case.toml"
     if not file.is_file():
-        raise CaseError([Mistake((), "no such case: there is no case.toml", file=str(path))])
+        raise CaseError([CaseProblem((), "no such case: there is no case.toml", file=str(path))])
     folder = file.resolve().parent
     given = read_toml(file.resolve())
     layers = Layers(given, file.name)
@@ -116,11 +116,11 @@ def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
         hint = did_you_mean(str(wanted), known, say="levels")
         file = "case.toml" if level is None else "--level"
         key = ("default_level",) if level is None else ()
-        raise CaseError([Mistake(key, f"no level {shown(wanted)}", hint, file=file)])
+        raise CaseError([CaseProblem(key, f"no level {shown(wanted)}", hint, file=file)])
     return str(wanted)
 
 
-def validated(layers: Layers, besides: Sequence[Mistake] = ()) -> Case:
+def validated(layers: Layers, besides: Sequence[CaseProblem] = ()) -> Case:
     """As ``shaped``.  Raises CaseError with every mistake found, and those ``besides``."""
     try:
         return shaped(Case.model_validate(layers.merged))
@@ -149,18 +149,18 @@ def _lay_level(layers: Layers, folder: Path, level: str) -> tuple[str, ...]:
     layers.lay(overlay, source)
     if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
         what = f"{shown(without)} is wrong, a list of names is wanted"
-        raise CaseError([Mistake(("without",), what, file=source)])
+        raise CaseError([CaseProblem(("without",), what, file=source)])
     try:
         needed = dropped(*(laid_out(Case.model_validate(c)) for c in (bare, layers.merged)))
     except (ValidationError, CaseError):
         return ()  # load validates again and says what is wrong
     mistakes = [
-        Mistake(("without",), f'"{name}" must be named: the level leaves it out', why, source)
+        CaseProblem(("without",), f'"{name}" must be named: the level leaves it out', why, source)
         for name, why in needed.items()
         if name not in without
     ]
     mistakes += [
-        Mistake(("without",), f'"{word}" is not left out', did_you_mean(word, needed), source)
+        CaseProblem(("without",), f'"{word}" is not left out', did_you_mean(word, needed), source)
         for word in without
         if word not in needed
     ]

@@ -65,7 +65,7 @@ class Run:
         self._intervals = steps_in(self._case.duration_s, self._interval_s)
         self._every = steps_in(self._case.output.interval_s, self._interval_s)
         self._step_s = particle_step_s(self._case)
-        self._schedule = Schedule(self._case.save, self._interval_s, world)
+        self._schedule = Schedule(self._case.checkpoint, self._interval_s, world)
 
     def go(self) -> None:
         """Runs to the end.  Raises CaseError or SolverMissing before anything is computed;
@@ -87,9 +87,7 @@ class Run:
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
         with written("results", 0.0):
             goes_on = self.resumes is not None
-            recorder = Recorder(
-                self._folder, machine, ledger, state, self._case, self._world, goes_on
-            )
+            recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, goes_on)
         guard = Guard(self._case, machine, state, self._world, self._console)
         keeper = Keeper(self._folder, machine, recorder, guard, self._about, self._world)
         interrupted: Interrupted | Stopped | None = None
@@ -102,7 +100,7 @@ class Run:
             recorder.last_contacts()
             self._progress.figures["material"] = recorder.material()
         finally:
-            self._progress.figures["watch"] = guard.figures(self._done)
+            self._progress.figures["monitor"] = guard.figures(self._done)
             recorder.close()
         pending = machine.scheme.pending(state, Interval(0, guard.pace.last_s))
         self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
@@ -125,13 +123,7 @@ class Run:
             ) from error
 
     def _loop(
-        self,
-        machine: Machine,
-        recorder: Recorder,
-        keeper: Keeper,
-        guard: Guard,
-        state: State,
-        stop: Stop,
+        self, machine: Machine, recorder: Recorder, keeper: Keeper, guard: Guard, state: State, stop: Stop
     ) -> State:
         first = self._done
         with Say(first, self._intervals, self._interval_s, self._console) as say:
@@ -181,9 +173,7 @@ class Run:
     def _done(self) -> int:
         return int(self._progress.figures["sync_intervals"])
 
-    def _record(
-        self, recorder: Recorder, guard: Guard, state: State, done: int, steps: int
-    ) -> None:
+    def _record(self, recorder: Recorder, guard: Guard, state: State, done: int, steps: int) -> None:
         """Sync point ``done``, after so many steps of each particle; an output time every
         ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))

@@ -25,7 +25,7 @@ from orchestrator.preflight.levels import load
 from orchestrator.studies.panel_figures import panel_figures
 
 CYCLES = 4
-EXTENSIVE = {"clamp_peak_N", "clamp_rms_N", "passing_kg_s"}
+EXTENSIVE = {"clamp_peak_N", "clamp_rms_N", "passing_kg_per_s"}
 QUANTITIES = {
     "deflection_m": "panel: amplitude of the middle / m",
     "shape": "panel: shape over the cycles",
@@ -34,18 +34,18 @@ QUANTITIES = {
     "peak_g": "panel's middle: peak acceleration / g",
     "rms_g": "panel's middle: rms acceleration / g",
     "frame_m": "frames: largest amplitude / m",
-    "passing_kg_s": "passing: through the exits / (kg/s)",
+    "passing_kg_per_s": "passing: through the exits / (kg/s)",
     "efficiency_percent": "screening efficiency / %",
-    "velocity_m_s": "bed: mean velocity / (m/s)",
+    "velocity_m_per_s": "bed: mean velocity / (m/s)",
 }
 DECISIVE = (
     "deflection_m",
     "clamp_rms_N",
     "rms_g",
     "frame_m",
-    "passing_kg_s",
+    "passing_kg_per_s",
     "efficiency_percent",
-    "velocity_m_s",
+    "velocity_m_per_s",
 )
 """What repeats itself well enough to decide; single peaks and shapes of slack panels do not."""
 RESOLVED = {
@@ -55,8 +55,8 @@ RESOLVED = {
     "clamp_rms_N": 1e-6,
     "peak_g": 1e-6,
     "rms_g": 1e-6,
-    "velocity_m_s": 1e-6,
-    "passing_kg_s": 0.0,
+    "velocity_m_per_s": 1e-6,
+    "passing_kg_per_s": 0.0,
     "efficiency_percent": 0.0,
 }
 """A quantity up to this is rounding or what a solver's tolerance leaves, and is not compared:
@@ -108,15 +108,13 @@ def figures(folder: Path) -> Figures:
         values[name] = float(np.mean([panel.values[name] for panel in panels]))
     own = {}
     if passing is not None:
-        values["passing_kg_s"], own["passing_kg_s"] = passing
+        values["passing_kg_per_s"], own["passing_kg_per_s"] = passing
     if case.screen.exits:  # else nothing flows, and a mean velocity is that of a swing
         values |= _of_the_bed(summary.get("results", {}), own)
     for name in EXTENSIVE & values.keys():
         values[name] /= summary["share_of_width"]
     values = {name: value if is_resolved(name, value) else 0.0 for name, value in values.items()}
-    if not values.get(
-        "deflection_m"
-    ):  # a shape that is no more than rounding is not compared either
+    if not values.get("deflection_m"):  # a shape that is no more than rounding is not compared either
         shapes_m = shapes_m[:, :0]
     rows = round(cycle * (len(shapes_m) - 1) / (end_s - start_s)) if len(shapes_m) else 0
     change = relative(shapes_m[:-rows], shapes_m[rows:]) if 0 < rows < len(shapes_m) / 2 else None
@@ -173,7 +171,7 @@ def relative(values: Array, reference: Array) -> float:
 def _of_the_bed(results: dict[str, Any], own: dict[str, float]) -> dict[str, float]:
     """What the run's own results say, as far as it is defined; half widths go into ``own``."""
     found = {}
-    for name, part in (("efficiency_percent", "screening"), ("velocity_m_s", "bed")):
+    for name, part in (("efficiency_percent", "screening"), ("velocity_m_per_s", "bed")):
         estimate = results.get(part, {}).get(name, {})
         if estimate.get("value") is not None:
             found[name] = float(estimate["value"])
@@ -205,6 +203,6 @@ def _passing(history: Any, case: Case, start_s: float, end_s: float) -> tuple[fl
         return None
     gone = history["removed"]
     late = (gone["time_s"][:] > start_s) & (gone["exit"][:] >= 0)
-    mass_kg = np.pi / 6 * gone["diameter_m"][:] ** 3 * gone["density_kg_m3"][:]
+    mass_kg = np.pi / 6 * gone["diameter_m"][:] ** 3 * gone["density_kg_per_m3"][:]
     span_s = end_s - start_s
     return float(mass_kg[late].sum() / span_s), float(np.sqrt(np.sum(mass_kg[late] ** 2)) / span_s)

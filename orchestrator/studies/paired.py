@@ -98,9 +98,7 @@ class Pairs:
         every = [*_present(path, level, sets)]
         kept = [one for one in every if one not in with_dependents([effect], "")]
         with_it = self._summary(path, level, (*sets, _named(every)), f"{loaded.name} as it is")
-        without = self._summary(
-            path, level, (*sets, _named(kept)), f"{loaded.name} without {effect}"
-        )
+        without = self._summary(path, level, (*sets, _named(kept)), f"{loaded.name} without {effect}")
         used_s = with_it["processor_s"] + without["processor_s"]
         return Pair(effect, level, sets, "", used_s, self.limit_s, with_it, without)
 
@@ -127,9 +125,7 @@ def _of_children_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def _run(
-    path: Path, level: str, sets: tuple[str, ...], patience_s: float, what: str
-) -> dict[str, Any]:
+def _run(path: Path, level: str, sets: tuple[str, ...], patience_s: float, what: str) -> dict[str, Any]:
     """The summary of a run in a folder that is gone afterwards.  Raises NoPair."""
     with tempfile.TemporaryDirectory(prefix="flipflow-pair-") as scratch:
         folder = Path(scratch) / "run"
@@ -221,7 +217,7 @@ def _named(effects: Iterable[str]) -> str:
 def _watched(case: Case) -> Iterator[str]:
     """What a short run writes: rows often enough, a probe on a panel, and nothing else."""
     yield "output.pictures=false"
-    yield "save.wall_min=0.0"
+    yield "checkpoint.wall_min=0.0"
     yield f"output.series_s={float(sample_s(case.coupling.sync_interval_s))!r}"
     panels = single_panels(case)
     if panels and not any(probe.panel for probe in case.probes.values()):
@@ -249,7 +245,7 @@ def _shorter(case: Case, cost_s: float, limit_s: float) -> Iterator[str]:
     machine = turning(case)
     fewest_s = 0.0
     if machine is not None:
-        cycle_s = 2 * math.pi / machine.speed_rad_s
+        cycle_s = 2 * math.pi / machine.speed_rad_per_s
         fewest_s = machine.start_s + machine.run_up_s + FEWEST_CYCLES * cycle_s
     every = exact(case.output.interval_s)
     wanted_s = case.duration_s * limit_s / cost_s

@@ -9,7 +9,7 @@ import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel
 from orchestrator.case.tables.case import Case
-from orchestrator.output.results.vibration import STANDARD_GRAVITY_M_S2, acceleration_m_s2
+from orchestrator.output.results.vibration import STANDARD_GRAVITY_M_PER_S2, acceleration_m_per_s2
 from orchestrator.ports import Array
 from orchestrator.ports.recording import RecordedGrid
 
@@ -22,16 +22,14 @@ class PanelFigures:
     shape_m: Array
 
 
-def panel_figures(
-    history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float
-) -> PanelFigures:
+def panel_figures(history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float) -> PanelFigures:
     """From ``start_s`` on, of a run with ``output.shapes_s``; ``cycle`` in s."""
     shapes = history[f"shapes/{panel.name}"]
     time_s = shapes["time_s"][:]
     last = time_s >= start_s - 1e-9
     grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
     turn = np.stack([at.along, at.across, at.normal], axis=1)
-    place_m, velocity_m_s = shapes["position_m"][:], shapes["velocity_m_s"][:]
+    place_m, velocity_m_per_s = shapes["position_m"][:], shapes["velocity_m_per_s"][:]
     carried = grid.carried(at)
     corners = [int(number) for number in carried.argmax(axis=0)]
     shape_m = (place_m - carried @ place_m[:, corners])[last] @ turn
@@ -39,8 +37,8 @@ def panel_figures(
     line = np.arange(len(grid.rows_m)) * len(grid.columns_m) + len(grid.columns_m) // 2
     middle = line[len(line) // 2]
     step_s = float(np.diff(time_s).mean())
-    acceleration = acceleration_m_s2(velocity_m_s[:, middle], step_s)[last]
-    size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_S2
+    acceleration = acceleration_m_per_s2(velocity_m_per_s[:, middle], step_s)[last]
+    size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_PER_S2
     forces = history[f"forces/{panel.name}"]
     pull_N = np.linalg.norm(forces["first_clamp_N"][:], axis=1)[forces["time_s"][:] > start_s]
     values = {

@@ -15,7 +15,7 @@ from pathlib import Path
 from pydantic import ValidationError
 from rich.table import Table as Printed
 
-from orchestrator.case.file.errors import CaseError, Mistake, from_validation
+from orchestrator.case.file.errors import CaseError, CaseProblem, from_validation
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.quantities import Name, Number, OneLine, Switch, Table
 from orchestrator.studies import sweep
@@ -120,7 +120,7 @@ def read(case: Path) -> Paper:
         ):
             if word not in known:
                 what = f'no {key} "{word}"'
-                wrong.append(Mistake(("rows", number, key), what, f"known: {known}", str(file)))
+                wrong.append(CaseProblem(("rows", number, key), what, f"known: {known}", str(file)))
     if wrong:
         raise CaseError(wrong)
     return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 
 MOST = 1000
 
@@ -67,5 +67,5 @@ def _apart(values: str) -> list[str]:
 
 
 def _wrong(text: str, what: str) -> CaseError:
-    hint = "for example --vary screen.exciters.shaft.speed_rad_s=58:110:4"
-    return CaseError([Mistake((), what, hint, f"--vary {text}")])
+    hint = "for example --vary screen.exciters.shaft.speed_rad_per_s=58:110:4"
+    return CaseError([CaseProblem((), what, hint, f"--vary {text}")])

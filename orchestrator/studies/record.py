@@ -18,7 +18,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from orchestrator.case import recording_file
 from orchestrator.case.deck.panels import SinglePanel, single_panels
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.playback import Turning, shape_of, turning
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
@@ -95,14 +95,12 @@ def _recorded(run: Path, cycles: int) -> Recorded:
         with h5py.File(run / "history.h5") as history:
             for panel in single_panels(case):
                 if f"shapes/{panel.name}" not in history:
-                    raise _refused(
-                        run, "no shapes were recorded; run it with --set output.shapes_s="
-                    )
+                    raise _refused(run, "no shapes were recorded; run it with --set output.shapes_s=")
                 recording, change[panel.name] = _panel(case, history, panel, machine, cycles)
                 panels[panel.name] = recording_file.Panel(recording, shape_of(panel))
     except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
         raise _refused(run, f"history.h5 cannot be read: {error}") from None
-    return Recorded(cycles, recording_file.File(machine.speed_rad_s, panels), change)
+    return Recorded(cycles, recording_file.File(machine.speed_rad_per_s, panels), change)
 
 
 def _panel(
@@ -118,9 +116,9 @@ def _panel(
     above_m = shapes["position_m"][0, corners] - at.mounted(grid.corners_m(at))
     clamps_m = shapes["position_m"][:, corners] - above_m
     shape_m = (shapes["position_m"] - carried @ clamps_m) @ turn
-    rate_m_s = (shapes["velocity_m_s"] - carried @ shapes["velocity_m_s"][:, corners]) @ turn
+    rate_m_per_s = (shapes["velocity_m_per_s"] - carried @ shapes["velocity_m_per_s"][:, corners]) @ turn
     middle_s, pull_N, rest_pull_N = _pull(history, case, panel, shapes, grid)
-    sampled_m, sampled_m_s, change = _closed(window, CubicHermiteSpline(time_s, shape_m, rate_m_s))
+    sampled_m, sampled_m_per_s, change = _closed(window, CubicHermiteSpline(time_s, shape_m, rate_m_per_s))
     pulls = [
         np.column_stack([np.interp(at_s, middle_s, one) for one in pull_N.T])
         for at_s in (window.sampled_s, window.sampled_s - window.length_s)
@@ -130,7 +128,7 @@ def _panel(
         grid,
         cycles,
         sampled_m,
-        sampled_m_s / machine.speed_rad_s,
+        sampled_m_per_s / machine.speed_rad_per_s,
         shape_m[0],
         (1 - share) * pulls[0] + share * pulls[1],
         rest_pull_N,
@@ -139,12 +137,12 @@ def _panel(
 
 
 def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
-    cycle_s, end_s = 2 * math.pi / machine.speed_rad_s, float(time_s.max(initial=0.0))
+    cycle_s, end_s = 2 * math.pi / machine.speed_rad_per_s, float(time_s.max(initial=0.0))
     start_s = end_s - cycles * cycle_s
     if start_s - FADE * cycle_s < machine.start_s + machine.run_up_s:
         raise TooShort(
             f"{cycles} cycles of {cycle_s:.4g} s and a quarter do not fit between the run-up and "
-            f"the end at {end_s:g} s",
+            f"the end at {end_s:g} s"
         )
     samples = math.ceil(cycles * cycle_s / float(np.diff(time_s).min()))
     angle_s = cycles * cycle_s * np.arange(samples) / samples
@@ -159,13 +157,13 @@ def _closed(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, f
     now_m, earlier_m = spline(window.sampled_s), spline(np.maximum(before_s, spline.x[0]))
     away_m = earlier_m - now_m
     shape_m = now_m + share * away_m
-    rate_m_s = (1 - share) * velocity(window.sampled_s) + share * velocity(
+    rate_m_per_s = (1 - share) * velocity(window.sampled_s) + share * velocity(
         np.maximum(before_s, spline.x[0])
     )
     faded = window.faded()[0] > 0
     moving_m = float(np.std(now_m, axis=0).max())
     changed_m = float(np.sqrt(np.mean(away_m[faded] ** 2, axis=0).max()))
-    return shape_m, rate_m_s + rate_1_s * away_m, changed_m / moving_m if moving_m else 0.0
+    return shape_m, rate_m_per_s + rate_1_s * away_m, changed_m / moving_m if moving_m else 0.0
 
 
 def _pull(
@@ -175,18 +173,16 @@ def _pull(
     the clamps' forces, less what weight and inertia give by the lever rule."""
     at, time_s = panel.rectangle, shapes["time_s"]
     share = panel.apertures.material_share(at) if panel.apertures else 1.0
-    per_area = case.materials[panel.table.material].density_kg_m3 * panel.table.thickness_m
+    per_area = case.materials[panel.table.material].density_kg_per_m3 * panel.table.thickness_m
     mass_kg = grid.mass_kg(at, per_area, share)[:, None]
-    faster = np.diff(shapes["velocity_m_s"], axis=0) / np.diff(time_s)[:, None, None]
+    faster = np.diff(shapes["velocity_m_per_s"], axis=0) / np.diff(time_s)[:, None, None]
     forces = history[f"forces/{panel.name}"]
     difference_N = forces["first_clamp_N"][:] - forces["second_clamp_N"][:]
     impulse_N_s = np.cumsum(np.diff(forces["time_s"][:])[:, None] * difference_N[1:], axis=0)
     impulse_N_s = np.vstack([np.zeros(3), impulse_N_s])
-    at_rows = np.column_stack(
-        [np.interp(time_s, forces["time_s"][:], one) for one in impulse_N_s.T]
-    )
+    at_rows = np.column_stack([np.interp(time_s, forces["time_s"][:], one) for one in impulse_N_s.T])
     mean_N = np.diff(at_rows, axis=0) / np.diff(time_s)[:, None]
-    weight_N = mass_kg * np.array(case.gravity_m_s2)
+    weight_N = mass_kg * np.array(case.gravity_m_per_s2)
     ends = at.end(grid.corners_m(at))
     lever = grid.carried(at) @ (1.0 - 2.0 * ends)  # 1 at the first clamp, -1 at the second
     turn = np.stack([at.along, at.across, at.normal], axis=1)
@@ -197,4 +193,4 @@ def _pull(
 
 
 def _refused(run: Path, why: str) -> CaseError:
-    return CaseError([Mistake((), why, file=str(run))])
+    return CaseError([CaseProblem((), why, file=str(run))])

@@ -17,8 +17,4 @@ def sample_s(interval_s: float) -> Fraction:
 def sampled_at(interval_s: float) -> tuple[str, ...]:
     """``--set`` overlays: rows often enough, at whole sync intervals; no pictures."""
     every_s = float(sample_s(interval_s))
-    return (
-        f"output.series_s={every_s!r}",
-        f"output.shapes_s={every_s!r}",
-        "output.pictures=false",
-    )
+    return (f"output.series_s={every_s!r}", f"output.shapes_s={every_s!r}", "output.pictures=false")

@@ -32,7 +32,7 @@ class Steady:
     of these changed from the window before to the last one, relative to itself.
     """
 
-    speed_rad_s: float
+    speed_rad_per_s: float
     points: dict[str, Array]
     relative: dict[str, Array]
     drift: float
@@ -46,9 +46,7 @@ def steady(folder: Path) -> Steady:
     with h5py.File(folder / "history.h5") as history:
         if "frames" not in history:
             raise NotSteady("the case has no frames")
-        frames = {
-            name: group["displacement_m"][:] @ turn for name, group in history["frames"].items()
-        }
+        frames = {name: group["displacement_m"][:] @ turn for name, group in history["frames"].items()}
         time_s = next(iter(history["frames"].values()))["time_s"][:]
         for name, probe in case.probes.items():
             if probe.frame is not None:
@@ -71,7 +69,7 @@ def steady(folder: Path) -> Steady:
     )
 
 
-def harmonic(time_s: Array, place_m: Array, speed_rad_s: float) -> Array:
+def harmonic(time_s: Array, place_m: Array, speed_rad_per_s: float) -> Array:
     """Complex amplitude (columns,) of (n,) equidistant times and (n, columns) places.
 
     Hann's window keeps out what else rings: a machine on soft springs swings for seconds at a
@@ -79,7 +77,7 @@ def harmonic(time_s: Array, place_m: Array, speed_rad_s: float) -> Array:
     Constant and both quadratures are fitted together, so that they do not leak into each other.
     """
     weight = np.sqrt(np.hanning(len(time_s)))[:, None]
-    phase = speed_rad_s * time_s
+    phase = speed_rad_per_s * time_s
     terms = np.column_stack([np.ones_like(phase), np.cos(phase), -np.sin(phase)])
     _, real, imaginary = np.linalg.lstsq(weight * terms, weight * place_m, rcond=None)[0]
     return np.asarray(real + 1j * imaginary)

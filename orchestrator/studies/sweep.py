@@ -91,9 +91,7 @@ def point(case: Path, level: str | None, sets: Sequence[str], value: str, folder
     return Point(value, loaded, words, folder)
 
 
-def points(
-    case: Path, level: str | None, overrides: Sequence[str], vary: Vary, out: Path
-) -> list[Point]:
+def points(case: Path, level: str | None, overrides: Sequence[str], vary: Vary, out: Path) -> list[Point]:
     """All points, checked: nothing is run if one of them is wrong.  Raises CaseError."""
     return [
         point(case, level, [*overrides, f"{vary.key}={value}"], value, out / vary.folder(value))
@@ -141,10 +139,7 @@ def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
 def _carried_out(words: Sequence[str], said: IO[str]) -> int:
     """A command in a process of its own; its exit code."""
     return python(
-        *("-c", MAIN, *words),
-        stdout=said,
-        stderr=subprocess.STDOUT,
-        env={"OMP_NUM_THREADS": "1"},
+        *("-c", MAIN, *words), stdout=said, stderr=subprocess.STDOUT, env={"OMP_NUM_THREADS": "1"}
     ).returncode
 
 

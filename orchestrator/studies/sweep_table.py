@@ -25,7 +25,7 @@ LARGEST_DRIFT = 0.05  # of the largest amplitude, between two windows: more has 
 SETTLED, NOT_SETTLED = "yes", "no"
 DRAWN = {
     "screening.efficiency_percent": ("screening efficiency / %", 1.0),
-    "bed.velocity_m_s": ("material velocity / (m/s)", 1.0),
+    "bed.velocity_m_per_s": ("material velocity / (m/s)", 1.0),
     "bed.largest_depth_m": ("largest bed depth / mm", 1e3),
     "bed.on_deck_kg": ("mass on the deck / kg", 1.0),
 }
@@ -73,7 +73,7 @@ def _measured(point: Point) -> Row:
 
 
 def _amplitudes(motion: Steady) -> Row:
-    figures: Row = {"speed_rad_s": motion.speed_rad_s, "drift": motion.drift}
+    figures: Row = {"speed_rad_per_s": motion.speed_rad_per_s, "drift": motion.drift}
     for name, amplitude in (motion.points | motion.relative).items():
         figures |= {f"{name}.{letter}_m": abs(amplitude[axis]) for axis, letter in AXES.items()}
     return figures
@@ -138,9 +138,7 @@ def _pictured(table: Sequence[Row]) -> list[tuple[str, list[tuple[str, str]], fl
         names = [(name, name.removesuffix(ending)) for name in columns if name.endswith(ending)]
         if names:
             found.append((f"amplitude {where} the deck / mm", names, 1e3))
-    found += [
-        (label, [(name, "")], scale) for name, (label, scale) in DRAWN.items() if name in columns
-    ]
+    found += [(label, [(name, "")], scale) for name, (label, scale) in DRAWN.items() if name in columns]
     return found
 
 
@@ -191,9 +189,7 @@ def _draw(
     for value, row in sorted(zip(values, ended, strict=True), key=lambda pair: pair[0]):
         if column not in row:
             continue
-        height, width = (
-            scale * float(row.get(key, 0.0)) for key in (column, f"{column}.half_width")
-        )
+        height, width = (scale * float(row.get(key, 0.0)) for key in (column, f"{column}.half_width"))
         kind = _kind(row, column)
         line.append((value, height if kind == "good" else math.nan))
         axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[kind])

@@ -85,7 +85,7 @@ def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
     case = load(QUICKSTART, "draft").case
     shared = common(case, 2e-4)
     at = load(QUICKSTART, "draft", shared).case
-    assert "shorten" not in at.watch.model_dump().values()
+    assert "shorten" not in at.monitor.model_dump().values()
     for time_s in (at.duration_s, at.output.interval_s, at.output.shapes_s):
         assert exact(time_s) % exact(at.output.series_s) == 0
     assert exact(at.output.series_s) % exact(2e-4) == 0

@@ -26,10 +26,7 @@ def test_an_order_is_seen_although_the_reference_is_off_itself(order: float, poi
 def test_against_an_exact_answer_all_values_count() -> None:
     found = observed(H, [5 * h**1.5 for h in H], 0.0)
     assert found is not None
-    assert (found.order, found.constant) == (
-        pytest.approx(1.5, abs=0.01),
-        pytest.approx(5, rel=0.1),
-    )
+    assert (found.order, found.constant) == (pytest.approx(1.5, abs=0.01), pytest.approx(5, rel=0.1))
 
 
 def test_what_does_not_fall_has_no_order() -> None:

@@ -31,7 +31,7 @@ SETS = (
     "panel.cells=[44, 1]",
     "contacts.0.restitution=1.0",
     "contacts.1.restitution=1.0",
-    "watch.largest_created_in_total=1.0",  # coarse intervals are studied, too, not condemned
+    "monitor.largest_created_in_total=1.0",  # coarse intervals are studied, too, not condemned
 )
 
 
@@ -75,7 +75,7 @@ def test_a_strip_is_of_second_order_in_its_cells(study: Study) -> None:
 
 def test_a_study_of_nothing_says_so(out: Path) -> None:
     """The ball hangs above the panel for the whole run: 0 % of nothing is no accuracy."""
-    sets = ("gravity_m_s2=[0, 0, 0]", "bed.particles.ball.position_m=[0.152, 0.10, 0.09]")
+    sets = ("gravity_m_per_s2=[0, 0, 0]", "bed.particles.ball.position_m=[0.152, 0.10, 0.09]")
     with pytest.raises(Unmeasured, match="nothing happens in the case as it is"):
         studied(asked(out.with_name("nothing"), ("sync",), *sets), said_nothing)
 
@@ -105,8 +105,7 @@ def test_the_particles_step_is_of_the_order_expected(
     """2 where a contact loses nothing, but 1 where the surface jumps at sync points."""
     name = "-".join(("step", *sets)).replace("/", "")
     found = family(
-        studied(asked(out.with_name(name), ("particle-step",), *sets), said_nothing),
-        "particle-step",
+        studied(asked(out.with_name(name), ("particle-step",), *sets), said_nothing), "particle-step"
     )
     assert found.family.expected == order
     assert found.orders[quantity].order == pytest.approx(order, abs=0.3)

@@ -15,11 +15,11 @@ duration_s = 0.1
 domain_m = [[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]
 
 [materials.PU]
-density_kg_m3 = 1150.0
+density_kg_per_m3 = 1150.0
 hyperelastic = { c10_Pa = 0.7e6, c01_Pa = 2.8e6, bulk_modulus_Pa = 2e9 }
 
 [materials.coal]
-density_kg_m3 = 1430.0
+density_kg_per_m3 = 1430.0
 youngs_modulus_Pa = 1e7
 poisson_ratio = 0.3
 
@@ -42,13 +42,13 @@ inertia_kg_m2 = [2.0, 6.0, 6.0]
 [screen.bushings.isolation]
 between = ["ground", "driving"]
 positions_m = [[-0.4, 0.1, 0.0], [0.4, 0.1, 0.0]]
-stiffness_N_m = [2e4, 3e4, 4e4]
+stiffness_N_per_m = [2e4, 3e4, 4e4]
 
 [screen.exciters.shaft]
 frame = "driving"
 position_m = [0.0, 0.1, 0.0]
 mass_moment_kg_m = 0.35
-speed_rad_s = 78.5
+speed_rad_per_s = 78.5
 
 [screen.panels.deck]
 material = "PU"
@@ -82,8 +82,8 @@ BLOCK = (
     "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
 )
 FEED = (
-    'bed.feeds.chute={material="coal", rate_kg_s=1, box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], '
-    "velocity_m_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+    'bed.feeds.chute={material="coal", rate_kg_per_s=1, box_m=[[0, 0, 0.1], [0.1, 0.1, 0.2]], '
+    "velocity_m_per_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
 )
 
 

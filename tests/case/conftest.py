@@ -6,9 +6,5 @@ from __future__ import annotations
 from hypothesis import HealthCheck, settings
 
 settings.register_profile(
-    "long",
-    max_examples=3000,
-    deadline=None,
-    print_blob=True,
-    suppress_health_check=list(HealthCheck),
+    "long", max_examples=3000, deadline=None, print_blob=True, suppress_health_check=list(HealthCheck)
 )

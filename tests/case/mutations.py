@@ -16,9 +16,7 @@ import tomli_w
 from hypothesis import strategies as st
 
 ROOT = Path(__file__).parents[2]
-SEEDS = sorted(
-    (file.parents[1].name, file.stem) for file in (ROOT / "cases").glob("*/levels/*.toml")
-)
+SEEDS = sorted((file.parents[1].name, file.stem) for file in (ROOT / "cases").glob("*/levels/*.toml"))
 DRAFTS = [seed for seed in SEEDS if seed[1] == "draft"]
 NASTY = [
     "",
@@ -129,9 +127,7 @@ def spoilt_bytes(draw: Any, given: bytes) -> bytes:
     """A text cut off, with something put in or taken out."""
     start, end = sorted(draw(st.tuples(*[st.integers(0, len(given))] * 2)))
     put_in = draw(
-        st.sampled_from(
-            [b"", b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"[" * 3000, b"9" * 5000, b"a." * 5000]
-        )
+        st.sampled_from([b"", b"\0", b"\xff\xfe", b"\xef\xbb\xbf", b"[" * 3000, b"9" * 5000, b"a." * 5000])
         | st.binary(max_size=20)
     )
     kind = draw(st.sampled_from(["cut", "put", "take"]))

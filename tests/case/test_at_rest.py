@@ -55,9 +55,7 @@ def test_a_ball_inside_a_slack_panel_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("height_m", [0.0, -0.03, -0.08])
-def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(
-    tmp_path: Path, height_m: float
-) -> None:
+def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(tmp_path: Path, height_m: float) -> None:
     """Where the flat panel would be there is room."""
     assert said(tmp_path, [*SLACK, *BALL, ball_at(height_m)]) == []
 
@@ -80,7 +78,7 @@ def test_a_panel_that_hangs_through_a_plate_is_refused(tmp_path: Path) -> None:
     assert len(found) == 1
     assert "screen.panels.deck: panel deck hangs 0.0387 m through plate before any" in found[0]
     assert "give the panel a stop" in found[0]
-    assert said(tmp_path, [*SLACK, plate(-0.02), "watch.penetrated_surfaces=warn"]) == []
+    assert said(tmp_path, [*SLACK, plate(-0.02), "monitor.penetrated_surfaces=warn"]) == []
 
 
 @pytest.mark.parametrize("height_m", [-0.06, 0.02])
@@ -110,7 +108,7 @@ def test_a_panel_that_sags_through_a_plate_during_the_run_stops_it(tmp_path: Pat
     assert "of its thickness, and nothing holds it there" in done.stderr
     stop = (
         'screen.panels.deck.stops.beam={frame="ground", from_m=0.02, to_m=0.28, gap_m=0.0115, '
-        "stiffness_Pa_m=2e7, damping_ratio=0.2}"
+        "stiffness_Pa_per_m=2e7, damping_ratio=0.2}"
     )
     held = flipflow(*run_words("panel-cycle", tmp_path / "held", [*sets, stop]))
     assert "has gone through" not in held.stderr

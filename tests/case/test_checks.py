@@ -38,28 +38,24 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("contacts.1.between.1=PU", "coal and PU are given twice"),
         ("contacts=[]", 'give [[contacts]] with between = ["coal", "PU"]'),
         ("screen.panels.deck.material=coal", "hyperelastic: missing: panel deck is made of it"),
-        ("materials.steel.density_kg_m3=7850", "materials.steel.poisson_ratio: missing"),
+        ("materials.steel.density_kg_per_m3=7850", "materials.steel.poisson_ratio: missing"),
         ("materials.PU.hyperelastic={c10_Pa=0, c01_Pa=0}", "no stiffness"),
         # machine
-        (
-            "screen.frames.driven={inertia_kg_m2=[1, 1, 1]}",
-            "mass_kg: missing: frames.solver exudyn",
-        ),
+        ("screen.frames.driven={inertia_kg_m2=[1, 1, 1]}", "mass_kg: missing: frames.solver exudyn"),
         ("screen.frames.driven.mass_kg=1", "inertia_kg_m2: missing: frames.solver exudyn"),
-        ("screen.frames.driving.drive.speed_rad_s=78.5", '"driving" has a drive, which leaves no'),
+        ("screen.frames.driving.drive.speed_rad_per_s=78.5", '"driving" has a drive, which leaves no'),
         (
-            "screen.frames.driving.drive={speed_rad_s=9, amplitude_m=[0.1, 0, 0], "
-            "phase_rad=[0.5, 0, 0]}",
+            "screen.frames.driving.drive={speed_rad_per_s=9, amplitude_m=[0.1, 0, 0], phase_rad=[0.5, 0, 0]}",
             "drive.phase_rad: the frame would jump by 0.0479 m at t = 0; give run_up_s, or 0",
         ),
         (
-            "screen.frames.driving.drive={speed_rad_s=9, rotation_rad=[0, 0.1, 0], "
+            "screen.frames.driving.drive={speed_rad_per_s=9, rotation_rad=[0, 0.1, 0], "
             "rotation_phase_rad=[0, 0.5, 0]}",
             "drive.rotation_phase_rad: the frame would jump by 0.0479 rad",
         ),
         ("screen.frames.driving.inertia_kg_m2=[1, 1, 3]", "no body has the principal moments"),
         ('screen.bushings.isolation.between=["driving", "driving"]', '"driving" twice'),
-        ("screen.bushings.isolation.stiffness_N_m=[0, 0, 0]", "zero in every direction"),
+        ("screen.bushings.isolation.stiffness_N_per_m=[0, 0, 0]", "zero in every direction"),
         ("screen.exciters.shaft.frame=ground", "the ground cannot be excited"),
         ("screen.exciters.shaft.start=[0, 1, 1]", "start: is not at right angles to axis"),
         ("screen.exciters.shaft.axis=[0, 0, 0]", "axis: is zero"),
@@ -71,7 +67,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("probes.end.frame=driving", "point_m: missing: where on the frame?"),
         ("probes.end={frame='ground', point_m=[0, 0, 0]}", "the ground does not move"),
         (f"screen.frames.driven={{{FRAME}}}", "frames.driven: no bushing holds its weight"),
-        ("screen.bushings.isolation.stiffness_N_m.2=0", "frames.driving: no bushing holds its"),
+        ("screen.bushings.isolation.stiffness_N_per_m.2=0", "frames.driving: no bushing holds its"),
         # boxes and sizes
         ("domain_m=[[-1, -1, -1], [1, -1, 1]]", "is not below"),
         (BLOCK.replace("smallest_m=0.01", "smallest_m=0.03"), "is larger than largest_m"),
@@ -80,43 +76,34 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         (BLOCK.replace("count=1", "count=1000000"), "count: 1000000 particles fill"),
         (BLOCK.replace("count=1", "count=300"), "count: the box has room for"),
         (BLOCK.replace("0.1], [0.1, 0.1, 0.2", "-0.01], [0.1, 0.1, 0.01"), "inside panel deck"),
-        (
-            BLOCK.replace("0.1], [0.1, 0.1, 0.2", "1.2], [0.1, 0.1, 1.3"),
-            "coal.box_m: particle 2 at",
-        ),
+        (BLOCK.replace("0.1], [0.1, 0.1, 0.2", "1.2], [0.1, 0.1, 1.3"), "coal.box_m: particle 2 at"),
         # counts that no machine could hold
         (BLOCK.replace("count=1", "count=1000000000"), "less than or equal to 10000000"),
         ("screen.panels.deck.count=1000000000", "less than or equal to 1000 is wanted"),
         ("panel.cells=[22, 100000]", "panel.cells.1: 100000 is wrong"),
         # feeds
-        (FEED.replace("rate_kg_s=1", "rate_kg_s=10"), "the largest rate is 2.86 kg/s; a larger"),
+        (FEED.replace("rate_kg_per_s=1", "rate_kg_per_s=10"), "the largest rate is 2.86 kg/s; a larger"),
         (FEED.replace("0, -1]", "0, 0]"), "the largest rate is 0 kg/s"),
         (FEED.replace("sizes", "start_s=1, stop_s=0.5, sizes"), "0.5 s is not after start_s = 1"),
         (FEED.replace("0.1, 0.2]]", "0.1, 1.2]]"), "is not inside domain_m"),
         (FEED.replace("0, 0.1]", "0, -0.1]"), "chute.box_m: panel deck reaches into it"),
         (FEED.replace("sizes", "start_s=0.1, sizes"), "start_s: 0.1 s is not before the end"),
-        (
-            FEED.replace("0.02, mass", "0.12, mass"),
-            "box_m: particles of 0.12 m do not fit in 0.1 m",
-        ),
-        (
-            FEED.replace("sizes=", "curve=[{diameter_m=0.1, passing=1}], sizes="),
-            "contradicts sizes",
-        ),
+        (FEED.replace("0.02, mass", "0.12, mass"), "box_m: particles of 0.12 m do not fit in 0.1 m"),
+        (FEED.replace("sizes=", "curve=[{diameter_m=0.1, passing=1}], sizes="), "contradicts sizes"),
         # exits
         (EXIT.replace("-0.3]]", "-0.6]]"), "under.box_m: is empty"),
         (EXIT.replace("-0.5], [1, 1, -0.3", "-1.5], [1, 1, -1.3"), "is outside domain_m"),
         (EXIT.replace("-0.3]]", "0.1]]"), "under.box_m: panel deck reaches into it"),
         # sizes of values
         ("screen.panels.deck.thickness_m=4", "looks like mm: that is 0.004 in thickness_m"),
-        ("materials.coal.density_kg_m3=1.43", "looks like g/cm3: that is 1430"),
-        ("screen.bushings.isolation.stiffness_N_m.0=0.225", "looks like N/mm: that is 225"),
+        ("materials.coal.density_kg_per_m3=1.43", "looks like g/cm3: that is 1430"),
+        ("screen.bushings.isolation.stiffness_N_per_m.0=0.225", "looks like N/mm: that is 225"),
         ("materials.coal.youngs_modulus_Pa=990", "looks like MPa: that is 9.9e+08"),
         ("materials.PU.hyperelastic.c10_Pa=0.7", "looks like MPa: that is 700000"),
         ("bed.particles.ball.diameter_m=20", "looks like mm: that is 0.02"),
-        ("screen.exciters.shaft.speed_rad_s=1500", "looks like rpm: that is 157.08"),
+        ("screen.exciters.shaft.speed_rad_per_s=1500", "looks like rpm: that is 157.08"),
         ("duration_s=2e4", "looks like ms: that is 20"),
-        ("bed.particles.ball.spin_rad_s=[0, 1e300, 0]", "1e+300 is out of the range"),
+        ("bed.particles.ball.spin_rad_per_s=[0, 1e300, 0]", "1e+300 is out of the range"),
         # times
         ("duration_s=1e-5", "is shorter than coupling.sync_interval_s"),
         ("output.interval_s=1e-6", "is shorter than coupling.sync_interval_s"),
@@ -124,10 +111,7 @@ def test_the_test_case_itself_has_no_mistake(tmp_path: Path) -> None:
         ("particles.step_s=2e-4", "particles.step_s: a step of 0.0002 s is 0.31 of the"),
         # the start
         ("bed.particles.ball.position_m=[0.15, 0.1, 0.009]", '"ball" is 0.001 m inside panel deck'),
-        (
-            "bed.particles.ball.position_m=[0, 0, 2]",
-            '"ball" at [0.0, 0.0, 2.0] is outside domain_m',
-        ),
+        ("bed.particles.ball.position_m=[0, 0, 2]", '"ball" at [0.0, 0.0, 2.0] is outside domain_m'),
         ("screen.panels.deck.corner_m=[0.8, 0, 0]", "panel deck: reaches 0.121 m out of domain_m"),
     ],
 )
@@ -137,9 +121,7 @@ def test_one_mistake_is_found_and_said(tmp_path: Path, override: str, said: str)
 
 
 def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path) -> None:
-    said = only_complaint(
-        tmp_path, "particles.rayleigh_fraction=0.3", "coupling.sync_interval_s=1e-3"
-    )
+    said = only_complaint(tmp_path, "particles.rayleigh_fraction=0.3", "coupling.sync_interval_s=1e-3")
     assert "particles.rayleigh_fraction: a step of" in said
     assert "the limit is" in said
 
@@ -147,13 +129,9 @@ def test_a_share_of_the_rayleigh_time_above_the_limit_is_refused(tmp_path: Path)
 def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
     row = "screen.panels.deck.count=2"
     assert "pitch_m: missing" in only_complaint(tmp_path, row, "probes.middle.panel=deck-1")
-    close = complaints(
-        tmp_path, row, "screen.panels.deck.pitch_m=0.3", "probes.middle.panel=deck-2"
-    )
+    close = complaints(tmp_path, row, "screen.panels.deck.pitch_m=0.3", "probes.middle.panel=deck-2")
     assert "span and two clamps need 0.34 m" in close[0]
-    assert not complaints(
-        tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2"
-    )
+    assert not complaints(tmp_path, row, "screen.panels.deck.pitch_m=0.34", "probes.middle.panel=deck-2")
 
 
 def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
@@ -161,7 +139,7 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     folder = written(tmp_path, alone)
     given = [
         f"screen.frames.driven={{{FRAME}}}",
-        "screen.frames.driving={drive={speed_rad_s=78.5, amplitude_m=[0.01, 0, 0]}}",
+        "screen.frames.driving={drive={speed_rad_per_s=78.5, amplitude_m=[0.01, 0, 0]}}",
         'screen.bushings.isolation.between=["driving", "driven"]',
     ]
 
@@ -196,7 +174,7 @@ def test_the_limit_of_a_tilt_is_the_solvers() -> None:
 
 
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
-    drive = "screen.frames.driving.drive={speed_rad_s=9, amplitude_m=[0.1, 0, 0], run_up_s=1"
+    drive = "screen.frames.driving.drive={speed_rad_per_s=9, amplitude_m=[0.1, 0, 0], run_up_s=1"
     said = complaints(tmp_path, drive + ", phase_rad=[0.5, 0, 0]}")
     assert said
     assert not any("jump" in complaint for complaint in said)
@@ -244,7 +222,7 @@ def test_frames_may_hang_on_each_other_and_drop_when_not_drawn_at_rest(tmp_path:
     frame = f"screen.frames.driven={{{FRAME}}}"
     shear = (
         'screen.bushings.shear={between=["driving", "driven"], positions_m=[[0, 0, 0]], '
-        "stiffness_N_m=[0, 0, 2e4], rotation_deg=[0, -30, 0]}"  # upright again
+        "stiffness_N_per_m=[0, 0, 2e4], rotation_deg=[0, -30, 0]}"  # upright again
     )
     assert not complaints(tmp_path, frame, shear, "screen.inclination_deg=30")
     assert "frames.driven" in only_complaint(tmp_path, frame, shear)
@@ -275,9 +253,7 @@ def test_exits_are_apart_but_may_share_a_face(tmp_path: Path) -> None:
     )
     assert complaints(tmp_path, EXIT, beside, "domain_m.1.0=3") == []
     across = beside.replace("[1, -1, -0.5]", "[0.9, -1, -0.5]")
-    assert 'over.box_m: overlaps exit "under"' in only_complaint(
-        tmp_path, EXIT, across, "domain_m.1.0=3"
-    )
+    assert 'over.box_m: overlaps exit "under"' in only_complaint(tmp_path, EXIT, across, "domain_m.1.0=3")
 
 
 def test_fines_left_out_are_said(tmp_path: Path) -> None:
@@ -306,7 +282,7 @@ def test_steel_panels_are_said_to_be_unusual_and_taken(tmp_path: Path) -> None:
     [
         ("materials.PU.hyperelastic.c10_Pa=0.7", "looks like MPa: that is 700000 in c10_Pa"),
         ("materials.PU.hyperelastic.c10_Pa=1e13", "1e+13 is out of the range 1000 to 1e+09"),
-        ("gravity_m_s2=[0, 0, -981]", "looks like cm/s2: that is -9.81 in gravity_m_s2"),
+        ("gravity_m_per_s2=[0, 0, -981]", "looks like cm/s2: that is -9.81 in gravity_m_per_s2"),
         ("screen.inclination_deg=100", "100 is out of the range up to 90"),
     ],
 )
@@ -318,7 +294,7 @@ def test_slips_of_units_and_what_is_out_of_all_proportion_are_refused(
 
 def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
     """The run of 0.1 s has one batch at t = 0, when nothing is due; then 50 of them."""
-    slow = FEED.replace("rate_kg_s=1,", "rate_kg_s=0.5,")
+    slow = FEED.replace("rate_kg_per_s=1,", "rate_kg_per_s=0.5,")
     found = warned(tmp_path, slow, "particles.feed_interval_s=0.5")
     (said,) = [line for line in found if "chute" in line]
     assert said.startswith('feed "chute" feeds nothing in 0.1 s: its batches come every 0.5 s')
@@ -328,9 +304,9 @@ def test_a_feed_that_never_feeds_is_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (("rate_kg_s=1,", "rate_kg_s=1e-4,"), '"chute" feeds nothing in 0.1 s'),
-        (("rate_kg_s=1,", "rate_kg_s=1, start_s=0.0995,"), '"chute" feeds nothing in 0.1 s'),
-        (("rate_kg_s=1,", "rate_kg_s=1, start_s=0.08,"), None),
+        (("rate_kg_per_s=1,", "rate_kg_per_s=1e-4,"), '"chute" feeds nothing in 0.1 s'),
+        (("rate_kg_per_s=1,", "rate_kg_per_s=1, start_s=0.0995,"), '"chute" feeds nothing in 0.1 s'),
+        (("rate_kg_per_s=1,", "rate_kg_per_s=1, start_s=0.08,"), None),
     ],
 )
 def test_a_feed_that_brings_no_particle_before_the_end_is_said(
@@ -358,12 +334,10 @@ def test_a_drive_without_run_up_under_a_panel_is_said(tmp_path: Path) -> None:
     """5 mm at 78.5 rad/s from t = 0: 0.39 m/s."""
     driven = (
         "frames.solver=prescribed",
-        "screen.frames.driving.drive={amplitude_m=[0.003, 0, 0.004], speed_rad_s=78.5}",
+        "screen.frames.driving.drive={amplitude_m=[0.003, 0, 0.004], speed_rad_per_s=78.5}",
     )
     (said,) = [line for line in warned(tmp_path, *driven) if "run_up_s" in line]
-    assert (
-        'frame "driving" moves at 0.393 m/s from t = 0, while panel deck on it is at rest' in said
-    )
+    assert 'frame "driving" moves at 0.393 m/s from t = 0, while panel deck on it is at rest' in said
     assert "two cycles are 0.16 s" in said
     smooth = "screen.frames.driving.drive.run_up_s=0.16"
     assert [line for line in warned(tmp_path, *driven, smooth) if "run_up_s" in line] == []

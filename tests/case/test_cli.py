@@ -20,9 +20,7 @@ CALL = CliRunner()
 
 def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
     given = ["frames.solver=two-mass", "panel.solver=strip", "particles.solver=spheres"]
-    done = CALL.invoke(
-        app, ["check", str(written(tmp_path)), *[w for g in given for w in ("--set", g)]]
-    )
+    done = CALL.invoke(app, ["check", str(written(tmp_path)), *[w for g in given for w in ("--set", g)]])
     assert done.exit_code == 0, done.output
     for said in (
         "frames     1 (two-mass), 2 bushings, 1 exciters",
@@ -52,8 +50,7 @@ def test_mistakes_may_hold_brackets_that_are_no_markup(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "words",
-    [["check", "absent"], ["check"], ["check", "a", "--bad"], ["nonsense"], ["list", "absent"]],
+    "words", [["check", "absent"], ["check"], ["check", "a", "--bad"], ["nonsense"], ["list", "absent"]]
 )
 def test_a_wrong_command_exits_with_2_and_says_why(words: list[str]) -> None:
     done = CALL.invoke(app, words)
@@ -72,18 +69,7 @@ def test_run_hands_everything_over_and_exits_with_its_code(
         return 4
 
     monkeypatch.setattr(launch, "run", fake_run)
-    words = [
-        "run",
-        "cases/x",
-        "--level",
-        "draft",
-        "--out",
-        "runs/y",
-        "--set",
-        "a=1",
-        "--set",
-        "b=2",
-    ]
+    words = ["run", "cases/x", "--level", "draft", "--out", "runs/y", "--set", "a=1", "--set", "b=2"]
     assert CALL.invoke(app, words).exit_code == 4
     assert calls == [(Path("cases/x"), "draft", Path("runs/y"), ["a=1", "b=2"])]
 

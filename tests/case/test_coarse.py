@@ -20,7 +20,7 @@ BALL = CASE[CASE.index("[bed.particles.ball]") : CASE.index("[probes")]
 BED = BLOCK.replace("count=1,", "count=64,")
 LUMPS = BED.replace("smallest_m=0.01,", "smallest_m=0.012,")  # four openings of 3 mm
 COARSE = "particles.coarse_graining=2.0"
-WET = "contacts.1.work_of_adhesion_J_m2=0.3"
+WET = "contacts.1.work_of_adhesion_J_per_m2=0.3"
 
 
 def of(folder: Path, *overrides: str) -> LoadedCase:
@@ -34,17 +34,17 @@ def test_mass_stays_and_numbers_fall(tmp_path: Path) -> None:
         case = of(tmp_path, BED, *coarse).case
         made = initial_particles(case, material_numbers(case))
         counts.append(len(made))
-        masses_kg.append(np.sum(np.pi / 6 * made.diameter_m**3 * made.density_kg_m3))
+        masses_kg.append(np.sum(np.pi / 6 * made.diameter_m**3 * made.density_kg_per_m3))
     assert counts == [64, 8]
     assert masses_kg[1] == pytest.approx(masses_kg[0], rel=0.15)  # of 8 at random
 
 
 def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
     fine, coarse = (of(tmp_path, FEED, WET, *more).case for more in ([], [COARSE]))
-    assert coarse.contacts[1].work_of_adhesion_J_m2 == pytest.approx(0.6)
+    assert coarse.contacts[1].work_of_adhesion_J_per_m2 == pytest.approx(0.6)
     numbers = material_numbers(fine)
     one, two = (inlets(case, numbers)["chute"] for case in (fine, coarse))
-    assert two.rate_kg_s == one.rate_kg_s
+    assert two.rate_kg_per_s == one.rate_kg_per_s
     for small, large in zip(one.sizes, two.sizes, strict=True):
         assert large.smallest_m == pytest.approx(2 * small.smallest_m)
         assert large.largest_m == pytest.approx(2 * small.largest_m)

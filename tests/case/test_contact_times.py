@@ -59,7 +59,7 @@ def test_the_duration_of_an_impact_is_that_of_the_integrated_motion() -> None:
 def test_a_hyperelastic_material_touches_with_its_small_strain_moduli() -> None:
     """K = 2 GPa and mu = 7 MPa: nearly incompressible, E = 3 mu (1 - mu / (3 K) ...)."""
     law = Hyperelastic(c10_Pa=0.7e6, c01_Pa=2.8e6, bulk_modulus_Pa=2e9)
-    youngs, poisson = contact_moduli(Material(density_kg_m3=1150.0, hyperelastic=law), None)
+    youngs, poisson = contact_moduli(Material(density_kg_per_m3=1150.0, hyperelastic=law), None)
     assert youngs == pytest.approx(21e6, rel=2e-3)
     assert poisson == pytest.approx(0.49825, abs=1e-5)
     assert youngs / (3 * (1 - 2 * poisson)) == pytest.approx(2e9)

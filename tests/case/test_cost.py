@@ -13,12 +13,7 @@ from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
 from orchestrator.case.tables.quantities import Table
 from orchestrator.preflight.bed_cost import THICK, bed_cost
-from orchestrator.preflight.cost import (
-    in_words,
-    particles_at_start,
-    predicted_parts_s,
-    predicted_range_s,
-)
+from orchestrator.preflight.cost import in_words, particles_at_start, predicted_parts_s, predicted_range_s
 from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written
 from tests.cost_series import IN_THE_SUITE, compared
@@ -31,16 +26,16 @@ box_m = [[-0.5, -0.5, -0.9], [0.5, 0.5, -0.3]]
 
 [bed.feeds.coal]
 material = "coal"
-rate_kg_s = 0.2
+rate_kg_per_s = 0.2
 box_m = [[0.0, 0.0, 0.2], [0.3, 0.2, 0.4]]
-velocity_m_s = [0.0, 0.0, -0.5]
+velocity_m_per_s = [0.0, 0.0, -0.5]
 start_s = 0.5
 sizes = [
   { smallest_m = 0.004, largest_m = 0.004, mass_fraction = 0.25 },
   { smallest_m = 0.008, largest_m = 0.008, mass_fraction = 0.75 },
 ]
 """
-STAY_S = 0.302 / THICK.transport_m_s  # the panel is pulled 2 mm longer than it is
+STAY_S = 0.302 / THICK.transport_m_per_s  # the panel is pulled 2 mm longer than it is
 DURATION_S = 4.0
 
 
@@ -108,8 +103,7 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("time_s", "said"),
-    [(51.2, "51 s"), (119.0, "119 s"), (180.0, "3 min"), (7200.0, "2 h"), (5e5, "6 days")],
+    ("time_s", "said"), [(51.2, "51 s"), (119.0, "119 s"), (180.0, "3 min"), (7200.0, "2 h"), (5e5, "6 days")]
 )
 def test_times_are_said_in_familiar_units(time_s: float, said: str) -> None:
     assert in_words(time_s) == said

@@ -22,7 +22,7 @@ inertia_kg_m2 = [1.0, 2.0, 2.0]
 [screen.bushings.shear]
 between = ["driving", "driven"]
 positions_m = [[-0.4, 0.1, 0.0], [0.4, 0.1, 0.0]]
-stiffness_N_m = [2e4, 3e4, 4e4]
+stiffness_N_per_m = [2e4, 3e4, 4e4]
 [screen.decks.deck]
 material = "PU"
 frames = ["driving", "driven"]
@@ -99,9 +99,7 @@ def test_one_angle_follows_the_deck_axes(tmp_path: Path) -> None:
 def test_each_panel_has_its_tension_about_its_middle(tmp_path: Path) -> None:
     tension = [0.002, -0.004, 0, 0.001, 0, 0, 0, 0, 0, 0]
     plain = single_panels(deck(tmp_path).case)
-    case = deck(
-        tmp_path, f"screen.decks.deck.tension_m={tension}", "screen.decks.deck.clamp_m=0.01"
-    )
+    case = deck(tmp_path, f"screen.decks.deck.tension_m={tension}", "screen.decks.deck.clamp_m=0.01")
     for panel, slack, tension_m in zip(single_panels(case.case), plain, tension, strict=True):
         r = panel.rectangle
         assert r.span_m - r.length_m == pytest.approx(tension_m, abs=1e-12)
@@ -154,10 +152,7 @@ def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
         ("tension_m=[0.001, 0.002]", "2 values for 10 panels"),
         ("tension_m=0.03", "strain of 0.125; at most 0.1, which is 0.024 m"),
         ("tension_m=-0.03", "strain of -0.125"),
-        (
-            "pitch_m=0.26",
-            "0.26 m lets neighbours overlap; length, tension and two clamps need 0.268",
-        ),
+        ("pitch_m=0.26", "0.26 m lets neighbours overlap; length, tension and two clamps need 0.268"),
         ("material='PO'", 'screen.decks.deck.material: deck-1: no material "PO"'),
         ("frames=['driving', 'drive']", "screen.decks.deck.frames: deck-1: no frame"),
         ("corner_m=[0, 0, 2.5]", "screen.decks.deck.corner_m: panel deck-1: reaches"),
@@ -176,10 +171,7 @@ def test_mistakes_in_a_deck_are_said_of_the_deck(tmp_path: Path, override: str, 
     [
         ("{frame='ground', material='PU'}", "is no surface"),
         ("{frame='ground', material='PU', corner_m=[0, 0, 0]}", "is no surface"),
-        (
-            "{frame='ground', material='PU', stl='a.stl', corner_m=[0, 0, 0]}",
-            "is a file and a plate",
-        ),
+        ("{frame='ground', material='PU', stl='a.stl', corner_m=[0, 0, 0]}", "is a file and a plate"),
         (
             "{frame='ground', material='PU', corner_m=[0, 0, 0], edges_m=[[1, 0, 0], [2, 0, 0]]}",
             "span no area",

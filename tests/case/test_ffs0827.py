@@ -37,10 +37,8 @@ def test_two_panels_have_a_quarter_of_the_machine() -> None:
     for name, frame in whole["frames"].items():
         assert pair["frames"][name]["mass_kg"] == pytest.approx(frame["mass_kg"] / 4)
     for name, row in whole["bushings"].items():
-        for key in ("stiffness_N_m", "damping_N_s_m"):
-            ours = [
-                len(pair["bushings"][name]["positions_m"]) * x for x in pair["bushings"][name][key]
-            ]
+        for key in ("stiffness_N_per_m", "damping_N_s_per_m"):
+            ours = [len(pair["bushings"][name]["positions_m"]) * x for x in pair["bushings"][name][key]]
             theirs = [len(row["positions_m"]) * x for x in row[key]]
             assert ours == pytest.approx([x / 4 for x in theirs]), (name, key)
     moment = whole["exciters"]["shaft"]["mass_moment_kg_m"]

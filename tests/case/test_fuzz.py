@@ -28,9 +28,7 @@ VALUES = st.recursive(
     SCALARS,
     lambda inner: (
         st.lists(inner, max_size=4)
-        | st.dictionaries(
-            st.sampled_from(["solver", "deck", "0", "x"]) | st.text(), inner, max_size=4
-        )
+        | st.dictionaries(st.sampled_from(["solver", "deck", "0", "x"]) | st.text(), inner, max_size=4)
     ),
     max_leaves=8,
 )
@@ -64,9 +62,7 @@ def test_any_dictionary_is_a_case_or_a_case_error(table: dict[str, Any]) -> None
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(key=st.sampled_from(KEYS), value=VALUES)
-def test_any_value_anywhere_in_a_case_is_checked(
-    key: tuple[str, ...], value: Any, tmp_path: Path
-) -> None:
+def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: Any, tmp_path: Path) -> None:
     """The bare case is good; one key of it gets any value."""
     folder = written(tmp_path, draft=LEVEL)
     bare = load(folder, "draft")
@@ -77,9 +73,7 @@ def test_any_value_anywhere_in_a_case_is_checked(
 
 
 @pytest.mark.parametrize("value", [0, -1, 1e-308, 1e308, [1e308, 1e308, 1e308]])
-def test_extreme_numbers_anywhere_are_checked_without_overflow(
-    value: object, tmp_path: Path
-) -> None:
+def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tmp_path: Path) -> None:
     """Warnings are errors in tests, so that an overflow would show."""
     folder = written(tmp_path, draft=LEVEL)
     for key in keys(load(folder, "draft", [BLOCK, FEED]).layers.merged)[1:]:
@@ -105,9 +99,7 @@ def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=st.text(), override=st.text())
-def test_any_text_in_a_file_and_on_the_command_line(
-    text: str, override: str, tmp_path: Path
-) -> None:
+def test_any_text_in_a_file_and_on_the_command_line(text: str, override: str, tmp_path: Path) -> None:
     for case, overrides in ((text, ()), (CASE, (override,))):
         with suppress(CaseError):
             load(written(tmp_path, case.encode("utf-8", "ignore").decode()), None, overrides)

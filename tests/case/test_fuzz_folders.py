@@ -21,11 +21,7 @@ from tests.case.mutations import DRAFTS, ROOT, SEEDS, lay_out, spoilt_bytes, spo
 pytestmark = pytest.mark.process
 LONG = settings.default is settings.get_profile("long")
 CASES = SEEDS if LONG else DRAFTS
-FEW = settings(
-    max_examples=3000 if LONG else 30,
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-)
+FEW = settings(max_examples=3000 if LONG else 30, deadline=None, suppress_health_check=list(HealthCheck))
 FEWER = settings(FEW, max_examples=1000 if LONG else 5)
 # of a case, and what a run adds: a solver is missing, a solver failed
 RIGHT_OR_WRONG, OF_A_RUN = {0, 2}, {0, 2, 3, 4}
@@ -65,9 +61,7 @@ def test_a_case_with_other_values(drawn: Any, command: str, tmp_path: Path) -> N
 
 @FEW
 @given(data=st.data(), seed=st.sampled_from(CASES), at_level=st.booleans())
-def test_a_case_with_other_bytes(
-    data: Any, seed: tuple[str, str], at_level: bool, tmp_path: Path
-) -> None:
+def test_a_case_with_other_bytes(data: Any, seed: tuple[str, str], at_level: bool, tmp_path: Path) -> None:
     place, (case, level) = place_of(tmp_path), seed
     folder = ROOT / "cases" / case
     files = [file.read_bytes() for file in (folder / "case.toml", folder / f"levels/{level}.toml")]
@@ -96,17 +90,7 @@ def test_a_run_of_a_case_with_other_values(drawn: Any, command: str, tmp_path: P
     words = {
         "run": ["run", "case", "--out", "run", "--level", level],
         "bench": ["bench", "case", "--intervals", "1", "--level", level],
-        "sweep": [
-            "study",
-            "sweep",
-            "case",
-            "--vary",
-            "x=",
-            "--level",
-            level,
-            "--out",
-            "run",
-        ],
+        "sweep": ["study", "sweep", "case", "--vary", "x=", "--level", level, "--out", "run"],
     }[command]
     tried(place, words, OF_A_RUN)
 

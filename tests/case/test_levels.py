@@ -53,22 +53,22 @@ def test_a_level_must_name_what_it_leaves_out_and_nothing_else(tmp_path: Path) -
 def test_a_level_that_takes_the_particles_away_must_say_so(tmp_path: Path) -> None:
     empty = LEVEL.replace("[panel]", "bed.particles = 0\n[panel]")
     assert "0 is wrong" in refused(written(tmp_path, draft=empty))
-    weightless = LEVEL.replace("[panel]", "gravity_m_s2 = [0.0, 0.0, 0.0]\n[panel]")
+    weightless = LEVEL.replace("[panel]", "gravity_m_per_s2 = [0.0, 0.0, 0.0]\n[panel]")
     assert '"gravity" must be named' in refused(written(tmp_path, draft=weightless))
 
 
 def test_what_a_run_leaves_out_and_what_physics_changed_is_known(tmp_path: Path) -> None:
-    found = loaded(tmp_path, ["hand_over.particle_load=false", "screen.panels.deck.width_m=0.1"])
+    found = loaded(tmp_path, ["exchange.particle_load=false", "screen.panels.deck.width_m=0.1"])
     assert list(found.left_out) == ["particle-load"]
     assert found.changed == ("screen.panels.deck.width_m",)
 
 
 def test_set_reaches_tables_and_elements_of_lists(tmp_path: Path) -> None:
-    given = ["contacts.1.restitution=0.5", "gravity_m_s2=[0, 0, -1.6]", "title=plain words"]
+    given = ["contacts.1.restitution=0.5", "gravity_m_per_s2=[0, 0, -1.6]", "title=plain words"]
     case = loaded(tmp_path, given).case
     assert case.contacts[1].restitution == 0.5
     assert case.contacts[1].between == ("coal", "coal")
-    assert case.gravity_m_s2 == (0.0, 0.0, -1.6)
+    assert case.gravity_m_per_s2 == (0.0, 0.0, -1.6)
     assert case.title == "plain words"
     assert loaded(tmp_path, ["bed.particles.ball.position_m.2=0.07"]).case.bed.particles[
         "ball"
@@ -93,9 +93,7 @@ def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, sai
     assert said in message
 
 
-def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(
-    tmp_path: Path,
-) -> None:
+def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp_path: Path) -> None:
     case = CASE.replace("thickness_m", "thicknes_m").replace("diameter_m = 0.02", "diameter_m = -1")
     folder = written(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))
     said = refused(folder, None, "coupling.sync_interval_s=fast").splitlines()
@@ -115,10 +113,10 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(
     [
         ("duration_s=true", "duration_s: true is wrong, a valid number is wanted"),
         ("duration_s=nan", "finite"),
-        ("gravity_m_s2=[0, 1]", "gravity_m_s2: [0, 1] has too few values"),
-        ("gravity_m_s2=[0, 1, 2, 3]", "at most 3"),
+        ("gravity_m_per_s2=[0, 1]", "gravity_m_per_s2: [0, 1] has too few values"),
+        ("gravity_m_per_s2=[0, 1, 2, 3]", "at most 3"),
         ("screen.panels.deck=3", "screen.panels.deck: 3 is wrong, a table is wanted"),
-        ("bed.feeds.chute.rate_kg_s=1", "bed.feeds.chute.material: missing"),
+        ("bed.feeds.chute.rate_kg_per_s=1", "bed.feeds.chute.material: missing"),
         ("probes.a b.particle=1", "a name is made of letters"),
         ("panel.cells=[1.5, 2]", "panel.cells.0: 1.5 is wrong, a valid integer is wanted"),
     ],

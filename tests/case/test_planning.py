@@ -18,7 +18,7 @@ from tests.case.cases import loaded
 NO_POINTS = np.zeros((0, 3))
 TURNED = "screen.inclination_deg=30"
 DRIVE = (
-    "screen.frames.driving.drive={speed_rad_s=80, amplitude_m=[0.003, 0, 0.004], "
+    "screen.frames.driving.drive={speed_rad_per_s=80, amplitude_m=[0.003, 0, 0.004], "
     "phase_rad=[0, 0, 1.5707963267948966], rotation_rad=[0, 0.01, 0], center_m=[1, 0, 0]}"
 )
 
@@ -39,7 +39,7 @@ def test_the_deck_slopes_down_along_x_and_gravity_does_not_turn(tmp_path: Path) 
     assert to_world(case, (1.0, 0.0, 0.0)) == pytest.approx([math.sqrt(0.75), 0.0, -0.5])
     assert axes(case) @ axes(case).T == pytest.approx(np.eye(3))
     assert np.linalg.det(axes(case)) == pytest.approx(1.0)
-    assert panel_plans(case)[0].gravity_m_s2.tolist() == [0.0, 0.0, -9.81]
+    assert panel_plans(case)[0].gravity_m_per_s2.tolist() == [0.0, 0.0, -9.81]
 
 
 def test_a_row_of_panels_alternates_its_frames(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_frames_and_bushings_turn_with_the_deck(tmp_path: Path) -> None:
     first, second = plan.bushings
     assert (first.name, second.name) == ("isolation-1", "isolation-2")
     assert first.axes == pytest.approx(np.eye(3), abs=1e-12)  # turned back to the world's
-    assert first.stiffness_N_m.tolist() == [2e4, 3e4, 4e4]
+    assert first.stiffness_N_per_m.tolist() == [2e4, 3e4, 4e4]
     along = np.array([math.sqrt(0.75), 0.0, -0.5])
     inertia = plan.bodies[0].inertia_kg_m2
     assert along @ inertia @ along == pytest.approx(2.0)
@@ -74,9 +74,7 @@ def test_frames_and_bushings_turn_with_the_deck(tmp_path: Path) -> None:
 
 def test_the_axes_of_a_turned_bushing_are_the_rows(tmp_path: Path) -> None:
     plan = frames(tmp_path, "screen.bushings.isolation.rotation_deg=[0, 0, 90]")
-    assert plan.bushings[0].axes == pytest.approx(
-        np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]), abs=1e-12
-    )
+    assert plan.bushings[0].axes == pytest.approx(np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]), abs=1e-12)
 
 
 def test_a_drive_in_deck_axes_is_the_same_motion_in_the_world(tmp_path: Path) -> None:
@@ -111,13 +109,13 @@ def test_pairs_of_materials_are_symmetric(tmp_path: Path) -> None:
 
 
 def test_materials_that_touch_nothing_get_no_number(tmp_path: Path) -> None:
-    steel = "materials.aa={density_kg_m3=7850, youngs_modulus_Pa=2e11, poisson_ratio=0.3}"
+    steel = "materials.aa={density_kg_per_m3=7850, youngs_modulus_Pa=2e11, poisson_ratio=0.3}"
     assert material_numbers(loaded(tmp_path, [steel]).case) == {"PU": 0, "coal": 1}
 
 
 BLOCK = (
     'bed.blocks.coal={material="coal", axes="AXES", box_m=[[0, 0, 0.2], [0.2, 0.2, 0.3]], '
-    "count=20, velocity_m_s=[1, 0, 0], "
+    "count=20, velocity_m_per_s=[1, 0, 0], "
     "sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
 )
 
@@ -131,14 +129,14 @@ def test_a_block_lies_in_its_box_in_the_axes_it_names(tmp_path: Path) -> None:
         assert len(placed) == 21
         assert (inside > [0.0, 0.0, 0.2]).all()
         assert (inside < [0.2, 0.2, 0.3]).all()
-        assert placed.velocity_m_s[1:] @ turn == pytest.approx(np.tile([1.0, 0.0, 0.0], (20, 1)))
-        assert placed.velocity_m_s[0].tolist() == [0.0, 0.0, 0.0]
+        assert placed.velocity_m_per_s[1:] @ turn == pytest.approx(np.tile([1.0, 0.0, 0.0], (20, 1)))
+        assert placed.velocity_m_per_s[0].tolist() == [0.0, 0.0, 0.0]
 
 
 def test_feeds_are_handed_over_as_one(tmp_path: Path) -> None:
     feed = (
-        'bed.feeds.NAME={material="coal", rate_kg_s=1, box_m=[[X, 0, 0.2], [Y, 0.2, 0.3]], '
-        "velocity_m_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
+        'bed.feeds.NAME={material="coal", rate_kg_per_s=1, box_m=[[X, 0, 0.2], [Y, 0.2, 0.3]], '
+        "velocity_m_per_s=[0, 0, -1], sizes=[{smallest_m=0.01, largest_m=0.02, mass_fraction=1}]}"
     )
     one = feed.replace("NAME", "one").replace("X", "0").replace("Y", "0.1")
     two = feed.replace("NAME", "two").replace("X", "0.2").replace("Y", "0.3")

@@ -30,7 +30,7 @@ def test_extensive_quantities_take_their_share(tmp_path: Path) -> None:
     assert one.mass_kg == pytest.approx(0.5 * all_.mass_kg)
     np.testing.assert_allclose(one.inertia_kg_m2, 0.5 * np.array(all_.inertia_kg_m2))
     spring, springs = case.screen.bushings["isolation"], whole.screen.bushings["isolation"]
-    np.testing.assert_allclose(spring.stiffness_N_m, 0.5 * np.array(springs.stiffness_N_m))
+    np.testing.assert_allclose(spring.stiffness_N_per_m, 0.5 * np.array(springs.stiffness_N_per_m))
     assert spring.positions_m == springs.positions_m
     assert case.screen.exciters["shaft"].mass_moment_kg_m == pytest.approx(0.175)
     panel = panel_plans(case)[0].rectangle
@@ -43,7 +43,7 @@ def test_the_bed_is_cut_and_shared(tmp_path: Path) -> None:
     case = loaded(tmp_path, [*SLICE, block, FEED]).case
     assert case.bed.blocks["coal"].count == 5
     assert case.bed.blocks["coal"].box_m == ((0.0, 0.05, 0.1), (0.1, pytest.approx(0.15), 0.2))
-    assert case.bed.feeds["chute"].rate_kg_s == pytest.approx(0.5)
+    assert case.bed.feeds["chute"].rate_kg_per_s == pytest.approx(0.5)
     assert case.bed.feeds["chute"].box_m[1][1] == pytest.approx(0.1)
 
 
@@ -134,7 +134,7 @@ def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
         (["slice.width_m=0.3"], "slice.width_m: 0.3 m is wider than the machine's 0.2 m"),
         (["slice.width_m=0.05"], "0.05 m is less than 3 largest diameters; take 0.06 m or more"),
         (["slice.width_m=0.1", "particles.solver=spheres"], "spheres has no periodic"),
-        (["slice.width_m=0.1", "gravity_m_s2=[0, 1, -9]"], "pulls along y"),
+        (["slice.width_m=0.1", "gravity_m_per_s2=[0, 1, -9]"], "pulls along y"),
         (["slice.width_m=0.1", "bed.particles.ball.position_m.1=0.04"], "is not in the slice from"),
         (["slice.width_m=0.1", BLOCK.replace("0.1, 0.1, 0.2", "0.1, 0.03, 0.2")], "does not reach"),
         (
@@ -151,9 +151,7 @@ def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_slice_that_makes_no_sense_is_refused(
-    tmp_path: Path, overrides: list[str], said: str
-) -> None:
+def test_a_slice_that_makes_no_sense_is_refused(tmp_path: Path, overrides: list[str], said: str) -> None:
     assert said in only_complaint(tmp_path, *overrides)
 
 

@@ -23,17 +23,13 @@ def test_the_usual_layer_by_hand(tmp_path: Path) -> None:
     """q = 0.1 at the sync interval; a fifth of the critical damping."""
     case = loaded(tmp_path, [FLANGE, "coupling.sync_interval_s=1e-4"]).case
     (stop,) = panel_plans(case)[0].stops
-    assert stop.stiffness_Pa_m == pytest.approx(0.1 * AREAL_KG_M2 / 1e-8)
-    critical = 2 * (stop.stiffness_Pa_m * AREAL_KG_M2) ** 0.5
-    assert stop.damping_Pa_s_m == pytest.approx(0.2 * critical)
+    assert stop.stiffness_Pa_per_m == pytest.approx(0.1 * AREAL_KG_M2 / 1e-8)
+    critical = 2 * (stop.stiffness_Pa_per_m * AREAL_KG_M2) ** 0.5
+    assert stop.damping_Pa_s_per_m == pytest.approx(0.2 * critical)
 
 
-@pytest.mark.parametrize(
-    ("given", "frames"), [(FLANGE, ["driving", "ground"]), (FAR, ["ground", "driving"])]
-)
-def test_a_stop_belongs_to_the_nearer_clamps_beam(
-    tmp_path: Path, given: str, frames: list[str]
-) -> None:
+@pytest.mark.parametrize(("given", "frames"), [(FLANGE, ["driving", "ground"]), (FAR, ["ground", "driving"])])
+def test_a_stop_belongs_to_the_nearer_clamps_beam(tmp_path: Path, given: str, frames: list[str]) -> None:
     case = loaded(tmp_path, [given, *ROW]).case
     assert [plan.stops[0].frame for plan in panel_plans(case)] == frames
 
@@ -49,7 +45,7 @@ def test_a_named_frame_carries_all(tmp_path: Path) -> None:
     [
         ("to_m", "0.4", "beyond the free length of 0.3 m"),
         ("from_m", "0.05", "is not before to_m"),
-        ("stiffness_Pa_m", "1e12", "at most"),
+        ("stiffness_Pa_per_m", "1e12", "at most"),
         ("frame", "drivng", "driving"),
     ],
 )

@@ -97,9 +97,7 @@ def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
 @pytest.mark.parametrize("binary", [False, True])
 def test_a_file_is_read_as_it_was_written(tmp_path: Path, binary: bool) -> None:
     """Positions to the digits of the file, each corner once, and the normals that it states."""
-    meshio.stl.write(
-        tmp_path / "wall.stl", meshio.Mesh(CUBE_M, [("triangle", OUTWARD)]), binary=binary
-    )
+    meshio.stl.write(tmp_path / "wall.stl", meshio.Mesh(CUBE_M, [("triangle", OUTWARD)]), binary=binary)
     found, by_meshio = read(tmp_path, "wall.stl"), meshio.stl.read(tmp_path / "wall.stl")
     assert found.position_m == pytest.approx(by_meshio.points, abs=0)
     assert (found.triangles == by_meshio.cells_dict["triangle"]).all()

@@ -31,18 +31,14 @@ def test_its_own_run_is_not_done_again(tmp_path: Path, now: dict[str, Any]) -> N
     assert done_point(tmp_path / "run", now).done()
 
 
-def test_keys_that_came_since_have_their_defaults_in_older_runs(
-    tmp_path: Path, now: dict[str, Any]
-) -> None:
+def test_keys_that_came_since_have_their_defaults_in_older_runs(tmp_path: Path, now: dict[str, Any]) -> None:
     """A run of before ``coupling.scheme`` and a whole table, as if either were new."""
     coupling = {key: value for key, value in now["coupling"].items() if key != "scheme"}
-    older = {key: value for key, value in now.items() if key != "save"} | {"coupling": coupling}
+    older = {key: value for key, value in now.items() if key != "checkpoint"} | {"coupling": coupling}
     assert done_point(tmp_path / "run", older).done()
 
 
-def test_a_new_key_that_is_not_at_its_default_is_another_case(
-    tmp_path: Path, now: dict[str, Any]
-) -> None:
+def test_a_new_key_that_is_not_at_its_default_is_another_case(tmp_path: Path, now: dict[str, Any]) -> None:
     """The level gives ``panel.cells``; a run without it had the default."""
     panel = {key: value for key, value in now["panel"].items() if key != "cells"}
     with pytest.raises(FolderUnusable, match=r"differs in panel\.cells"):

@@ -13,7 +13,7 @@ from orchestrator.ports.plans import ParticlesPlan
 from orchestrator.preflight.judgement.catalogue import left_out
 from tests.case.cases import loaded, only_complaint
 
-WEARS = "contacts.0.specific_wear_m3_N_m=2e-12"
+WEARS = "contacts.0.specific_wear_m3_per_N_m=2e-12"
 
 
 def plan(case: Case) -> ParticlesPlan:
@@ -24,28 +24,28 @@ def plan(case: Case) -> ParticlesPlan:
 
 
 def test_without_a_rate_nothing_is_planned(tmp_path: Path) -> None:
-    assert plan(loaded(tmp_path).case).wear_m3_N_m is None
+    assert plan(loaded(tmp_path).case).wear_m3_per_N_m is None
 
 
 def test_rates_by_pair_of_materials(tmp_path: Path) -> None:
-    found = plan(loaded(tmp_path, [WEARS]).case).wear_m3_N_m
+    found = plan(loaded(tmp_path, [WEARS]).case).wear_m3_per_N_m
     assert found is not None
     np.testing.assert_array_equal(found, [[0.0, 2e-12], [2e-12, 0.0]])  # PU, coal
 
 
 def test_a_level_can_leave_it_out(tmp_path: Path) -> None:
     case = loaded(tmp_path, [WEARS, "particles.wear=none"]).case
-    assert plan(case).wear_m3_N_m is None
+    assert plan(case).wear_m3_per_N_m is None
     assert left_out(case)["wear"]
     assert "wear" not in left_out(loaded(tmp_path, [WEARS]).case)
     assert "wear" not in left_out(loaded(tmp_path, ["particles.wear=none"]).case)
 
 
 def test_particles_do_not_wear_each_other(tmp_path: Path) -> None:
-    said = only_complaint(tmp_path, "contacts.1.specific_wear_m3_N_m=1e-12")
-    assert "contacts.1.specific_wear_m3_N_m" in said
+    said = only_complaint(tmp_path, "contacts.1.specific_wear_m3_per_N_m=1e-12")
+    assert "contacts.1.specific_wear_m3_per_N_m" in said
     assert "panel" in said
 
 
 def test_the_unit_is_guessed(tmp_path: Path) -> None:
-    assert "mm3/(N m)" in only_complaint(tmp_path, "contacts.0.specific_wear_m3_N_m=1e-3")
+    assert "mm3/(N m)" in only_complaint(tmp_path, "contacts.0.specific_wear_m3_per_N_m=1e-3")

@@ -31,9 +31,7 @@ class Coupled:
     def advance(self, intervals: int) -> State:
         """The state ``intervals`` later."""
         for _ in range(intervals):
-            self.state = self.machine.scheme.advance(
-                self.machine.solvers, self._interval(), self.state
-            )
+            self.state = self.machine.scheme.advance(self.machine.solvers, self._interval(), self.state)
             self.done += 1
         return self.state
 
@@ -45,9 +43,7 @@ class Coupled:
         return self.machine.solvers.particles.snapshot()
 
     def momentum_residual(self) -> dict[str, float]:
-        return self.ledger.momentum_residual(
-            self.machine.scheme.pending(self.state, self._interval())
-        )
+        return self.ledger.momentum_residual(self.machine.scheme.pending(self.state, self._interval()))
 
     def angular_momentum_residual(self) -> dict[str, float]:
         return self.ledger.angular_momentum_residual(
@@ -56,9 +52,7 @@ class Coupled:
 
     def energy_J(self, book: str = "") -> dict[str, float]:
         """The ledger's terms, or those of one ``book`` ("stored", "lost", "created" ...)."""
-        return {
-            name: value for name, value in self.ledger.energy_J().items() if name.startswith(book)
-        }
+        return {name: value for name, value in self.ledger.energy_J().items() if name.startswith(book)}
 
 
 def written(folder: Path, case: str, overrides: Sequence[str] = ()) -> LoadedCase:

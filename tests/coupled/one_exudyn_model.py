@@ -65,13 +65,11 @@ class Model:
             node = self.system.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, z, 0.0]))
             assert frame.inertia_kg_m2 is not None
             mass = {"mass": frame.mass_kg, "inertia": frame.inertia_kg_m2[1]}
-            self._bodies[name] = self.system.AddObject(
-                items.ObjectRigidBody2D(nodeNumber=node, **mass)
-            )
+            self._bodies[name] = self.system.AddObject(items.ObjectRigidBody2D(nodeNumber=node, **mass))
             self.frames[name], self._centers_m[name] = node, np.array([x, 0.0, z])
 
     def add_bushing(self, bushing: Bushing) -> None:
-        stiffness, damping = bushing.stiffness_N_m, bushing.damping_N_s_m
+        stiffness, damping = bushing.stiffness_N_per_m, bushing.damping_N_s_per_m
         for place_m in bushing.positions_m:
             self.system.AddObject(
                 items.ObjectConnectorCartesianSpringDamper(
@@ -93,14 +91,9 @@ class Model:
         nodes = [self._node(panel, n / ELEMENTS) for n in range(ELEMENTS + 1)]
         cables = [self._cable(panel, [a, b]) for a, b in pairwise(nodes)]
         element_m = rectangle.length_m / ELEMENTS
-        for frame, cable, end in (
-            (panel.frames[0], cables[0], 0),
-            (panel.frames[1], cables[-1], 1),
-        ):
+        for frame, cable, end in ((panel.frames[0], cables[0], 0), (panel.frames[1], cables[-1], 1)):
             clamp_m = rectangle.corner_m + end * rectangle.span_m * rectangle.along
-            of_cable = items.MarkerBodyRigid(
-                bodyNumber=cable, localPosition=[end * element_m, 0.0, 0.0]
-            )
+            of_cable = items.MarkerBodyRigid(bodyNumber=cable, localPosition=[end * element_m, 0.0, 0.0])
             both = [self._marker(frame, clamp_m), self.system.AddMarker(of_cable)]
             joint = items.ObjectJointGeneric(markerNumbers=both, constrainedAxes=[1, 1, 0, 0, 0, 1])
             self.system.AddObject(joint)
@@ -130,7 +123,7 @@ class Model:
             items.ObjectANCFCable2D(
                 nodeNumbers=nodes,
                 length=panel.rectangle.length_m / ELEMENTS,
-                massPerLength=material.density_kg_m3 * area_m2,
+                massPerLength=material.density_kg_per_m3 * area_m2,
                 bendingStiffness=bending_N_m2,
                 axialStiffness=axial_N,
                 axialDamping=viscosity_s * axial_N,
@@ -138,7 +131,7 @@ class Model:
                 useReducedOrderIntegration=1,
             )
         )
-        x, _, z = self.case.gravity_m_s2
+        x, _, z = self.case.gravity_m_per_s2
         mass = self.system.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
         self.system.AddLoad(items.LoadMassProportional(markerNumber=mass, loadVector=[x, z, 0.0]))
         return int(cable)
@@ -151,7 +144,7 @@ class Model:
 
 def _unbalance(exciter: Exciter) -> Callable[[Any, float, Any], list[float]]:
     """Minus the second derivative of  u (sin angle, cos angle),  0 while statics are solved."""
-    full, run_up_s, size = exciter.speed_rad_s, exciter.run_up_s, exciter.mass_moment_kg_m
+    full, run_up_s, size = exciter.speed_rad_per_s, exciter.run_up_s, exciter.mass_moment_kg_m
     rate = math.pi / run_up_s
 
     def force_N(system: Any, time_s: float, _: Any) -> list[float]:
@@ -168,16 +161,9 @@ def _unbalance(exciter: Exciter) -> Callable[[Any, float, Any], list[float]]:
     return force_N
 
 
-def _run(
-    system: Any, nodes: list[int], duration_s: float, step_s: float
-) -> tuple[Array, list[Array]]:
-    displacement = {
-        "outputVariableType": exudyn.OutputVariableType.Displacement,
-        "storeInternal": True,
-    }
-    sensors = [
-        system.AddSensor(items.SensorNode(nodeNumber=node, **displacement)) for node in nodes
-    ]
+def _run(system: Any, nodes: list[int], duration_s: float, step_s: float) -> tuple[Array, list[Array]]:
+    displacement = {"outputVariableType": exudyn.OutputVariableType.Displacement, "storeInternal": True}
+    sensors = [system.AddSensor(items.SensorNode(nodeNumber=node, **displacement)) for node in nodes]
     system.Assemble()
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False

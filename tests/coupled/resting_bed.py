@@ -7,7 +7,7 @@ import numpy as np
 from orchestrator.ports import Array
 from tests.case_parts import contact, grains, polyurethane
 
-LENGTH_M, WIDTH_M, DIAMETER_M, DENSITY_KG_M3 = 0.15, 0.06, 0.0095, 7850.0
+LENGTH_M, WIDTH_M, DIAMETER_M, DENSITY_KG_PER_M3 = 0.15, 0.06, 0.0095, 7850.0
 ROWS, ABREAST, PITCH_M = 13, 5, 0.0115
 
 CASE = (
@@ -17,7 +17,7 @@ duration_s = 0.3
 domain_m = [[-0.1, -0.1, -0.1], [0.3, 0.2, 0.2]]
 """
     + polyurethane((1.0, 2.0e-3))
-    + grains("steel", density_kg_m3=DENSITY_KG_M3, youngs_modulus_Pa=2e7)
+    + grains("steel", density_kg_per_m3=DENSITY_KG_PER_M3, youngs_modulus_Pa=2e7)
     + contact("steel", "steel", restitution=0.5, sliding=0.5, rolling=0.3)
     + contact("steel", "PU", restitution=0.5, sliding=0.5, rolling=0.3)
     + f"""
@@ -28,8 +28,8 @@ center_of_mass_m = [0.0775, 0.03, 0.0]
 
 [screen.bushings.feet]
 between = ["ground", "base"]
-stiffness_N_m = [2.5e3, 2.5e3, 2.5e3]
-damping_N_s_m = [14.0, 14.0, 14.0]
+stiffness_N_per_m = [2.5e3, 2.5e3, 2.5e3]
+damping_N_s_per_m = [14.0, 14.0, 14.0]
 positions_m = [[0.0, 0.0, 0.0], [0.155, 0.0, 0.0], [0.0, 0.06, 0.0], [0.155, 0.06, 0.0]]
 
 [screen.panels.deck]
@@ -69,7 +69,7 @@ BED = "".join(
     for i, x in enumerate(X_M)
     for j, y in enumerate(Y_M)
 )
-WEIGHT_N = np.pi / 6 * DIAMETER_M**3 * DENSITY_KG_M3 * 9.81  # of a sphere
+WEIGHT_N = np.pi / 6 * DIAMETER_M**3 * DENSITY_KG_PER_M3 * 9.81  # of a sphere
 
 
 def lowered_m(position_m: Array) -> float:

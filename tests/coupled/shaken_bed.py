@@ -17,12 +17,12 @@ duration_s = 1.0
 domain_m = [[-0.05, -0.05, -0.1], [0.2, 0.15, 0.4]]
 """
     + polyurethane((0.2, 2.0e-3))
-    + grains("coal", density_kg_m3=1430.0, youngs_modulus_Pa=4e6)
+    + grains("coal", density_kg_per_m3=1430.0, youngs_modulus_Pa=4e6)
     + contact("coal", "coal", restitution=0.3, sliding=0.36, rolling=0.05)
     + contact("coal", "PU", restitution=0.3, sliding=0.47, rolling=0.05)
     + f"""
 [screen.frames.shaker.drive]
-speed_rad_s = {SPEED_RAD_S}
+speed_rad_per_s = {SPEED_RAD_S}
 amplitude_m = [0.0, 0.0, {AMPLITUDE_M}]
 run_up_s = 0.1
 

@@ -17,7 +17,7 @@ from tests.coupled.screen import MACHINE
 
 BALLS = [
     f"bed.particles.ball-{i}-{j}={{position_m=[{0.03 + 0.03 * i}, {0.03 + 0.04 * j}, 0.0101], "
-    "velocity_m_s=[0.1, 0.0, -0.05], spin_rad_s=[30, -80, 10], diameter_m=0.02, "
+    "velocity_m_per_s=[0.1, 0.0, -0.05], spin_rad_per_s=[30, -80, 10], diameter_m=0.02, "
     'axes="deck", material="coal"}'
     for i in range(3)
     for j in range(2)
@@ -48,8 +48,6 @@ def test_spinning_balls_on_free_frames(tmp_path: Path, solver: str, law: str) ->
     assert found["panel-frames"] < 1e-8
 
 
-def test_without_the_couple_it_does_not_close(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_couple_it_does_not_close(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(TriangleSpin, "forces", lambda self, couple_N_m: 0.0 * self.arms_m)
     assert residual(tmp_path, "spheres", "epsd2", 1e-4)["particles"] > 1e-3

@@ -17,9 +17,7 @@ from tests.coupled.screen import CASE
 CHEAP = ("panel.solver=rigid", "frames.solver=two-mass", "particles.solver=spheres")
 
 
-def test_a_solver_that_fails_closes_those_before(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_solver_that_fails_closes_those_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     real, closed = adapter.opened, []
 
     def opened(port: str, solver: str, plan: Any) -> Any:

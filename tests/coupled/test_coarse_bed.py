@@ -43,8 +43,8 @@ def pair(machine: Coupled) -> Array:
         if index % (intervals // SEEN) == 0:
             bed = machine.particles()
             share = bed.diameter_m**3 / (bed.diameter_m**3).sum()
-            speeds_m2_s2 = (bed.velocity_m_s**2).sum(axis=1)
-            seen.append((share @ bed.position_m[:, 2] - height_m[0], share @ speeds_m2_s2))
+            speeds_m2_per_s2 = (bed.velocity_m_per_s**2).sum(axis=1)
+            seen.append((share @ bed.position_m[:, 2] - height_m[0], share @ speeds_m2_per_s2))
     rms = np.sqrt(np.mean(np.square(every), axis=0))
     end_J = machine.energy_J("lost.particles")["lost.particles.contact_dissipation"]
     return np.array([*rms, *np.mean(seen, axis=0), end_J - lost_J])

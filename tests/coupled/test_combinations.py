@@ -18,7 +18,7 @@ PANELS = ("rigid", "strip", "sheet", "sheet implicit", "solid implicit")
 PARTICLES = ("none", "spheres", "liggghts")
 DRIVE = """
 [screen.frames.driving.drive]
-speed_rad_s = 150.0
+speed_rad_per_s = 150.0
 amplitude_m = [0.004, 0.0, 0.001]
 rotation_rad = [0.0, 0.01, 0.0]
 """

@@ -14,7 +14,7 @@ from tests.coupled.screen import BED, MACHINE
 
 pytestmark = pytest.mark.solver
 ROCKING = (
-    "screen.frames.driving.drive={speed_rad_s=150, amplitude_m=[0.003, 0, 0.002], "
+    "screen.frames.driving.drive={speed_rad_per_s=150, amplitude_m=[0.003, 0, 0.002], "
     "rotation_rad=[0, 0.01, 0], center_m=[0.16, 0.05, -0.02], run_up_s=0.004}"
 )
 

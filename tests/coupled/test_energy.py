@@ -41,12 +41,7 @@ def order(sizes: Sequence[float], errors: Sequence[float]) -> float:
     ],
 )
 def test_defects_fall_with_the_step(
-    tmp_path: Path,
-    member: str,
-    solver: str,
-    steps_s: Sequence[float],
-    lowest_order: float,
-    largest_J: float,
+    tmp_path: Path, member: str, solver: str, steps_s: Sequence[float], lowest_order: float, largest_J: float
 ) -> None:
     """Of a member's own step, at a sync interval of 1e-4 s.  LIGGGHTS has no defect: what its
     contacts lose is computed as what is missing."""
@@ -81,9 +76,7 @@ def test_defect_of_spheres_falls_with_the_interval(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("scheme", "expected"), [("particles-first", 2), ("serial-staggered", 1)])
-def test_order_of_the_energy_that_the_coupling_creates(
-    tmp_path: Path, scheme: str, expected: int
-) -> None:
+def test_order_of_the_energy_that_the_coupling_creates(tmp_path: Path, scheme: str, expected: int) -> None:
     """Under an exciter, with friction and dampers.  Measured, as created between particles and
     panels at 1e-4, 5e-5 and 2.5e-5 s: -1.3e-3, -2.8e-4 and -5.9e-5 J (particles-first, order 2.2);
     1.9e-2, 7.3e-3 and 3.2e-3 J (serial-staggered, 1.3)."""
@@ -110,8 +103,8 @@ def test_energy_of_a_run_without_losses(tmp_path: Path, scheme: str, drift: floa
     settings = [*SMOOTH_AND_ELASTIC, "screen.drawn_at_rest=false", f"coupling.scheme={scheme}"]
     with opened(written(tmp_path, MACHINE + BED, settings)) as run:
         bed = run.particles()
-        mass_kg = np.pi / 6 * bed.diameter_m**3 * bed.density_kg_m3
-        bed_J = 0.5 * float(mass_kg @ (bed.velocity_m_s**2).sum(axis=1))
+        mass_kg = np.pi / 6 * bed.diameter_m**3 * bed.density_kg_per_m3
+        bed_J = 0.5 * float(mass_kg @ (bed.velocity_m_per_s**2).sum(axis=1))
         run.advance(400)
         stored_J = run.energy_J("stored")
     assert stored_J["stored.frames.kinetic"] > 10 * bed_J  # the machine turns over far more

@@ -17,14 +17,14 @@ from tests.coupled.one_exudyn_model import solved
 from tests.coupled.screen import EMPTY
 
 pytestmark = [pytest.mark.solver, pytest.mark.slow]
-SPEED_rad_s, INTERVAL_s, COUNT = 100.0, 2e-4, 2000
+SPEED_rad_per_s, INTERVAL_s, COUNT = 100.0, 2e-4, 2000
 SETTINGS = [
     "screen.inclination_deg=0",
-    "gravity_m_s2=[2.54, 0.0, -9.476]",  # the deck's slope
+    "gravity_m_per_s2=[2.54, 0.0, -9.476]",  # the deck's slope
     "screen.exciters.shaft.mass_moment_kg_m=0.01",
-    f"screen.exciters.shaft.speed_rad_s={SPEED_rad_s}",
+    f"screen.exciters.shaft.speed_rad_per_s={SPEED_rad_per_s}",
     "screen.exciters.shaft.run_up_s=0.05",
-    "screen.bushings.isolation.damping_N_s_m=[150.0, 150.0, 150.0]",  # settles by e^-7
+    "screen.bushings.isolation.damping_N_s_per_m=[150.0, 150.0, 150.0]",  # settles by e^-7
     "screen.panels.deck.tension_m=0.00075",
     "materials.PU.hyperelastic.c10_Pa=3.5e6",
     "materials.PU.hyperelastic.c01_Pa=0",
@@ -53,8 +53,8 @@ class Amplitudes:
 
 def amplitude(time_s: Array, moved_m: Array) -> Array:
     """By least squares over the last four cycles."""
-    last = time_s > time_s[-1] - 4 * 2 * np.pi / SPEED_rad_s
-    turned = SPEED_rad_s * time_s[last]
+    last = time_s > time_s[-1] - 4 * 2 * np.pi / SPEED_rad_per_s
+    turned = SPEED_rad_per_s * time_s[last]
     harmonic = np.column_stack([np.cos(turned), np.sin(turned), np.ones(len(turned))])
     cosine, sine, _ = np.linalg.lstsq(harmonic, moved_m[last], rcond=None)[0]
     return np.asarray(cosine - 1j * sine)

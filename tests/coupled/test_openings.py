@@ -26,7 +26,7 @@ material = "coal"
 box_m = [[0.02, 0.005, 0.016], [0.13, 0.095, 0.030]]
 count = 150
 sizes = [{ smallest_m = 0.003, largest_m = 0.004, mass_fraction = 1.0 }]
-velocity_m_s = [0.0, 0.0, -0.5]
+velocity_m_per_s = [0.0, 0.0, -0.5]
 """
 
 

@@ -25,7 +25,7 @@ SETS = (
 )
 
 
-def pull_N_m(tension_m: float, folder: Path) -> float:
+def pull_N_per_m(tension_m: float, folder: Path) -> float:
     """Real part of (force of the moving clamp) / (its displacement), over four cycles."""
     loaded = load(CASE, "draft", [*SETS, f"screen.panels.deck.tension_m={tension_m}"])
     machine = build(loaded, folder, None, Stopwatch())
@@ -48,7 +48,7 @@ def test_a_panel_that_pulls_only_when_taut(tension_m: float, tmp_path: Path) -> 
     1/2 + (asin r + r sqrt(1 - r^2)) / pi with r = tension / amplitude, at most 1 (Gelb, Vander
     Velde, Multiple-Input Describing Functions, 1968, ch. 2).  That leaves out weight, inertia and
     that rubber softens when stretched, hence 8 %."""
-    full_N_m = 21e6 * 0.8 * 0.004 / 0.30
+    full_N_per_m = 21e6 * 0.8 * 0.004 / 0.30
     r = min(tension_m / AMPLITUDE_M, 1.0)
     share = 0.5 + (np.arcsin(r) + r * np.sqrt(1 - r**2)) / np.pi
-    assert pull_N_m(tension_m, tmp_path) == pytest.approx(share * full_N_m, rel=0.08)
+    assert pull_N_per_m(tension_m, tmp_path) == pytest.approx(share * full_N_per_m, rel=0.08)

@@ -18,9 +18,9 @@ from tests.coupled.resting_bed import BED, CASE, DIAMETER_M, lowered_m
 
 pytestmark = [pytest.mark.solver, pytest.mark.slow]
 
-DENSITY_KG_M3 = 12000.0
+DENSITY_KG_PER_M3 = 12000.0
 PLANE = f"{DIAMETER_M / 2 + 2e-4}]\n"
-DROPPED = BED.replace(PLANE, PLANE + "velocity_m_s = [0.0, 0.0, -0.5]\n")
+DROPPED = BED.replace(PLANE, PLANE + "velocity_m_per_s = [0.0, 0.0, -0.5]\n")
 SPINS_RAD_S = 1.0  # a bed that lies still has 0.01
 
 
@@ -30,7 +30,7 @@ class Outcome:
 
     deepest_m: float
     sag_m: float
-    spin_rad_s: float
+    spin_rad_per_s: float
     created_J: float
     momentum_residual: float
 
@@ -42,7 +42,7 @@ def outcome(
     settings: Sequence[str] = [
         f"coupling.scheme={scheme}",
         f"coupling.sync_interval_s={interval_s!r}",
-        f"materials.steel.density_kg_m3={DENSITY_KG_M3}",
+        f"materials.steel.density_kg_per_m3={DENSITY_KG_PER_M3}",
     ]
     with opened(written(folder, CASE + bed, settings)) as run:
         empty_m = lowered_m(run.state.panel.surface.position_m)
@@ -53,7 +53,7 @@ def outcome(
         return Outcome(
             max(sag_m),
             float(np.mean(sag_m[-max(1, round(last_s / interval_s)) :])),
-            float(np.abs(run.particles().spin_rad_s).max()),
+            float(np.abs(run.particles().spin_rad_per_s).max()),
             run.energy_J()["created.particles-panel"],
             max(run.momentum_residual().values()),
         )
@@ -65,7 +65,7 @@ def limit_s(folder: Path) -> float:
     while spins_s / still_s > 1.1:
         middle_s = round(float(np.sqrt(still_s * spins_s)), 7)
         found = outcome(folder, BED, "particles-first", middle_s, 0.12)
-        if found.spin_rad_s > SPINS_RAD_S:
+        if found.spin_rad_per_s > SPINS_RAD_S:
             spins_s = middle_s
         else:
             still_s = middle_s
@@ -81,7 +81,7 @@ def test_a_heavy_bed_at_rest(tmp_path: Path) -> None:
     reference = outcome(tmp_path, BED, "particles-first", 2.5e-5, 0.12, 0.02)
     found = outcome(tmp_path, BED, "robin", round(5.0 * limit, 6), 0.12, 0.02)
     # what is left is the balls' rocking with the panel's swing, which dies out in both alike
-    assert found.spin_rad_s < min(1.5 * reference.spin_rad_s, 0.1 * SPINS_RAD_S)
+    assert found.spin_rad_per_s < min(1.5 * reference.spin_rad_per_s, 0.1 * SPINS_RAD_S)
     assert found.sag_m == pytest.approx(reference.sag_m, rel=3e-3)
     assert abs(found.created_J) < 1e-5
     assert found.momentum_residual < 1e-12

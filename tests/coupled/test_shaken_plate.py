@@ -15,19 +15,11 @@ import pytest
 
 from orchestrator.coupling.schemes import SCHEMES
 from tests.coupled.machines import Coupled, opened, written
-from tests.coupled.shaken_plate import (
-    CONVEYING,
-    FRICTION,
-    RADIUS_M,
-    Ridden,
-    Shaking,
-    case,
-    ridden,
-)
+from tests.coupled.shaken_plate import CONVEYING, FRICTION, RADIUS_M, Ridden, Shaking, case, ridden
 
 PERIOD_S, INTERVALS = 0.1, 128
 SLOW = replace(CONVEYING, phase_rad=2.6)
-WORK_J_M2 = 2.0  # the pull-off force is 0.91 of the sphere's weight
+WORK_J_PER_M2 = 2.0  # the pull-off force is 0.91 of the sphere's weight
 LIGGGHTS = pytest.param("liggghts", marks=pytest.mark.solver)
 every_scheme = pytest.mark.parametrize("scheme", SCHEMES)
 
@@ -38,9 +30,9 @@ def solved_by(solver: str, scheme: str, step_s: float) -> list[str]:
 
 @cache
 def reference(
-    shaking: Shaking, periods: tuple[float, ...], friction: float, work_J_m2: float
+    shaking: Shaking, periods: tuple[float, ...], friction: float, work_J_per_m2: float
 ) -> list[Ridden]:
-    return ridden(shaking, [n * PERIOD_S for n in periods], friction, work_J_m2)
+    return ridden(shaking, [n * PERIOD_S for n in periods], friction, work_J_per_m2)
 
 
 @every_scheme
@@ -51,9 +43,7 @@ def reference(
         pytest.param("liggghts", SLOW, 2.5e-5, marks=pytest.mark.solver),
     ],
 )
-def test_conveying(
-    tmp_path: Path, solver: str, shaking: Shaking, step_s: float, scheme: str
-) -> None:
+def test_conveying(tmp_path: Path, solver: str, shaking: Shaking, step_s: float, scheme: str) -> None:
     """Mean velocity over three cycles; measured, in every scheme alike, -0.84 % (spheres, whose
     step is the longer; +0.07 % with half of it in LIGGGHTS) and +0.26 %."""
     settings = solved_by(solver, scheme, step_s)
@@ -81,13 +71,11 @@ def test_overlap_of_a_sticky_sphere_on_a_plate_that_slows_down(
     shaking = Shaking(PERIOD_S, 0.0, 4e-3, 0.0, PERIOD_S)
     periods = (1.0, 1.25, 1.5, 1.75)
     found = []
-    with opened(
-        written(tmp_path, case(shaking, 0.0, WORK_J_M2), solved_by(solver, scheme, 1e-4))
-    ) as run:
+    with opened(written(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), solved_by(solver, scheme, 1e-4))) as run:
         for n in periods:
             run.advance(round(n * INTERVALS) - run.done)
             found.append(overlap_m(run, shaking))
-    wanted = [one.overlap_m for one in reference(shaking, periods, 0.0, WORK_J_M2)]
+    wanted = [one.overlap_m for one in reference(shaking, periods, 0.0, WORK_J_PER_M2)]
     assert found == pytest.approx(wanted, rel=0.01)
 
 
@@ -97,10 +85,10 @@ def test_pull_off(tmp_path: Path, amplitude_m: float, holds: bool, scheme: str) 
     """The force that is asked for grows with the amplitude; between the two it is the one that the
     neck bears, by the reference, too."""
     shaking = Shaking(PERIOD_S, 0.0, amplitude_m, 0.0, PERIOD_S)
-    (wanted,) = reference(shaking, (1.5,), 0.0, WORK_J_M2)
+    (wanted,) = reference(shaking, (1.5,), 0.0, WORK_J_PER_M2)
     assert (wanted.overlap_m > 0) is holds
     settings = solved_by("spheres", scheme, 1e-4)
-    with opened(written(tmp_path, case(shaking, 0.0, WORK_J_M2), settings)) as run:
+    with opened(written(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), settings)) as run:
         run.advance(3 * INTERVALS // 2)
         assert (overlap_m(run, shaking) > 0) is holds
 
@@ -119,7 +107,7 @@ def test_the_path_of_what_is_driven_has_no_jumps(tmp_path: Path, scheme: str) ->
             state = run.advance(1)
             path = particles.last[0]
             assert (path.start.position_m == before.position_m).all()
-            assert (path.start.velocity_m_s == before.velocity_m_s).all()
+            assert (path.start.velocity_m_per_s == before.velocity_m_per_s).all()
             assert (path.end.position_m == state.panel.surface.position_m).all()
             assert (panel.last[0].position_m == state.clamps.position_m).all()
-            assert (panel.last[0].velocity_m_s == state.clamps.velocity_m_s).all()
+            assert (panel.last[0].velocity_m_per_s == state.clamps.velocity_m_per_s).all()

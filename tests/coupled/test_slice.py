@@ -49,14 +49,14 @@ LAWS = ["contacts.0.rolling_friction=0.05", "contacts.1.rolling_friction=0.05"]
 
 def bed(twins: bool) -> list[str]:
     place_m = np.array(PLACES_MM) / 1000.0
-    speed_m_s = np.array(SPEEDS_M_S, dtype=float)
-    rows = list(zip(place_m, speed_m_s, strict=True))
+    speed_m_per_s = np.array(SPEEDS_M_S, dtype=float)
+    rows = list(zip(place_m, speed_m_per_s, strict=True))
     if twins:
         other = place_m + np.where(place_m[:, 1:2] < 0.05, 1, -1) * np.array([0.0, 0.05, 0.0])
-        rows += zip(other, speed_m_s, strict=True)
+        rows += zip(other, speed_m_per_s, strict=True)
     return [
         f'bed.particles.p{n}={{material="coal", diameter_m=0.01, '
-        f"position_m={x.round(6).tolist()}, velocity_m_s={v.tolist()}}}"
+        f"position_m={x.round(6).tolist()}, velocity_m_per_s={v.tolist()}}}"
         for n, (x, v) in enumerate(rows)
     ]
 
@@ -85,7 +85,7 @@ def test_half_the_width_with_half_the_load_is_half_the_machine(tmp_path: Path, p
     assert np.count_nonzero(half_N[:, 2]) > 10
     np.testing.assert_allclose(half_m, all_m, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(2.0 * half_N, all_N, atol=1e-6 * np.abs(all_N).max())
-    for twin in (twins.velocity_m_s[:6], twins.velocity_m_s[6:]):
-        np.testing.assert_allclose(single.velocity_m_s, twin, atol=1e-6)
+    for twin in (twins.velocity_m_per_s[:6], twins.velocity_m_per_s[6:]):
+        np.testing.assert_allclose(single.velocity_m_per_s, twin, atol=1e-6)
     crossed = single.position_m[:, 1] - np.array(PLACES_MM)[:, 1] / 1000.0
     assert (np.abs(crossed) > 0.02).any()  # some went round

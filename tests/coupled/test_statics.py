@@ -20,7 +20,7 @@ def test_bed_at_rest(tmp_path: Path) -> None:
     middle  sum of P min(x, span - x) / (2 T),  for many of them q L^2 / (8 T); the panel's
     bending stiffness takes  8 E I / (T L^2) = 0.8 %  off it.
     """
-    string_m_N = WEIGHT_N * ABREAST * np.minimum(X_M, SPAN_M - X_M).sum() / 2
+    string_N_m = WEIGHT_N * ABREAST * np.minimum(X_M, SPAN_M - X_M).sum() / 2
     with opened(written(tmp_path, CASE + BED)) as run:
         empty_m = lowered_m(run.state.panel.surface.position_m)
         run.advance(3000)
@@ -30,8 +30,8 @@ def test_bed_at_rest(tmp_path: Path) -> None:
             wall_N[n] = -state.load.force_N[:, 2].sum()
             tension_N = np.abs(state.panel.reaction.force_N[:, 0]).sum() / 2
             sag_m = lowered_m(state.panel.surface.position_m) - empty_m
-            ratio[n] = sag_m * tension_N / string_m_N
-        at_rest = np.abs(run.particles().velocity_m_s).max()
+            ratio[n] = sag_m * tension_N / string_N_m
+        at_rest = np.abs(run.particles().velocity_m_per_s).max()
     assert at_rest < 0.005  # from 0.06 m/s on landing
     assert wall_N.mean() == pytest.approx(ROWS * ABREAST * WEIGHT_N, rel=0.01)
     assert ratio.mean() == pytest.approx(1.0, abs=0.02)

@@ -31,7 +31,7 @@ def close(impact: Impact, answer: Impact, relative: float) -> None:
     sync points, and a largest deflection is flat."""
     assert impact.force_N == pytest.approx(answer.force_N, rel=relative)
     assert impact.deflection_um == pytest.approx(answer.deflection_um, rel=relative)
-    assert impact.rebound_mm_s == pytest.approx(answer.rebound_mm_s, rel=relative)
+    assert impact.rebound_mm_per_s == pytest.approx(answer.rebound_mm_per_s, rel=relative)
     assert impact.contact_us == pytest.approx(answer.contact_us, abs=1.0)
     assert impact.deepest_us == pytest.approx(answer.deepest_us, abs=1.0)
 
@@ -54,10 +54,7 @@ def test_ball_on_a_narrow_beam(tmp_path: Path, answer: Impact) -> None:
     assert max(map(abs, books.values())) < 1e-4 * 1.67e-6
 
 
-@pytest.mark.parametrize(
-    ("solver", "relative"),
-    [("strip", 5e-3), ("solid", 0.02)],
-)
+@pytest.mark.parametrize(("solver", "relative"), [("strip", 5e-3), ("solid", 0.02)])
 def test_ball_on_a_beam_of_another_solver(
     tmp_path: Path, answer: Impact, solver: str, relative: float
 ) -> None:
@@ -70,7 +67,7 @@ def test_ball_on_a_beam_of_another_solver(
     impact = run(tmp_path, [*cells, *steps]).impact
     assert impact.force_N == pytest.approx(answer.force_N, rel=relative)
     assert impact.deflection_um == pytest.approx(answer.deflection_um, rel=relative)
-    assert impact.rebound_mm_s == pytest.approx(answer.rebound_mm_s, rel=relative)
+    assert impact.rebound_mm_per_s == pytest.approx(answer.rebound_mm_per_s, rel=relative)
     assert impact.deepest_us == pytest.approx(answer.deepest_us, rel=0.04)
 
 
@@ -98,9 +95,9 @@ def test_order_in_the_sync_interval(tmp_path: Path, scheme: str, order: int) -> 
         settings = [f"coupling.scheme={scheme}", f"coupling.sync_interval_s={interval_s}"]
         return run(tmp_path, [*COARSE, *settings], 1.76e-4)
 
-    exact = outcome("particles-first", 5e-7).impact.rebound_mm_s
+    exact = outcome("particles-first", 5e-7).impact.rebound_mm_per_s
     found = [outcome(scheme, interval_s) for interval_s in INTERVALS_S]
-    errors = [abs(o.impact.rebound_mm_s - exact) for o in found]
+    errors = [abs(o.impact.rebound_mm_per_s - exact) for o in found]
     created = [abs(o.energy_J["created.particles-panel"]) for o in found]
     assert slope(errors) == pytest.approx(order, abs=0.3)
     assert slope(created) == pytest.approx(order, abs=0.3)
@@ -115,9 +112,9 @@ def test_robin_in_the_sync_interval(tmp_path: Path) -> None:
         settings = [f"coupling.scheme={scheme}", f"coupling.sync_interval_s={interval_s}"]
         return run(tmp_path, [*COARSE, *settings], 1.76e-4)
 
-    exact = outcome("particles-first", 5e-7).impact.rebound_mm_s
+    exact = outcome("particles-first", 5e-7).impact.rebound_mm_per_s
     found = [outcome("robin", interval_s) for interval_s in INTERVALS_S]
-    assert [o.impact.rebound_mm_s for o in found] == pytest.approx([exact] * 4, rel=2e-3)
+    assert [o.impact.rebound_mm_per_s for o in found] == pytest.approx([exact] * 4, rel=2e-3)
     created = [abs(o.energy_J["created.particles-panel"]) for o in found]
     assert slope(created) > 3.5
     assert created[-1] < 2e-3 * 1.67e-6

@@ -13,17 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from orchestrator.coupling.schemes.exchange import Solvers
-from orchestrator.ports import (
-    Account,
-    Crossings,
-    Inertia,
-    Load,
-    Motion,
-    Mount,
-    PanelState,
-    Response,
-    Saved,
-)
+from orchestrator.ports import Account, Crossings, Inertia, Load, Motion, Mount, PanelState, Response, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.state import put_back, taken
@@ -44,7 +34,7 @@ class FreeFrame:
     mass_kg: float
     x: float = 0.0
     v: float = 0.0
-    damping_N_s_m: float = 0.0
+    damping_N_s_per_m: float = 0.0
 
     def save(self) -> Saved:
         return taken(self, "x", "v")
@@ -56,10 +46,10 @@ class FreeFrame:
         return point(self.x, self.v)
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        steps = 40 if self.damping_N_s_m else 1
+        steps = 40 if self.damping_N_s_per_m else 1
         h, force = interval.length_s / steps, reaction.force_N[0, 0]
         for _ in range(steps):
-            a = (force - self.damping_N_s_m * self.v) / self.mass_kg
+            a = (force - self.damping_N_s_per_m * self.v) / self.mass_kg
             self.x += h * self.v + h * h * a / 2
             self.v += h * a
         return self.initial()
@@ -75,7 +65,7 @@ class HungPlate:
     """A mass on a spring to its clamp, ``steps`` velocity-Verlet steps an interval."""
 
     mass_kg: float
-    stiffness_N_m: float
+    stiffness_N_per_m: float
     steps: int = 40
     x: float = 0.0
     v: float = 0.0
@@ -96,12 +86,12 @@ class HungPlate:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         path, dt = Path(self.clamp, clamps, interval.length_s), interval.length_s / self.steps
-        pull = self.stiffness_N_m * (self.x - path.position_m(0.0)[0, 0])
+        pull = self.stiffness_N_per_m * (self.x - path.position_m(0.0)[0, 0])
         impulse = 0.0
         for step in range(self.steps):
             self.v += dt / 2 * (load.force_N[0, 0] - pull) / self.mass_kg
             self.x += dt * self.v
-            after = self.stiffness_N_m * (self.x - path.position_m((step + 1) / self.steps)[0, 0])
+            after = self.stiffness_N_per_m * (self.x - path.position_m((step + 1) / self.steps)[0, 0])
             self.v += dt / 2 * (load.force_N[0, 0] - after) / self.mass_kg
             impulse += dt / 2 * (pull + after)
             pull = after
@@ -120,11 +110,11 @@ class Sphere:
     never lets go, as if something pressed on it."""
 
     mass_kg: float
-    stiffness_N_m: float
+    stiffness_N_per_m: float
     x: float
     v: float
     steps: int = 40
-    damping_N_s_m: float = 0.0
+    damping_N_s_per_m: float = 0.0
     stays: bool = False
     seen: float = 0.0  # where the plate was at last
 
@@ -138,11 +128,11 @@ class Sphere:
         """By the implicit midpoint rule, of the contact that there is now."""
         overlap = self.seen - self.x
         touching = float(overlap > 0.0 or self.stays)
-        impedance = self.stiffness_N_m * length_s / 2 + self.damping_N_s_m
+        impedance = self.stiffness_N_per_m * length_s / 2 + self.damping_N_s_per_m
         share = touching / (1 + impedance * length_s / (2 * self.mass_kg))
         resisting = np.zeros((1, 3, 3))
         resisting[0, 0, 0] = share * impedance
-        given = share * (impedance * self.v - self.stiffness_N_m * overlap)
+        given = share * (impedance * self.v - self.stiffness_N_per_m * overlap)
         return Response(push(given).force_N, resisting)
 
     def initial(self) -> Load:
@@ -164,10 +154,10 @@ class Sphere:
 
     def _force(self, path: Path, fraction: float) -> float:
         overlap = path.position_m(fraction)[0, 0] - self.x
-        rate = path.velocity_m_s(fraction)[0, 0] - self.v
+        rate = path.velocity_m_per_s(fraction)[0, 0] - self.v
         if overlap <= 0.0 and not self.stays:
             return 0.0
-        return self.stiffness_N_m * overlap + self.damping_N_s_m * rate
+        return self.stiffness_N_per_m * overlap + self.damping_N_s_per_m * rate
 
     def crossings(self) -> Crossings:
         return Crossings.none()

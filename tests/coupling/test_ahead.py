@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from orchestrator.coupling.hand_over import UnpushedFrames, still_clamped, unloaded
+from orchestrator.coupling.ablation import UnpushedFrames, still_clamped, unloaded
 from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.metered import MeteredFrames, MeteredPanel
 from orchestrator.coupling.panel_set import PanelSet
@@ -106,7 +106,7 @@ def test_extrapolated_clamps_are_exact_at_constant_acceleration() -> None:
     """x = 2 + 3 t - 5 t^2 / 2."""
     found = extrapolated(point(2.0, 3.0), np.array([[-5.0, 0.0, 0.0]]), 0.2)
     assert found.position_m[0] == pytest.approx([2.0 + 0.6 - 0.1, 0.0, 0.0], rel=1e-14)
-    assert found.velocity_m_s[0] == pytest.approx([2.0, 0.0, 0.0], rel=1e-14)
+    assert found.velocity_m_per_s[0] == pytest.approx([2.0, 0.0, 0.0], rel=1e-14)
 
 
 @every_scheme
@@ -117,7 +117,7 @@ def test_a_panel_on_a_frame_that_speeds_up_evenly_is_told_where_it_will_be(name:
     states = run(name, Solvers(PushedFrame(2.0, force_N=3.0), panel, None), 4)
     for told, state in zip(panel.told[1:], states[2:], strict=True):
         assert told.position_m == pytest.approx(state.clamps.position_m, rel=1e-13)
-        assert told.velocity_m_s == pytest.approx(state.clamps.velocity_m_s, rel=1e-13)
+        assert told.velocity_m_per_s == pytest.approx(state.clamps.velocity_m_per_s, rel=1e-13)
     first = extrapolated(states[0].clamps, np.zeros((1, 3)), LENGTH_S)
     assert panel.told[0].position_m == pytest.approx(first.position_m, abs=1e-15)
 
@@ -129,7 +129,7 @@ def test_a_panel_on_a_driven_frame_is_told_where_the_drive_has_it(name: str) -> 
     states = run(name, Solvers(DrivenFrame(1.0), panel, sphere), 4)
     last_told = panel.told[-1]
     assert (last_told.position_m == states[-1].clamps.position_m).all()
-    assert (last_told.velocity_m_s == at(4 * LENGTH_S).velocity_m_s).all()
+    assert (last_told.velocity_m_per_s == at(4 * LENGTH_S).velocity_m_per_s).all()
 
 
 @every_scheme
@@ -144,7 +144,7 @@ def test_particles_see_the_true_path_of_what_is_driven(name: str) -> None:
             time_s = (index + fraction) * LENGTH_S
             off = path.position_m(fraction)[0, 0] - np.sin(time_s)
             assert abs(off) <= LENGTH_S**4 / 384 * np.sin((index + 1) * LENGTH_S) + 1e-15
-            off = path.velocity_m_s(fraction)[0, 0] - np.cos(time_s)
+            off = path.velocity_m_per_s(fraction)[0, 0] - np.cos(time_s)
             assert abs(off) <= 3**0.5 / 216 * LENGTH_S**3 * np.sin((index + 1) * LENGTH_S) + 1e-15
 
 
@@ -165,7 +165,7 @@ def test_known_points_among_others() -> None:
     rest = Motion(np.full((3, 3), 7.0), np.full((3, 3), 8.0))
     over = known.over(rest)
     assert over.position_m[:, 0].tolist() == [7.0, 1.0, 7.0]
-    assert over.velocity_m_s[:, 0].tolist() == [8.0, 2.0, 8.0]
+    assert over.velocity_m_per_s[:, 0].tolist() == [8.0, 2.0, 8.0]
     assert known.part(slice(1, 3)).which.tolist() == [True, False]
 
 
@@ -182,10 +182,7 @@ class OneRank:
 
 
 def frames_around(inner: Frames) -> list[Frames]:
-    return [
-        MeteredFrames(inner, "frames", Stopwatch()),
-        FramesOnFirstRank(OneRank(), lambda: inner),
-    ]
+    return [MeteredFrames(inner, "frames", Stopwatch()), FramesOnFirstRank(OneRank(), lambda: inner)]
 
 
 @pytest.mark.parametrize("which", range(2))
@@ -208,7 +205,7 @@ def test_where_frames_go_that_feel_nothing_is_known_ahead(name: str) -> None:
         frame.force_N += 1.0
         state = way.advance(solvers, Interval(index, LENGTH_S), state)
         assert (panel.told[-1].position_m == state.clamps.position_m).all()
-        assert (panel.told[-1].velocity_m_s == state.clamps.velocity_m_s).all()
+        assert (panel.told[-1].velocity_m_per_s == state.clamps.velocity_m_per_s).all()
     assert frame.v == pytest.approx(0.3 + (1 + 2 + 3 + 4) * LENGTH_S / 2)
 
 
@@ -232,7 +229,7 @@ def test_what_stands_around_panels_passes_on_what_is_known(which: int) -> None:
     found = ahead_of(panels[which])(interval, Known(end, np.ones(clamps, dtype=np.bool_)))
     assert found.which.all()
     assert found.motion.position_m.tolist() == np.full((len(found.which), 3), 7.0).tolist()
-    assert found.motion.velocity_m_s.tolist() == np.full((len(found.which), 3), 8.0).tolist()
+    assert found.motion.velocity_m_per_s.tolist() == np.full((len(found.which), 3), 8.0).tolist()
     silent = panels_around(HungPlate(1.0, 0.0))[which]
     assert not ahead_of(silent)(interval, Known(end, np.ones(clamps, dtype=np.bool_))).which.any()
 
@@ -243,4 +240,4 @@ def test_a_panel_whose_clamps_are_held_is_known_to_stand_still() -> None:
     found = panel.ahead(Interval(3, LENGTH_S), end)
     assert found.which.all()
     assert not found.motion.position_m.any()
-    assert not found.motion.velocity_m_s.any()
+    assert not found.motion.velocity_m_per_s.any()

@@ -25,10 +25,10 @@ def forces(*bodies: str) -> BushingForces:
     return BushingForces.of([bushing], CENTRES, DRAWN_M)
 
 
-def moved(turn: Rotation, shift_m: Array, spin_rad_s: Array, speed_m_s: Array) -> Motion:
+def moved(turn: Rotation, shift_m: Array, spin_rad_per_s: Array, speed_m_per_s: Array) -> Motion:
     """All that is carried, as one rigid body about the origin."""
     position_m = turn.apply(DRAWN_M) + shift_m
-    return Motion(position_m, np.cross(spin_rad_s, position_m - shift_m) + speed_m_s)
+    return Motion(position_m, np.cross(spin_rad_per_s, position_m - shift_m) + speed_m_per_s)
 
 
 TURN = Rotation.from_rotvec([0.1, -0.2, 0.05])
@@ -43,27 +43,23 @@ def test_a_machine_that_moves_as_one_body_strains_no_bushing() -> None:
 
 def test_axes_turn_with_the_first_body() -> None:
     """The second body has moved further, by a vector that turns with the first."""
-    extra_m, rate_m_s = np.array([1e-3, -2e-3, 3e-3]), np.array([0.1, 0.2, -0.3])
+    extra_m, rate_m_per_s = np.array([1e-3, -2e-3, 3e-3]), np.array([0.1, 0.2, -0.3])
     together = moved(TURN, SHIFT_M, np.zeros(3), SPEED)
-    position_m, velocity_m_s = together.position_m.copy(), together.velocity_m_s.copy()
+    position_m, velocity_m_per_s = together.position_m.copy(), together.velocity_m_per_s.copy()
     position_m[5:] += TURN.apply(extra_m)
-    velocity_m_s[5:] += TURN.apply(rate_m_s)
-    deformation_m, force_N = forces("driving", "driven").at(Motion(position_m, velocity_m_s))
+    velocity_m_per_s[5:] += TURN.apply(rate_m_per_s)
+    deformation_m, force_N = forces("driving", "driven").at(Motion(position_m, velocity_m_per_s))
     assert deformation_m[0] == pytest.approx(AXES @ extra_m, abs=1e-14)
-    assert force_N[0] == pytest.approx(STIFFNESS * (AXES @ extra_m) + DAMPING * (AXES @ rate_m_s))
+    assert force_N[0] == pytest.approx(STIFFNESS * (AXES @ extra_m) + DAMPING * (AXES @ rate_m_per_s))
 
 
-@pytest.mark.parametrize(
-    ("bodies", "sign"), [(("ground", "driven"), 1), (("driven", "ground"), -1)]
-)
+@pytest.mark.parametrize(("bodies", "sign"), [(("ground", "driven"), 1), (("driven", "ground"), -1)])
 def test_the_ground_stands_still(bodies: tuple[str, str], sign: int) -> None:
     """A frame that only shifts strains its bushing by just that."""
     motion = moved(Rotation.identity(), SHIFT_M, np.zeros(3), SPEED)
     deformation_m, force_N = forces(*bodies).at(motion)
     assert deformation_m[0] == pytest.approx(sign * AXES @ SHIFT_M, abs=1e-14)
-    assert force_N[0] == pytest.approx(
-        sign * (STIFFNESS * (AXES @ SHIFT_M) + DAMPING * (AXES @ SPEED))
-    )
+    assert force_N[0] == pytest.approx(sign * (STIFFNESS * (AXES @ SHIFT_M) + DAMPING * (AXES @ SPEED)))
 
 
 def test_a_point_of_a_turning_frame_moves_with_its_lever_arm() -> None:

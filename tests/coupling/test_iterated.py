@@ -59,7 +59,7 @@ def test_order_of_the_whole_chain(name: str) -> None:
 def damped(name: str, intervals: int) -> float:
     """Restitution of an impact with a damper; plate ten times lighter."""
     length_s = np.pi * np.sqrt(1 / 11) / intervals
-    sphere = Sphere(1.0, 1.0, 0.3 * length_s, -1.0, damping_N_s_m=0.12)
+    sphere = Sphere(1.0, 1.0, 0.3 * length_s, -1.0, damping_N_s_per_m=0.12)
     plate = HungPlate(0.1, 0.0)
     solvers = members(sphere, plate, FreeFrame(1.0))
     state, way = initial(solvers), scheme(name)
@@ -92,9 +92,7 @@ def test_what_nothing_touches_is_not_repeated(name: str) -> None:
 
 
 @BOTH
-def test_what_is_not_solved_is_counted_and_said_once(
-    name: str, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_what_is_not_solved_is_counted_and_said_once(name: str, caplog: pytest.LogCaptureFixture) -> None:
     way = scheme(name, Effort(1e-12, 0.0, 2))
     with caplog.at_level(logging.WARNING):
         _, momentum_defect = impact(way, 0.01, 3)

@@ -45,9 +45,7 @@ def test_restitution_of_an_elastic_impact(scheme: str, intervals: int, expected:
     assert abs(momentum_defect) < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("scheme", "order"), [("particles-first", 3), ("robin", 4), ("serial-staggered", 1)]
-)
+@pytest.mark.parametrize(("scheme", "order"), [("particles-first", 3), ("robin", 4), ("serial-staggered", 1)])
 def test_order_of_the_energy_that_the_coupling_creates(scheme: str, order: int) -> None:
     coarse, fine = (abs(impact(scheme, n)[0] - 1.0) for n in (8, 32))
     assert np.log(coarse / fine) / np.log(4) == pytest.approx(order, abs=0.25)
@@ -72,9 +70,7 @@ def exact_chain(end_s: float) -> np.ndarray:
     return solve_ivp(rate, (0, end_s), start, rtol=1e-11, atol=1e-13).y[:3, -1]
 
 
-@pytest.mark.parametrize(
-    ("scheme", "order"), [("particles-first", 2), ("robin", 2), ("serial-staggered", 1)]
-)
+@pytest.mark.parametrize(("scheme", "order"), [("particles-first", 2), ("robin", 2), ("serial-staggered", 1)])
 def test_order_of_the_whole_chain(scheme: str, order: int) -> None:
     """Position error of all three members while they stay in touch: at least this order."""
     end_s = 1.0

@@ -27,7 +27,7 @@ FULL = (
     .replace("bulk_modulus_Pa = 2e9", DAMPED)
 )
 MORE = (BLOCK, FEED, APERTURES, EXITS, "screen.exciters.shaft.run_up_s=0.05")
-MORE += ("screen.bushings.isolation.damping_N_s_m=[90.0, 90.0, 90.0]",)
+MORE += ("screen.bushings.isolation.damping_N_s_per_m=[90.0, 90.0, 90.0]",)
 COARSE = """
 without = ["panel-deformation", "frame-rotation"]
 frames.solver = "two-mass"
@@ -157,11 +157,7 @@ def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
     found = load(written(tmp_path), None, ["effects=auto", centre])
     assert found.case.frames.solver == "two-mass"
-    (line,) = (
-        one
-        for one in at_start(account(found.described, found.left_out))
-        if "frame-rotation: " in one
-    )
+    (line,) = (one for one in at_start(account(found.described, found.left_out)) if "frame-rotation: " in one)
     assert line == (
         "left out: frame-rotation: frames.solver two-mass: frames translate only; "
         'effects = "auto"; may be left out: rotation x lever / translation 0, threshold 0.1'
@@ -199,9 +195,7 @@ def test_frames_that_no_force_moves_are_prescribed(tmp_path: Path) -> None:
 
 
 def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
-    assert "no material" in "".join(
-        complaints(tmp_path, "effects=auto", "screen.panels.deck.material=XX")
-    )
+    assert "no material" in "".join(complaints(tmp_path, "effects=auto", "screen.panels.deck.material=XX"))
 
 
 @pytest.mark.parametrize("effects", ["auto", '["panel-deformation", "frame-dynamics"]'])

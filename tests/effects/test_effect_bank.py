@@ -118,9 +118,7 @@ def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
     assert "**WRONG**" in (out / "effects.md").read_text()
 
 
-def test_dry_says_what_would_be_run_and_runs_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_dry_says_what_would_be_run_and_runs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sweep, "python", lambda *words, **more: pytest.fail("it was run"))
     out = tmp_path / "out"
     said = study(tiny_bank(tmp_path), "--dry", "--out", out, "--scene", "high")
@@ -184,7 +182,7 @@ def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
 
 
 def summary(value: float | None, half_width: float | None = None) -> dict[str, Any]:
-    return {"results": {"bed": {"velocity_m_s": {"value": value, "half_width": half_width}}}}
+    return {"results": {"bed": {"velocity_m_per_s": {"value": value, "half_width": half_width}}}}
 
 
 def test_the_interval_of_a_run_counts_where_chance_is_at_work() -> None:
@@ -206,10 +204,7 @@ def test_the_interval_of_a_run_counts_where_chance_is_at_work() -> None:
     ],
 )
 def test_change_of_means_and_its_interval(
-    with_it: list[float | None],
-    without: list[float | None],
-    relative: float | None,
-    half_width: float | None,
+    with_it: list[float | None], without: list[float | None], relative: float | None, half_width: float | None
 ) -> None:
     sides = ([summary(value) for value in side] for side in (with_it, without))
     found = change("velocity", *sides, by_chance=True)
@@ -251,11 +246,7 @@ def test_time_left_is_scaled_by_what_the_runs_took() -> None:
     countdown = Countdown({"a": 10.0, "b": 10.0, "c": 20.0}, said.append, lambda: next(clock))
     for line in ("old: done before", "a: done", "b: done"):
         countdown(line)
-    assert said == [
-        "old: done before",
-        "a: done; 2 to go, about 90 s",
-        "b: done; 1 to go, about 60 s",
-    ]
+    assert said == ["old: done before", "a: done; 2 to go, about 90 s", "b: done; 1 to go, about 60 s"]
 
 
 def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:

@@ -45,9 +45,7 @@ def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
 
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 @pytest.mark.parametrize("effects", ["auto", "[]"])
-def test_every_case_can_do_without_what_may_be_left_out(
-    case: str, level: str, effects: str
-) -> None:
+def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, effects: str) -> None:
     """And is then a case without mistakes in its tables, which has none of these effects."""
     found = load(CASES / case, level, [f"effects={effects}"])
     assert table_mistakes(found) == []
@@ -72,7 +70,7 @@ def test_the_command_says_what_matters_and_what_does_not() -> None:
     assert "  frame-rotation: " in lacking
     assert "panels / bushings" in done.output
     assert "docs/theory/effects.md" in done.output
-    sets = ["--set", "panel.solver=rigid", "--set", "hand_over.panel_motion=false"]
+    sets = ["--set", "panel.solver=rigid", "--set", "exchange.panel_motion=false"]
     done = CALL.invoke(app, ["explain", str(CASES / "quickstart"), *sets])
     assert "  panel-deformation: panels' middles are thrown with" in done.output
     assert "may be left out, and the case has it:\n  frame-rotation: " in done.output

@@ -19,7 +19,7 @@ def test_panels_against_bushings_by_hand(tmp_path: Path) -> None:
     found = verdict(tmp_path, "panel-reaction")
     assert 28 / 40 <= found.verdict.value <= 56 / 40
     assert (found.present, found.verdict.matters) == (True, True)
-    assert verdict(tmp_path, "panel-reaction", "hand_over.panel_reaction=false").lacking
+    assert verdict(tmp_path, "panel-reaction", "exchange.panel_reaction=false").lacking
 
 
 def test_a_panel_always_taut_pulls_with_all_its_stiffness(tmp_path: Path) -> None:
@@ -38,7 +38,7 @@ def test_damping_of_one_mass_by_hand(tmp_path: Path) -> None:
     """76 kg and half the panel's 0.276 kg, 40 kN/m along x besides the panel; the frame's stroke is
     |F| / |k - m w^2 + i c w|."""
     taut = "screen.panels.deck.tension_m=0.025"
-    damped = "screen.bushings.isolation.damping_N_s_m=[900.0, 900.0, 900.0]"
+    damped = "screen.bushings.isolation.damping_N_s_per_m=[900.0, 900.0, 900.0]"
     found = verdict(tmp_path, "bushing-damping", taut, damped)
     dynamic = 96e3 - 76.138 * 78.5**2
     with_it = abs(dynamic + 1j * 78.5 * 1800)
@@ -58,7 +58,7 @@ def test_rotation_of_a_body_on_its_own_by_hand(tmp_path: Path) -> None:
     """On bushings next to nothing, an exciter 0.2 m above the centre of mass: theta = u h / I
     (w cancels), translation sqrt(2) u / m of a force that turns: 0.2 * 76 / 6 / sqrt(2) per m of
     lever.  It holds no panel, so that the lever is 0.7 m, to the bushing at x = 0.4."""
-    soft = "screen.bushings.isolation.stiffness_N_m=[10.0, 10.0, 10.0]"
+    soft = "screen.bushings.isolation.stiffness_N_per_m=[10.0, 10.0, 10.0]"
     above = "screen.exciters.shaft.position_m=[-0.3, 0.1, 0.2]"
     centre = "screen.frames.driving.center_of_mass_m=[-0.3, 0.1, 0.0]"
     free = by_name(
@@ -80,7 +80,7 @@ def test_two_mass_frames_lack_the_rotation(tmp_path: Path) -> None:
 def test_a_shaft_along_the_deck_moves_a_frame_across(tmp_path: Path) -> None:
     """A force that turns in the plane across, at the centre of mass of a body on bushings next to
     nothing: as far across as up."""
-    soft = "screen.bushings.isolation.stiffness_N_m=[10.0, 10.0, 10.0]"
+    soft = "screen.bushings.isolation.stiffness_N_per_m=[10.0, 10.0, 10.0]"
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
     shaft = "screen.exciters.shaft.axis=[1.0, 0.0, 0.0]"
     found = verdict(tmp_path, "sideways-motion", soft, centre, shaft)
@@ -100,9 +100,7 @@ def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("run_up_s", "matters", "present"), [(0.0, True, False), (0.1, None, True), (0.5, None, True)]
 )
-def test_cycles_of_the_run_up(
-    tmp_path: Path, run_up_s: float, matters: bool | None, present: bool
-) -> None:
+def test_cycles_of_the_run_up(tmp_path: Path, run_up_s: float, matters: bool | None, present: bool) -> None:
     given = f"screen.frames.driving.drive.run_up_s={run_up_s}"
     found = of_driven(tmp_path, "run-up", given)
     assert found.verdict.value == pytest.approx(run_up_s * 80 / (2 * math.pi))

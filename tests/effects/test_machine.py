@@ -27,7 +27,7 @@ def test_share_of_the_bed_that_passes_in_the_run(tmp_path: Path) -> None:
 
 def test_gravity_is_always_needed_here(tmp_path: Path) -> None:
     assert verdict(tmp_path, "gravity").present
-    assert verdict(tmp_path, "gravity", "gravity_m_s2=[0, 0, 0]").lacking
+    assert verdict(tmp_path, "gravity", "gravity_m_per_s2=[0, 0, 0]").lacking
 
 
 def test_a_slice_against_the_largest_particle(tmp_path: Path) -> None:

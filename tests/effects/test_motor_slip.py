@@ -18,10 +18,10 @@ from tests.case.cases import loaded, only_complaint
 from tests.effects.verdicts import verdict
 
 MOTOR = (
-    "screen.exciters.shaft.motor={rated_power_W=400, synchronous_speed_rad_s=80, rated_slip=0.04, "
+    "screen.exciters.shaft.motor={rated_power_W=400, synchronous_speed_rad_per_s=80, rated_slip=0.04, "
     "moment_of_inertia_kg_m2=0.2}"
 )
-DAMPED = "screen.bushings.isolation.damping_N_s_m=[300.0, 300.0, 300.0]"
+DAMPED = "screen.bushings.isolation.damping_N_s_per_m=[300.0, 300.0, 300.0]"
 PLANAR = "frames.solver=planar"
 
 
@@ -32,7 +32,7 @@ def test_the_power_is_what_the_dampers_take(tmp_path: Path) -> None:
     assert found is not None
     (shaking,) = scene(case).shaken
     count = len(case.screen.bushings["isolation"].positions_m)
-    speed = case.screen.exciters["shaft"].speed_rad_s
+    speed = case.screen.exciters["shaft"].speed_rad_per_s
     moved_m = np.linalg.norm(shaking.amplitude_m["driving"])
     share = count * 300.0 * (speed * moved_m) ** 2 / 2 / 400.0
     assert f"takes {share:.2g} of the rated power" in found.why
@@ -44,9 +44,7 @@ def test_more_than_the_rated_power_matters(tmp_path: Path) -> None:
     assert verdict(tmp_path, "motor-slip", tiny, DAMPED, PLANAR).verdict.matters
 
 
-@pytest.mark.parametrize(
-    ("solver", "knows"), [("planar", True), ("exudyn", True), ("two-mass", False)]
-)
+@pytest.mark.parametrize(("solver", "knows"), [("planar", True), ("exudyn", True), ("two-mass", False)])
 def test_who_has_it(tmp_path: Path, solver: str, knows: bool) -> None:
     found = loaded(tmp_path, [MOTOR, f"frames.solver={solver}"])
     assert present(found.case, "motor-slip") is knows
@@ -63,7 +61,7 @@ def test_without_a_motor_there_is_no_such_question(tmp_path: Path) -> None:
 
 
 def test_motors_that_cannot_be(tmp_path: Path) -> None:
-    slow = MOTOR.replace("synchronous_speed_rad_s=80", "synchronous_speed_rad_s=50")
+    slow = MOTOR.replace("synchronous_speed_rad_per_s=80", "synchronous_speed_rad_per_s=50")
     assert "a motor lags behind it" in only_complaint(tmp_path, slow)
     along = "screen.exciters.shaft.axis=[1.0, 0.0, 0.0]"
     assert "not across the deck" in only_complaint(tmp_path, MOTOR, PLANAR, along)
@@ -83,7 +81,7 @@ def test_a_shaft_that_runs_up_has_turned_half_as_far() -> None:
         frame="driving",
         position_m=(0.0, 0.0, 0.0),
         mass_moment_kg_m=1.0,
-        speed_rad_s=80.0,
+        speed_rad_per_s=80.0,
         run_up_s=0.2,
         start_s=0.1,
     )

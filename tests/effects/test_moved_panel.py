@@ -102,20 +102,20 @@ def panel(folder: Path, *overrides: str) -> MovedPanel:
 def test_slack_frequency_by_hand(tmp_path: Path) -> None:
     """D = 21e6 * 64e-9 / 9 = 0.14933 Nm, 4.6 kg/m2: 22.37 * 0.18018 / 0.09 = 44.78 rad/s."""
     slack = panel(tmp_path, "screen.panels.deck.tension_m=-0.002")
-    assert slack.frequency_rad_s == pytest.approx(44.78, rel=1e-3)
+    assert slack.frequency_rad_per_s == pytest.approx(44.78, rel=1e-3)
 
 
 def test_taut_frequency_by_hand(tmp_path: Path) -> None:
     """2 mm on 0.3 m: string pi / 0.3 * sqrt(21e6 / 150 / 1150) = 115.54 rad/s, with the bending
     44.78: 123.9."""
-    assert panel(tmp_path).frequency_rad_s == pytest.approx(123.9, rel=1e-3)
+    assert panel(tmp_path).frequency_rad_per_s == pytest.approx(123.9, rel=1e-3)
 
 
 def test_stiffness_and_mass_by_hand(tmp_path: Path) -> None:
     """E W t / L = 21e6 * 0.2 * 0.004 / 0.3 = 56 kN/m; 1150 * 0.004 = 4.6 kg/m2."""
     found = panel(tmp_path)
-    assert found.taut_stiffness_N_m == pytest.approx(56e3, rel=1e-9)
-    assert found.mass_kg_m2 == pytest.approx(4.6, rel=1e-9)
+    assert found.taut_stiffness_N_per_m == pytest.approx(56e3, rel=1e-9)
+    assert found.mass_kg_per_m2 == pytest.approx(4.6, rel=1e-9)
     assert found.free_mass_kg == pytest.approx(0.276, rel=1e-9)
 
 

@@ -58,9 +58,9 @@ def test_chance_makes_a_change_near_the_threshold_unknown() -> None:
 
 
 def test_results_have_one_table_of_names_and_paths_besides() -> None:
-    found = summary(velocity_m_s=0.4)
+    found = summary(velocity_m_per_s=0.4)
     assert scalar("velocity").of(found) == Value(0.4)
-    assert scalar("results.bed.velocity_m_s").of(found) == Value(0.4)
+    assert scalar("results.bed.velocity_m_per_s").of(found) == Value(0.4)
     assert scalar("efficiency").of(found) is None
     assert all(one.words for one in SCALARS.values())
     with pytest.raises(KeyError, match='did you mean "efficiency"'):
@@ -71,9 +71,7 @@ def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
     one = {"results": {"motion": {"frames": {"a": {"amplitude_m": [0.003, 0, 0]}}}}}
     assert scalar("stroke").of(one) == Value(0.003)
     along = {"value": 0.006, "half_width": 0.001}
-    two = {
-        "results": {"motion": one["results"]["motion"] | {"relative": {"a-b": {"along_m": along}}}}
-    }
+    two = {"results": {"motion": one["results"]["motion"] | {"relative": {"a-b": {"along_m": along}}}}}
     assert scalar("stroke").of(two) == Value(0.006, 0.001)
 
 
@@ -89,15 +87,13 @@ def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> 
     assert key_of(asked, "adhesion") == key_of(read, "adhesion")
 
 
-def test_the_run_with_everything_is_made_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of two effects three runs are made, and none when they are asked for again."""
     made: list[tuple[str, ...]] = []
 
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
         made.append(sets)
-        return summary(velocity_m_s=0.4 if len(made) == 1 else 0.2)
+        return summary(velocity_m_per_s=0.4 if len(made) == 1 else 0.2)
 
     monkeypatch.setattr(paired, "_run", run)
     case = loaded(tmp_path, (SHORT,))
@@ -132,7 +128,7 @@ def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
     assert all(small.of(case, name).refused for name in names)
     clock_s = iter(range(0, 1000, 10))
     monkeypatch.setattr(paired, "_of_children_s", lambda: float(next(clock_s)))
-    monkeypatch.setattr(paired, "_run", lambda *_: summary(velocity_m_s=0.4))
+    monkeypatch.setattr(paired, "_run", lambda *_: summary(velocity_m_per_s=0.4))
     found = tried(case, names, paired.Pairs(limit_s=30.0), budget_s=15.0)
     assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])
     assert found.spent_s == 20.0
@@ -153,9 +149,7 @@ def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.Monke
     assert python("-c", asks, alone=True, capture_output=True).stdout.strip() == "[]"
 
 
-def test_ranks_agree_on_what_the_first_one_remembers(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What another rank has in its own memory does not count."""
     monkeypatch.setattr(pair, "_AGREED", {})
     read = load(written(tmp_path / "agreed", CASE)).origin.read()
@@ -166,9 +160,7 @@ def test_ranks_agree_on_what_the_first_one_remembers(
     assert remembered(agreed) == Pair("adhesion")
 
 
-def test_explain_for_a_result_gives_its_change(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What an estimate surely leaves out is not tried; the rest is by two runs each, of which the
     one with everything is made once; asked again, nothing is run."""
     made: list[str] = []
@@ -176,7 +168,7 @@ def test_explain_for_a_result_gives_its_change(
     def run(path: Path, level: str, sets: tuple[str, ...], *rest: Any) -> dict[str, Any]:
         made.append(sets[-1])
         without = "sliding-friction" not in sets[-1]
-        return summary(velocity_m_s=0.5 if without else 0.4)
+        return summary(velocity_m_per_s=0.5 if without else 0.4)
 
     monkeypatch.setattr(paired, "_run", run)
     words = ["explain", str(written(tmp_path / "case", CASE)), "--for", "velocity"]

@@ -17,7 +17,7 @@ def test_load_by_hand(tmp_path: Path) -> None:
     found = verdict(tmp_path, "particle-load")
     assert found.verdict.value == pytest.approx(14.97 / 4.6, rel=1e-3)
     assert (found.present, found.verdict.matters) == (True, True)
-    assert verdict(tmp_path, "particle-load", "hand_over.particle_load=false").lacking
+    assert verdict(tmp_path, "particle-load", "exchange.particle_load=false").lacking
     assert verdict(tmp_path, "particle-load", "panel.solver=rigid").lacking
 
 
@@ -75,9 +75,7 @@ def test_width_over_length(tmp_path: Path) -> None:
     narrow = verdict(tmp_path, "variation-across", "panel.solver=strip")
     assert narrow.verdict.value == pytest.approx(0.2 / 0.3)
     assert (narrow.present, narrow.verdict.matters) == (False, None)
-    wide = verdict(
-        tmp_path, "variation-across", "panel.solver=strip", "screen.panels.deck.width_m=0.8"
-    )
+    wide = verdict(tmp_path, "variation-across", "panel.solver=strip", "screen.panels.deck.width_m=0.8")
     assert wide.lacking
 
 

@@ -56,7 +56,7 @@ def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None
 def test_bond_number_by_hand(tmp_path: Path) -> None:
     """20 mm on the panel: 1.5 pi * 7.75 * 0.01 / (1430 * 4/3 pi * 1e-6 * 9.81) = 6.215 weights;
     nothing shakes."""
-    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
+    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
     found = by_name(load(written(tmp_path, STILL_CASE), None, [row]))["adhesion"]
     assert found.verdict.value == pytest.approx(6.215, rel=1e-3)
     assert (found.present, found.verdict.matters) == (True, True)
@@ -64,7 +64,7 @@ def test_bond_number_by_hand(tmp_path: Path) -> None:
 
 def test_adhesion_is_measured_against_the_throw(tmp_path: Path) -> None:
     """The driven panel's middle is thrown with 80^2 * 11.03 mm / g = 7.19."""
-    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
+    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
     found = of_driven(tmp_path, "adhesion", row)
     assert found.verdict.value == pytest.approx(6.215 / (1 + 6400 * sag_m / 9.81), rel=1e-3)
@@ -77,7 +77,7 @@ def test_dry_material_needs_no_adhesion(tmp_path: Path) -> None:
 
 
 def test_coarse_particles_do_not_change_the_bond_number(tmp_path: Path) -> None:
-    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_m2=7.75")
+    row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
     given = [FEED, row]
     fine = by_name(load(written(tmp_path, BARE), None, given))
     coarse = by_name(load(written(tmp_path, BARE), None, [*given, "particles.coarse_graining=2"]))
@@ -103,9 +103,7 @@ def test_layers_of_coarse_particles_by_hand(tmp_path: Path) -> None:
     ("modulus_Pa", "poisson", "density", "overlap_m"),
     [(48e9, 0.2, 2800.0, 274.11e-6), (20e9, 0.25, 2500.0, 368.30e-6)],
 )
-def test_overlap_of_two_spheres(
-    modulus_Pa: float, poisson: float, density: float, overlap_m: float
-) -> None:
+def test_overlap_of_two_spheres(modulus_Pa: float, poisson: float, density: float, overlap_m: float) -> None:
     """Chung and Ooi, Granular Matter 13, 2011, 643, test 1: r = 10 mm, 10 m/s each."""
     mass_kg = 4 / 3 * math.pi * 1e-6 * density / 2
     reduced_Pa = modulus_Pa / (2 * (1 - poisson**2))
@@ -151,9 +149,7 @@ def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path
     more = (1 + radii) ** 4 * 12**4 - 12**4
     assert near.verdict.value == pytest.approx(more / (12**4 - 10**4), rel=1e-6)
     assert near.verdict.matters is None, "only those that strike it overlap so much"
-    soft = verdict(
-        tmp_path, "stiffness-at-openings", *given, "particles.largest_youngs_modulus_Pa=1e3"
-    )
+    soft = verdict(tmp_path, "stiffness-at-openings", *given, "particles.largest_youngs_modulus_Pa=1e3")
     assert soft.verdict.matters is True, "they sink through by their weight"
 
 
@@ -166,9 +162,7 @@ def test_stiffness_at_openings_is_the_mass_that_passes_by_overlap(tmp_path: Path
         ((BLOCK, APERTURES), 2.0, True),
     ],
 )
-def test_size_ratio(
-    tmp_path: Path, overrides: tuple[str, ...], ratio: float, matters: bool | None
-) -> None:
+def test_size_ratio(tmp_path: Path, overrides: tuple[str, ...], ratio: float, matters: bool | None) -> None:
     found = verdict(tmp_path, "size-distribution", *overrides)
     assert found.verdict.value == pytest.approx(ratio)
     assert found.verdict.matters is matters
@@ -185,7 +179,7 @@ def test_wear_without_a_rate_is_unknown(tmp_path: Path) -> None:
 def test_wear_by_hand(tmp_path: Path, rate: float, matters: bool) -> None:
     """One ball of 20 mm: pi/6 rho d of weight per area, on 4 mm of panel, 1000 hours at 0.34 m/s
     and 2/pi of the driven frame's 80 rad/s times 3 mm."""
-    row = f"contacts.0.specific_wear_m3_N_m={rate}"
+    row = f"contacts.0.specific_wear_m3_per_N_m={rate}"
     found = of_driven(tmp_path, "wear", row)
     pressure_Pa = math.pi / 6 * 1430.0 * 0.02 * 9.81
     way_m = (0.34 + 2 / math.pi * 80.0 * 0.003) * 3.6e6
@@ -195,7 +189,5 @@ def test_wear_by_hand(tmp_path: Path, rate: float, matters: bool) -> None:
 
 
 def test_wear_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
-    found = of_driven(
-        tmp_path, "wear", "contacts.0.specific_wear_m3_N_m=1e-11", "particles.wear=none"
-    )
+    found = of_driven(tmp_path, "wear", "contacts.0.specific_wear_m3_per_N_m=1e-11", "particles.wear=none")
     assert found.lacking

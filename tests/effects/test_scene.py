@@ -47,7 +47,7 @@ def test_throw_by_hand(tmp_path: Path) -> None:
     sag_m = 2 / math.pi * math.sqrt(0.3e-3)
     assert found.panels_throw == pytest.approx(6400 * sag_m / 9.81, rel=1e-9)
     assert found.throw == found.panels_throw
-    assert found.impact_m_s == pytest.approx(max(1.0, 80 * sag_m), rel=1e-9)
+    assert found.impact_m_per_s == pytest.approx(max(1.0, 80 * sag_m), rel=1e-9)
 
 
 def test_the_throw_of_frames_is_normal_to_an_inclined_deck(tmp_path: Path) -> None:
@@ -64,19 +64,19 @@ def test_mass_of_the_bed_by_hand(tmp_path: Path) -> None:
     case = loaded(tmp_path, [many]).case
     ball_kg = 1430 * math.pi / 6 * 0.02**3
     grains_kg = 10_000 * 1430 * math.pi / 6 * 0.006**3
-    assert scene(case).bed_kg_m2 == pytest.approx((ball_kg + grains_kg) / (0.302 * 0.2), rel=1e-9)
+    assert scene(case).bed_kg_per_m2 == pytest.approx((ball_kg + grains_kg) / (0.302 * 0.2), rel=1e-9)
 
 
 def test_a_feed_without_exits_brings_all_it_has(tmp_path: Path) -> None:
     """1 kg/s from 0 to 5 s."""
     case = loaded(tmp_path, [FEED, "duration_s=5.0"]).case
     ball_kg = 1430 * math.pi / 6 * 0.02**3
-    assert scene(case).bed_kg_m2 == pytest.approx((ball_kg + 5.0) / (0.302 * 0.2), rel=1e-9)
+    assert scene(case).bed_kg_per_m2 == pytest.approx((ball_kg + 5.0) / (0.302 * 0.2), rel=1e-9)
 
 
 def test_one_ball_weighs_on_the_place_where_it_lies(tmp_path: Path) -> None:
     """pi/6 * 1430 * 0.02 = 14.97 kg/m2, although its mass over the deck is a hundredth."""
-    assert scene(loaded(tmp_path).case).bed_kg_m2 == pytest.approx(14.97, rel=1e-3)
+    assert scene(loaded(tmp_path).case).bed_kg_per_m2 == pytest.approx(14.97, rel=1e-3)
 
 
 def test_the_published_machine_is_estimated_within_a_fifth() -> None:

@@ -12,13 +12,7 @@ import pytest
 
 from orchestrator.case.scalars import SCALARS
 from orchestrator.preflight.judgement.account import account
-from orchestrator.preflight.judgement.catalogue import (
-    EFFECTS,
-    Judged,
-    judged,
-    needs_of,
-    taken_along,
-)
+from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember
 from orchestrator.preflight.judgement.weighing import doubted, weighed
 from orchestrator.preflight.levels import load
@@ -37,8 +31,7 @@ TAUT = (
     "screen.decks.deck.apertures.margin_along_m=0.03",
 )
 ACROSS = (
-    "screen.decks.deck.apertures={length_m=0.003, width_m=0.020, pitch_along_m=0.018, "
-    "pitch_across_m=0.025}"
+    "screen.decks.deck.apertures={length_m=0.003, width_m=0.020, pitch_along_m=0.018, pitch_across_m=0.025}"
 )
 WEAK = "screen.exciters.shaft.motor.rated_power_W=200.0"
 ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
@@ -81,8 +74,8 @@ def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share:
     case = load(written(tmp_path, DRIVEN_CASE), None, ONE_MAT).case
     mat = {one.effect: one for rows in judged(case).values() for one in rows}["panel-inertia"]
     assert mat.verdict.value is not None
-    own_rad_s = 80.0 / mat.verdict.value**0.5
-    turns = f"screen.frames.driving.drive.speed_rad_s={speed_share * own_rad_s}"
+    own_rad_per_s = 80.0 / mat.verdict.value**0.5
+    turns = f"screen.frames.driving.drive.speed_rad_per_s={speed_share * own_rad_per_s}"
     there = load(tmp_path, None, [*ONE_MAT, turns, "effects=auto"])
     deforms = EFFECTS["panel-deformation"].judge(scene(there.described))
     assert deforms is not None
@@ -160,9 +153,7 @@ def test_nothing_is_left_out_that_something_needs(
     for one in found.values():
         along = taken_along(load(CASES / case, level, sets).described, one.effect)
         others = [
-            other
-            for other in found.values()
-            if one.effect in needs_of(other.effect) or other.effect in along
+            other for other in found.values() if one.effect in needs_of(other.effect) or other.effect in along
         ]
         if one.verdict.matters is False and one.present:
             assert all(o.verdict.matters is False for o in others if o.present), one
@@ -183,7 +174,7 @@ def test_a_run_without_openings_says_the_same_of_them() -> None:
     whole = tuple(
         replace(
             spring,
-            stiffness_N_m=spring.stiffness_N_m
+            stiffness_N_per_m=spring.stiffness_N_per_m
             / stiffness_share(panel.panel.apertures, panel.panel.rectangle),
         )
         for panel, spring in zip(estimated.panels, estimated.springs, strict=True)
@@ -256,7 +247,7 @@ def test_a_surface_that_carries_particles_slowly_is_not_left_out() -> None:
     """Brute force, in the scene slow-lift of cases/effects.toml: a ball that lies on a panel goes
     up and down with it by 1.5 mm, and by 0.2 mm without the panel's motion, at a throw of 0.096."""
     lift = (
-        "screen.frames.lift={drive={amplitude_m=[0.0, 0.0, 0.001], speed_rad_s=12.0}}",
+        "screen.frames.lift={drive={amplitude_m=[0.0, 0.0, 0.001], speed_rad_per_s=12.0}}",
         "screen.panels.deck.frames=['lift', 'lift']",
     )
     found = of("ball-on-panel", *lift)["panel-motion"]
@@ -323,7 +314,7 @@ def test_what_is_near_its_threshold_from_above_is_for_a_pair_to_say() -> None:
     """Brute force: panel-damping of slow panels, 0.124 of 0.1, changes 3 %."""
     slow = (
         "screen.frames.moving.drive.amplitude_m=[0.0015, 0.0, 0.0]",
-        "screen.frames.moving.drive.speed_rad_s=8.0",
+        "screen.frames.moving.drive.speed_rad_per_s=8.0",
     )
     near = asked_of(["middle_amplitude"], "panel-cycle", *slow)["panel-damping"].verdict
     assert near.value == pytest.approx(0.124, abs=0.001)
@@ -338,7 +329,7 @@ def test_taut_panels_far_below_resonance_move_as_their_clamps() -> None:
         "screen.panels.deck.tension_m=0.015",
         'screen.panels.deck.frames=["moving", "moving"]',
         "screen.frames.moving.drive.amplitude_m=[0.0, 0.0, 0.002]",
-        "screen.frames.moving.drive.speed_rad_s=40.0",
+        "screen.frames.moving.drive.speed_rad_per_s=40.0",
     )
     found = asked_of(["middle_amplitude"], "panel-cycle", *stiff)["panel-damping"].verdict
     assert found.matters is None

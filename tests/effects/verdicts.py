@@ -9,8 +9,7 @@ from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import CASE, loaded, written
 
 APERTURES = (
-    "screen.panels.deck.apertures={length_m=0.02, width_m=0.012, pitch_along_m=0.025, "
-    "pitch_across_m=0.02}"
+    "screen.panels.deck.apertures={length_m=0.02, width_m=0.012, pitch_along_m=0.025, pitch_across_m=0.02}"
 )
 TILTED = "screen.inclination_deg=20"
 EXITS = 'screen.exits.under={product="undersize", box_m=[[-0.5, -0.5, -0.9], [0.5, 0.5, -0.3]]}'
@@ -22,7 +21,7 @@ DRIVEN_CASE = (
     BEFORE_EXCITER
     + """
 [screen.frames.driving.drive]
-speed_rad_s = 80.0
+speed_rad_per_s = 80.0
 amplitude_m = [0.003, 0.0, 0.002]
 run_up_s = 0.1
 

@@ -58,7 +58,7 @@ def one_driven(step_s: float, size: float = 1.0) -> FramesPlan:
 
 def both_driven(step_s: float, size: float = 1.0) -> FramesPlan:
     """With bushings between them and to the ground, which the drives have to move."""
-    slower = replace(drive("driving", size), speed_rad_s=40.0)
+    slower = replace(drive("driving", size), speed_rad_per_s=40.0)
     plan = two_bodies(interval_s=INTERVAL_S, step_s=step_s)
     return replace(plan, drives=(drive("driven", size), slower))
 
@@ -104,12 +104,9 @@ def compared(one: Frames, other: Frames, reactions: Array, interval_s: float) ->
     """Motions to 1e-14 m and 1e-12 m/s in every interval, books to 1e-12 of their size."""
     for index, force_N in enumerate(reactions):
         interval = Interval(index, interval_s)
-        found, expected = (
-            one.advance(interval, Load(force_N)),
-            other.advance(interval, Load(force_N)),
-        )
+        found, expected = (one.advance(interval, Load(force_N)), other.advance(interval, Load(force_N)))
         assert found.position_m == pytest.approx(expected.position_m, abs=1e-14)
-        assert found.velocity_m_s == pytest.approx(expected.velocity_m_s, abs=1e-12)
+        assert found.velocity_m_per_s == pytest.approx(expected.velocity_m_per_s, abs=1e-12)
     mine, its = one.account(), other.account()
     assert mine.supplied_J["drive"] == pytest.approx(its.supplied_J["drive"], rel=1e-11)
     assert mine.outside_impulse_N_s == pytest.approx(its.outside_impulse_N_s, rel=1e-11)

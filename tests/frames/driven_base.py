@@ -12,12 +12,12 @@ from orchestrator.ports import Array
 from orchestrator.ports.plans import Body, Bushing, Drive, FramesPlan
 from tests.frames.machines import body
 
-MASS_kg, STIFFNESS_N_m, DAMPING_N_s_m, SPEED_rad_s = 20.0, 1e5, 600.0, 60.0
+MASS_kg, STIFFNESS_N_per_m, DAMPING_N_s_per_m, SPEED_rad_per_s = 20.0, 1e5, 600.0, 60.0
 NONE = np.zeros(3)
 
 
 def shaken(amplitude_m: Array, rotation_rad: Array = NONE, run_up_s: float = 0.0) -> Drive:
-    return Drive("base", NONE, SPEED_rad_s, amplitude_m, NONE, rotation_rad, NONE, run_up_s)
+    return Drive("base", NONE, SPEED_rad_per_s, amplitude_m, NONE, rotation_rad, NONE, run_up_s)
 
 
 def on_a_base(base: Drive, bushing: Bushing, step_s: float) -> FramesPlan:
@@ -28,7 +28,7 @@ def on_a_base(base: Drive, bushing: Bushing, step_s: float) -> FramesPlan:
         bushings=(bushing,),
         exciters=(),
         drives=(base,),
-        gravity_m_s2=NONE,
+        gravity_m_per_s2=NONE,
         points_m=bushing.position_m[None],
         carrier=("mass",),
         reaction_N=np.zeros((1, 3)),
@@ -40,19 +40,17 @@ def on_a_base(base: Drive, bushing: Bushing, step_s: float) -> FramesPlan:
 
 def isotropic(position_m: Array, bodies: tuple[str, str] = ("base", "mass")) -> Bushing:
     size = np.ones(3)
-    k, c = STIFFNESS_N_m * size, DAMPING_N_s_m * size
+    k, c = STIFFNESS_N_per_m * size, DAMPING_N_s_per_m * size
     return Bushing("spring", bodies, position_m, np.eye(3), k, c)
 
 
-def rocked(
-    step_s: float, turn_rad: Array, bodies: tuple[str, str], stiffness_N_m: Array
-) -> FramesPlan:
+def rocked(step_s: float, turn_rad: Array, bodies: tuple[str, str], stiffness_N_per_m: Array) -> FramesPlan:
     """The base swings by ``turn_rad``, with the bushing 0.7 m from its centre."""
     shift_m = np.array([2e-3, 1e-3 if turn_rad[0] else 0.0, 3e-3])
     base = shaken(shift_m, turn_rad, run_up_s=0.1)
     spring = isotropic(np.array([0.6, 0.2, 0.3]), bodies)
-    damping_N_s_m = 3e-3 * stiffness_N_m
-    spring = replace(spring, stiffness_N_m=stiffness_N_m, damping_N_s_m=damping_N_s_m)
+    damping_N_s_per_m = 3e-3 * stiffness_N_per_m
+    spring = replace(spring, stiffness_N_per_m=stiffness_N_per_m, damping_N_s_per_m=damping_N_s_per_m)
     return on_a_base(base, spring, step_s)
 
 
@@ -66,17 +64,17 @@ def carried_along_m(plan: FramesPlan, duration_s: float) -> Array:
         return float((1 - np.cos(np.pi * min(time_s / base.run_up_s, 1.0))) / 2)
 
     def turned(time_s: float) -> Rotation:
-        return Rotation.from_rotvec(ramp(time_s) * base.rotation_rad * np.sin(SPEED_rad_s * time_s))
+        return Rotation.from_rotvec(ramp(time_s) * base.rotation_rad * np.sin(SPEED_rad_per_s * time_s))
 
     def mount_m(time_s: float) -> Array:
-        shift_m = ramp(time_s) * base.amplitude_m * np.sin(SPEED_rad_s * time_s)
+        shift_m = ramp(time_s) * base.amplitude_m * np.sin(SPEED_rad_per_s * time_s)
         return np.asarray(shift_m + turned(time_s).apply(spring.position_m))
 
     def rate(time_s: float, state: Array) -> Array:
         axes, h = turned(time_s).as_matrix(), 1e-6
-        mount_m_s = (mount_m(time_s + h) - mount_m(time_s - h)) / (2 * h)
-        stretch_m, stretch_m_s = (axes.T @ (mount_m(time_s) - state[:3])), mount_m_s - state[3:]
-        pull_N = spring.stiffness_N_m * stretch_m + spring.damping_N_s_m * (axes.T @ stretch_m_s)
+        mount_m_per_s = (mount_m(time_s + h) - mount_m(time_s - h)) / (2 * h)
+        stretch_m, stretch_m_per_s = ((axes.T @ (mount_m(time_s) - state[:3])), mount_m_per_s - state[3:])
+        pull_N = spring.stiffness_N_per_m * stretch_m + spring.damping_N_s_per_m * (axes.T @ stretch_m_per_s)
         return np.concatenate([state[3:], axes @ pull_N / MASS_kg])
 
     start = np.concatenate([spring.position_m, NONE])

@@ -21,21 +21,21 @@ def body(name: str, mass_kg: float = 764.0, center_m: Array | None = None) -> Bo
 def bushing(
     bodies: tuple[str, str],
     position_m: Array,
-    stiffness_N_m: tuple[float, float, float],
+    stiffness_N_per_m: tuple[float, float, float],
     loss_factor: float = 0.1,
     axes: Array | None = None,
 ) -> Bushing:
     """Damped so that a loss factor at 78.5 rad/s results."""
-    k = np.array(stiffness_N_m)
+    k = np.array(stiffness_N_per_m)
     name = f"{bodies[0]}-{bodies[1]}-{position_m.tolist()}"
     axes = np.eye(3) if axes is None else axes
     return Bushing(name, bodies, position_m, axes, k, loss_factor * k / 78.5)
 
 
-def exciter(speed_rad_s: float = 78.5, run_up_s: float = 0.0, **changed: object) -> Exciter:
+def exciter(speed_rad_per_s: float = 78.5, run_up_s: float = 0.0, **changed: object) -> Exciter:
     given = {"body": "driving", "position_m": np.zeros(3), "axis": ACROSS, "start": UP}
     given |= {"mass_moment_kg_m": 3.5, "phase_rad": 0.0} | changed
-    return Exciter(speed_rad_s=speed_rad_s, run_up_s=run_up_s, **given)  # type: ignore[arg-type]
+    return Exciter(speed_rad_per_s=speed_rad_per_s, run_up_s=run_up_s, **given)  # type: ignore[arg-type]
 
 
 def two_bodies(
@@ -60,7 +60,7 @@ def two_bodies(
         bushings=tuple(bushings),
         exciters=exciters,
         drives=(),
-        gravity_m_s2=GRAVITY,
+        gravity_m_per_s2=GRAVITY,
         points_m=POINTS_M,
         carrier=("driving", "driving", "driven", "driven"),
         reaction_N=np.zeros((4, 3)),

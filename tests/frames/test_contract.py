@@ -28,7 +28,7 @@ every_adapter = pytest.mark.parametrize("case", marked)
 def test_points_start_where_they_are_mounted_and_at_rest(case: Case) -> None:
     motion = case.open(case.moving(0.0)).initial()
     assert motion.position_m == pytest.approx(POINTS_M, abs=1e-15)
-    assert not motion.velocity_m_s.any()
+    assert not motion.velocity_m_per_s.any()
 
 
 @every_adapter
@@ -37,7 +37,7 @@ def test_at_rest_nothing_moves(case: Case) -> None:
     for index in range(100):
         motion = frames.advance(Interval(index, INTERVAL_S), Load.zero(4))
     assert motion.position_m == pytest.approx(POINTS_M, abs=1e-13)
-    assert motion.velocity_m_s == pytest.approx(np.zeros((4, 3)), abs=1e-11)
+    assert motion.velocity_m_per_s == pytest.approx(np.zeros((4, 3)), abs=1e-11)
 
 
 @every_adapter
@@ -49,9 +49,7 @@ def test_initial_reaction_is_held_by_the_preload(case: Case) -> None:
     assert motion.position_m == pytest.approx(POINTS_M, abs=1e-13)
 
 
-@pytest.mark.parametrize(
-    "solver", ["two_mass", "planar", pytest.param("exudyn", marks=pytest.mark.solver)]
-)
+@pytest.mark.parametrize("solver", ["two_mass", "planar", pytest.param("exudyn", marks=pytest.mark.solver)])
 def test_a_body_without_bushings_floats_in_zero_gravity(solver: str) -> None:
     """A taut panel pulls it together with 1000 N, out of balance by what its resting shape is found
     to.  It stays where it is drawn but for  F t^2 / (2 m) = 3e-10 m  of that; a pull that nothing
@@ -62,7 +60,7 @@ def test_a_body_without_bushings_floats_in_zero_gravity(solver: str) -> None:
         bodies=(body("driving"),),
         bushings=(),
         carrier=("driving",) * 4,
-        gravity_m_s2=np.zeros(3),
+        gravity_m_per_s2=np.zeros(3),
     )
     pull_N = np.outer([1.0, -1.0 - 1e-7, 0.0, 0.0], [1000.0, 0.0, 0.0])
     frames = build(replace(floating, reaction_N=pull_N, points_m=POINTS_M * [1.0, 0.0, 0.0]))
@@ -81,7 +79,7 @@ def test_momentum_balances_in_every_interval(case: Case) -> None:
     books = accounts(case.open(case.moving(0.0)), reactions)
     size = max(np.abs(book.outside_impulse_N_s).max() for book in books)
     for (before, after), force_N in zip(pairwise(books), reactions, strict=True):
-        change = after.momentum_kg_m_s - before.momentum_kg_m_s
+        change = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s
         outside = after.outside_impulse_N_s - before.outside_impulse_N_s
         received = INTERVAL_S * force_N.sum(axis=0)
         assert change == pytest.approx(outside + received, abs=1e-12 * size)
@@ -122,12 +120,12 @@ def test_velocity_is_the_rate_of_position(case: Case) -> None:
     run = [frames.initial()]
     for index, force_N in enumerate(loads(200)):
         run.append(frames.advance(Interval(index, INTERVAL_S), Load(force_N)))
-    velocity_m_s = np.array([motion.velocity_m_s for motion in run])
+    velocity_m_per_s = np.array([motion.velocity_m_per_s for motion in run])
     moved_m = np.diff([motion.position_m for motion in run], axis=0)
-    bent_m_s = np.abs(np.diff(velocity_m_s, n=2, axis=0)).max()
-    assert INTERVAL_S * bent_m_s / 12 < 1e-6
-    mean_m_s = (velocity_m_s[1:] + velocity_m_s[:-1]) / 2
-    assert moved_m == pytest.approx(INTERVAL_S * mean_m_s, abs=1.1 * INTERVAL_S * bent_m_s / 12)
+    bent_m_per_s = np.abs(np.diff(velocity_m_per_s, n=2, axis=0)).max()
+    assert INTERVAL_S * bent_m_per_s / 12 < 1e-6
+    mean_m_per_s = (velocity_m_per_s[1:] + velocity_m_per_s[:-1]) / 2
+    assert moved_m == pytest.approx(INTERVAL_S * mean_m_per_s, abs=1.1 * INTERVAL_S * bent_m_per_s / 12)
 
 
 @every_adapter
@@ -143,8 +141,7 @@ def test_a_restored_solver_goes_on_bit_for_bit(case: Case) -> None:
     assert differences(as_arrays(whole.account()), as_arrays(second.account())) == []
     for index in range(70, 120):
         motions = [
-            one.advance(Interval(index, INTERVAL_S), Load(reactions[index]))
-            for one in (whole, second)
+            one.advance(Interval(index, INTERVAL_S), Load(reactions[index])) for one in (whole, second)
         ]
         assert differences(as_arrays(motions[0]), as_arrays(motions[1])) == []
     assert differences(whole.save(), second.save()) == []
@@ -177,10 +174,7 @@ def test_what_drives_move_is_known_ahead(case: Case) -> None:
         interval = Interval(index, INTERVAL_S)
         known = carried_ahead(frames, interval)
         motion = frames.advance(interval, Load(force_N))
-        assert (
-            differences(as_arrays(motion), as_arrays(unasked.advance(interval, Load(force_N))))
-            == []
-        )
+        assert differences(as_arrays(motion), as_arrays(unasked.advance(interval, Load(force_N)))) == []
         if not plan.drives:
             assert known is None
             continue
@@ -188,7 +182,7 @@ def test_what_drives_move_is_known_ahead(case: Case) -> None:
         assert known.which.tolist() == [others_stand_still or c in bodies for c in plan.carrier]
         which = known.which
         assert known.motion.position_m[which] == pytest.approx(motion.position_m[which], abs=1e-13)
-        assert known.motion.velocity_m_s[which] == pytest.approx(
-            motion.velocity_m_s[which], abs=1e-11
+        assert known.motion.velocity_m_per_s[which] == pytest.approx(
+            motion.velocity_m_per_s[which], abs=1e-11
         )
     assert differences(frames.save(), unasked.save()) == []

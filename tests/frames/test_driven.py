@@ -15,10 +15,10 @@ from orchestrator.ports.plans import FramesPlan
 from tests.frames.contract import both_driven, compared, defect_J, drive, loads, one_driven
 from tests.frames.driven_base import (
     NONE,
-    DAMPING_N_s_m,
+    DAMPING_N_s_per_m,
     MASS_kg,
-    SPEED_rad_s,
-    STIFFNESS_N_m,
+    SPEED_rad_per_s,
+    STIFFNESS_N_per_m,
     carried_along_m,
     isotropic,
     on_a_base,
@@ -51,34 +51,32 @@ def test_transmissibility_of_a_shaken_base(speed: float, bodies: tuple[str, str]
     w h = 0.06, while the base is exact: with w' for the mass it agrees to the transient.  Against
     the closed form the resonance enlarges 3e-4 by  2 k / (w c) = 4.7."""
     step_s = 0.06 / speed
-    base = replace(shaken(np.array([1e-3, 0.0, 0.0])), speed_rad_s=speed)
+    base = replace(shaken(np.array([1e-3, 0.0, 0.0])), speed_rad_per_s=speed)
     steps = round(1.1 / step_s)
     found_m = end_of(on_a_base(base, isotropic(NONE, bodies), step_s), steps)[0]
     turned = 1e-3 * np.exp(0.06j * steps)
     for of_mass, within in ((2 / step_s * np.tan(0.03), 1e-6), (speed, 1.5e-3)):
-        dynamic = STIFFNESS_N_m + 1j * of_mass * DAMPING_N_s_m - MASS_kg * of_mass**2
-        ratio = (STIFFNESS_N_m + 1j * speed * DAMPING_N_s_m) / dynamic
+        dynamic = STIFFNESS_N_per_m + 1j * of_mass * DAMPING_N_s_per_m - MASS_kg * of_mass**2
+        ratio = (STIFFNESS_N_per_m + 1j * speed * DAMPING_N_s_per_m) / dynamic
         assert found_m[0] == pytest.approx((ratio * turned).imag, abs=within * abs(ratio) * 1e-3)
     assert found_m[1:] == pytest.approx(np.zeros(2), abs=1e-15)
 
 
 @pytest.mark.parametrize(
-    ("bodies", "stiffness_N_m"),
+    ("bodies", "stiffness_N_per_m"),
     [
         (("base", "mass"), np.array([2e5, 5e4, 1e5])),  # the axes turn with the base
         (("mass", "base"), np.full(3, 1e5)),
     ],
 )
 def test_a_rocking_body_carries_a_free_one_along_in_second_order(
-    bodies: tuple[str, str], stiffness_N_m: Array
+    bodies: tuple[str, str], stiffness_N_per_m: Array
 ) -> None:
     """Halving the step quarters the error.  Its size at h = 0.25 ms: the phase w t (w h)^2 / 12
     = 2e-4 at the highest natural frequency of 100 rad/s, of a motion of 0.5 m."""
-    expected_m = carried_along_m(rocked(1.0, TURN_rad, bodies, stiffness_N_m), 0.2)
+    expected_m = carried_along_m(rocked(1.0, TURN_rad, bodies, stiffness_N_per_m), 0.2)
     errors = [
-        np.abs(
-            end_of(rocked(0.2 / steps, TURN_rad, bodies, stiffness_N_m), steps)[0] - expected_m
-        ).max()
+        np.abs(end_of(rocked(0.2 / steps, TURN_rad, bodies, stiffness_N_per_m), steps)[0] - expected_m).max()
         for steps in (200, 400, 800)
     ]
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
@@ -104,9 +102,9 @@ def test_nothing_turns_a_driven_body_from_its_path() -> None:
     for index, force_N in enumerate(100 * loads(300)):
         interval = Interval(index, plan.sync_interval_s)
         motion = frames.advance(interval, Load(force_N))
-        place_m, speed_m_s = moved(plan.drives[0], plan.points_m[:2], interval.end_s)
+        place_m, speed_m_per_s = moved(plan.drives[0], plan.points_m[:2], interval.end_s)
         assert motion.position_m[:2] == pytest.approx(place_m, abs=1e-14)
-        assert motion.velocity_m_s[:2] == pytest.approx(speed_m_s, abs=1e-12)
+        assert motion.velocity_m_per_s[:2] == pytest.approx(speed_m_per_s, abs=1e-12)
 
 
 def test_a_drive_gives_its_body_momentum_and_energy() -> None:
@@ -119,15 +117,15 @@ def test_a_drive_gives_its_body_momentum_and_energy() -> None:
     frames, force_N = exudyn.build(plan), loads(2)[1]
     for interval in intervals(0.31, plan.sync_interval_s):
         motion = frames.advance(interval, Load(force_N))
-    place_m, speed_m_s = (value[0] for value in moved(alone, np.zeros((1, 3)), 0.31))
-    spin_rad_s = 0.02 * 78.5 * np.cos(78.5 * 0.31 + alone.rotation_phase_rad[1])
+    place_m, speed_m_per_s = (value[0] for value in moved(alone, np.zeros((1, 3)), 0.31))
+    spin_rad_per_s = 0.02 * 78.5 * np.cos(78.5 * 0.31 + alone.rotation_phase_rad[1])
     inertia_kg_m2 = plan.bodies[0].inertia_kg_m2[1, 1]
-    energy_J = 764 * speed_m_s @ speed_m_s / 2 + inertia_kg_m2 * spin_rad_s**2 / 2
+    energy_J = 764 * speed_m_per_s @ speed_m_per_s / 2 + inertia_kg_m2 * spin_rad_per_s**2 / 2
     energy_J -= 764 * GRAVITY @ place_m + np.sum(force_N * (motion.position_m - plan.points_m))
     account = frames.account()
     assert account.supplied_J["drive"] == pytest.approx(energy_J, rel=1e-11)
-    assert account.momentum_kg_m_s == pytest.approx(764 * speed_m_s, rel=1e-12)
-    given_N_s = 764 * speed_m_s - 0.31 * force_N.sum(axis=0)
+    assert account.momentum_kg_m_per_s == pytest.approx(764 * speed_m_per_s, rel=1e-12)
+    given_N_s = 764 * speed_m_per_s - 0.31 * force_N.sum(axis=0)
     assert account.outside_impulse_N_s == pytest.approx(given_N_s, rel=1e-11)
 
 
@@ -135,7 +133,7 @@ def test_the_drive_feeds_what_the_bushing_loses() -> None:
     """In the steady state a cycle's work is  pi c w |X - Y|^2  (the loop of a viscous damper).
     At 256 steps a cycle the mass oscillates as at  w (1 + 5e-5), which changes  m w^2  by 1e-4,
     X - Y = m w^2 / (k + i w c - m w^2)  by 2.0e-4 and its square by 3.9e-4."""
-    step_s = 2 * np.pi / SPEED_rad_s / 256
+    step_s = 2 * np.pi / SPEED_rad_per_s / 256
     base = shaken(np.array([0.0, 0.0, 2e-3]))
     frames = exudyn.build(on_a_base(base, isotropic(NONE), step_s))
     books = [frames.account()]
@@ -144,9 +142,9 @@ def test_the_drive_feeds_what_the_bushing_loses() -> None:
         if index + 1 in (256 * 8, 256 * 9):
             books.append(frames.account())
     start, before, after = books
-    pull = STIFFNESS_N_m + 1j * SPEED_rad_s * DAMPING_N_s_m
-    stretch_m = 2e-3 * abs(pull / (pull - MASS_kg * SPEED_rad_s**2) - 1)
-    cycle_J = np.pi * DAMPING_N_s_m * SPEED_rad_s * stretch_m**2
+    pull = STIFFNESS_N_per_m + 1j * SPEED_rad_per_s * DAMPING_N_s_per_m
+    stretch_m = 2e-3 * abs(pull / (pull - MASS_kg * SPEED_rad_per_s**2) - 1)
+    cycle_J = np.pi * DAMPING_N_s_per_m * SPEED_rad_per_s * stretch_m**2
     supplied_J = after.supplied_J["drive"] - before.supplied_J["drive"]
     lost_J = after.lost_J["bushing_damping"] - before.lost_J["bushing_damping"]
     assert supplied_J == pytest.approx(cycle_J, rel=4.5e-4)

@@ -11,16 +11,7 @@ from adapters.frames import exudyn, two_mass
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval, intervals
 from orchestrator.ports.plans import FramesPlan, SolverFailed
-from tests.frames.machines import (
-    ACROSS,
-    ALONG,
-    GRAVITY,
-    POINTS_M,
-    body,
-    bushing,
-    exciter,
-    two_bodies,
-)
+from tests.frames.machines import ACROSS, ALONG, GRAVITY, POINTS_M, body, bushing, exciter, two_bodies
 
 pytestmark = pytest.mark.solver
 
@@ -34,16 +25,16 @@ def end_of(plan: FramesPlan, duration_s: float, load: Load | None = None) -> Arr
     return np.asarray(motion.position_m - POINTS_M)
 
 
-def shaken_along(speed_rad_s: float, run_up_s: float = 0.0, **changed: float) -> FramesPlan:
+def shaken_along(speed_rad_per_s: float, run_up_s: float = 0.0, **changed: float) -> FramesPlan:
     """Two counter-rotating unbalances, and no weight: all forces and stretches lie along x, so
     the bodies only translate, as in two_mass.  (A bushing whose stretch turns about an axis
     passes a couple c w X^2 on, and one that carries weight a couple stretch x force; with one
     unbalance they pitch the driving frame by 1e-4 rad, which is real.)"""
     pair = tuple(
-        exciter(speed_rad_s, run_up_s, axis=axis, start=ALONG, mass_moment_kg_m=1.75)
+        exciter(speed_rad_per_s, run_up_s, axis=axis, start=ALONG, mass_moment_kg_m=1.75)
         for axis in (ACROSS, -ACROSS)
     )
-    return replace(two_bodies(pair, **changed), gravity_m_s2=np.zeros(3))  # type: ignore[arg-type]
+    return replace(two_bodies(pair, **changed), gravity_m_per_s2=np.zeros(3))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("speed", [40.0, 78.5, 90.0, 120.0])
@@ -179,7 +170,7 @@ def test_a_torque_free_top_keeps_momentum_and_energy() -> None:
         bodies=(body("driving"),),
         bushings=(),
         carrier=("driving",) * 4,
-        gravity_m_s2=np.zeros(3),
+        gravity_m_per_s2=np.zeros(3),
     )
     frames = exudyn.build(plan)
     kick = np.random.default_rng(5).normal(size=(4, 3))
@@ -191,7 +182,7 @@ def test_a_torque_free_top_keeps_momentum_and_energy() -> None:
     for interval in run[50:]:
         frames.advance(interval, Load.zero(4))
     assert frames.account().stored_J["kinetic"] == pytest.approx(kinetic_J, rel=1e-5)
-    assert frames.account().momentum_kg_m_s == pytest.approx(np.zeros(3), abs=1e-9)
+    assert frames.account().momentum_kg_m_per_s == pytest.approx(np.zeros(3), abs=1e-9)
 
 
 def test_a_body_that_turns_over_stops_the_run_with_its_time() -> None:

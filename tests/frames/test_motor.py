@@ -23,11 +23,11 @@ from orchestrator.ports.plans import FramesPlan, Motor
 from tests.frames.contract import INTERVAL_S, accounts, defect_J, loads
 from tests.frames.machines import UP, body, bushing, exciter, two_bodies
 
-STIFFNESS_N_m, MASS_kg, MOMENT_kg_m = 4 * 225e3, 764.0, 3.5
-DAMPING_N_s_m = 0.2 * STIFFNESS_N_m / 34.3
+STIFFNESS_N_per_m, MASS_kg, MOMENT_kg_m = 4 * 225e3, 764.0, 3.5
+DAMPING_N_s_per_m = 0.2 * STIFFNESS_N_per_m / 34.3
 MOTOR = Motor(
     rated_power_W=11e3,
-    synchronous_rad_s=80.0,
+    synchronous_rad_per_s=80.0,
     rated_slip=0.04,
     breakdown_ratio=2.5,
     inertia_kg_m2=1.5,
@@ -39,13 +39,13 @@ def one_body(motor: Motor, interval_s: float = 5e-3) -> FramesPlan:
     """Its resonance is at 34.3 rad/s."""
     places = [np.array([x, y, 0.0]) for x in (-0.9, 0.9) for y in (-0.4, 0.4)]
     springs = [bushing(("ground", "driving"), p, (225e3,) * 3) for p in places]
-    damping = np.full(3, DAMPING_N_s_m / 4)
+    damping = np.full(3, DAMPING_N_s_per_m / 4)
     turned = replace(exciter(80.0), motor=motor)
     return replace(
         two_bodies((turned,), interval_s=interval_s),
         bodies=(body("driving", MASS_kg),),
-        bushings=tuple(replace(spring, damping_N_s_m=damping) for spring in springs),
-        gravity_m_s2=np.zeros(3),
+        bushings=tuple(replace(spring, damping_N_s_per_m=damping) for spring in springs),
+        gravity_m_per_s2=np.zeros(3),
         points_m=np.zeros((1, 3)),
         carrier=("driving",),
         reaction_N=np.zeros((1, 3)),
@@ -55,15 +55,15 @@ def one_body(motor: Motor, interval_s: float = 5e-3) -> FramesPlan:
 def surplus_N_m(motor: Motor, speed: Array | float) -> Array:
     """Torque of the motor less what bearing and dampers take at a steady speed."""
     w = np.asarray(speed)
-    dynamic = STIFFNESS_N_m - MASS_kg * w**2 + 1j * DAMPING_N_s_m * w
+    dynamic = STIFFNESS_N_per_m - MASS_kg * w**2 + 1j * DAMPING_N_s_per_m * w
     amplitude_m = MOMENT_kg_m * w**2 / np.abs(dynamic)
-    taken = motor.bearing_N_m_s * w + DAMPING_N_s_m * w * amplitude_m**2
-    return np.asarray(torque_N_m(motor, motor.synchronous_rad_s - w) - taken)
+    taken = motor.bearing_N_m_s * w + DAMPING_N_s_per_m * w * amplitude_m**2
+    return np.asarray(torque_N_m(motor, motor.synchronous_rad_per_s - w) - taken)
 
 
 def steady_speeds(motor: Motor) -> list[float]:
     """Where the surplus changes its sign, from low to high."""
-    tried = np.linspace(1.0, motor.synchronous_rad_s, 4000)
+    tried = np.linspace(1.0, motor.synchronous_rad_per_s, 4000)
     signs = np.sign(surplus_N_m(motor, tried))
     crossings = np.flatnonzero(np.diff(signs))
     return [brentq(lambda w: float(surplus_N_m(motor, w)), *tried[n : n + 2]) for n in crossings]
@@ -72,7 +72,7 @@ def steady_speeds(motor: Motor) -> list[float]:
 def run(frames: Any, plan: FramesPlan, count: int) -> float:
     for index in range(count):
         frames.advance(Interval(index, plan.sync_interval_s), Load.zero(len(plan.points_m)))
-    return float(frames.save()["shafts"]["0"]["speed_rad_s"])
+    return float(frames.save()["shafts"]["0"]["speed_rad_per_s"])
 
 
 Build = Callable[[FramesPlan], Any]
@@ -181,9 +181,7 @@ def test_a_restored_shaft_goes_on_bit_for_bit(build: Build) -> None:
             frames.advance(Interval(index, INTERVAL_S), Load.zero(4))
     second.restore(first.save())
     for index in range(200, 300):
-        motions = [
-            one.advance(Interval(index, INTERVAL_S), Load.zero(4)) for one in (whole, second)
-        ]
+        motions = [one.advance(Interval(index, INTERVAL_S), Load.zero(4)) for one in (whole, second)]
         assert np.array_equal(motions[0].position_m, motions[1].position_m)
 
 

@@ -28,10 +28,9 @@ def end_of(frames: Frames, count: int, interval_s: float, load: Load | None = No
 def test_where_nothing_turns_it_does_what_two_mass_does() -> None:
     """Two counter-rotating unbalances and no weight: all forces and stretches lie along x."""
     pair = tuple(
-        exciter(95.0, 0.1, axis=axis, start=ALONG, mass_moment_kg_m=1.75)
-        for axis in (ACROSS, -ACROSS)
+        exciter(95.0, 0.1, axis=axis, start=ALONG, mass_moment_kg_m=1.75) for axis in (ACROSS, -ACROSS)
     )
-    plan = replace(two_bodies(pair), gravity_m_s2=np.zeros(3))
+    plan = replace(two_bodies(pair), gravity_m_per_s2=np.zeros(3))
     moved_m = [end_of(solver.build(plan), 400, 1e-3) for solver in (planar, two_mass)]
     assert np.abs(moved_m[1]).max() > 1e-3
     assert moved_m[0] == pytest.approx(moved_m[1], abs=1e-13)
@@ -53,9 +52,7 @@ def test_exudyn_comes_near_it_in_second_order_where_motion_is_planar() -> None:
     differences = []
     for step_s in (1e-3, 5e-4):
         plan = off_centre(step_s)
-        moved_m = [
-            end_of(solver.build(plan), round(0.3 / step_s), step_s) for solver in (planar, exudyn)
-        ]
+        moved_m = [end_of(solver.build(plan), round(0.3 / step_s), step_s) for solver in (planar, exudyn)]
         assert np.ptp(moved_m[0][:2, 2]) > 2e-4  # it rocks
         differences.append(np.abs(moved_m[0] - moved_m[1]).max())
     assert differences[0] / differences[1] == pytest.approx(4.0, rel=0.05)
@@ -86,7 +83,7 @@ def test_a_compound_pendulum_swings_as_the_elliptic_integral_says(start_rad: flo
         bushings=(pin,),
         exciters=(),
         drives=(),
-        gravity_m_s2=-9.81 * UP,
+        gravity_m_per_s2=-9.81 * UP,
         points_m=center_m[None],
         carrier=("body",),
         reaction_N=np.zeros((1, 3)),
@@ -126,17 +123,15 @@ def test_rocking_on_springs_at_sqrt_of_k_x2_over_I() -> None:
 
 
 @pytest.mark.parametrize(
-    ("bodies", "stiffness_N_m"),
+    ("bodies", "stiffness_N_per_m"),
     [
         (("base", "mass"), np.array([2e5, 5e4, 1e5])),  # the axes turn with the base
         (("mass", "base"), np.full(3, 1e5)),
     ],
 )
-def test_a_rocking_body_carries_a_free_one_along(
-    bodies: tuple[str, str], stiffness_N_m: Array
-) -> None:
+def test_a_rocking_body_carries_a_free_one_along(bodies: tuple[str, str], stiffness_N_per_m: Array) -> None:
     """By 0.4 rad, against an independent Runge-Kutta solution (1e-9 m)."""
-    plan = rocked(1e-3, np.array([0.0, 0.4, 0.0]), bodies, stiffness_N_m)
+    plan = rocked(1e-3, np.array([0.0, 0.4, 0.0]), bodies, stiffness_N_per_m)
     found_m = plan.points_m[0] + end_of(planar.build(plan), 200, 1e-3)[0]
     assert found_m == pytest.approx(carried_along_m(plan, 0.2), abs=1e-8)
 

@@ -20,7 +20,7 @@ from tests.frames.machines import POINTS_M, exciter, two_bodies
 DRIVE = Drive(
     body="driven",
     center_m=np.array([0.1, 0.0, 0.2]),
-    speed_rad_s=78.5,
+    speed_rad_per_s=78.5,
     amplitude_m=np.array([8e-3, 0.0, 5e-3]),
     phase_rad=np.array([0.3, 0.0, 1.1]),
     rotation_rad=np.array([0.02, 0.4, -0.3]),
@@ -72,12 +72,12 @@ def test_distances_within_a_body_stay() -> None:
 def test_full_speed_is_the_harmonic_itself() -> None:
     still = np.zeros(3)
     drive = replace(DRIVE, rotation_rad=still, center_m=still)
-    position_m, velocity_m_s = moved(drive, POINTS_M, 0.5)
+    position_m, velocity_m_per_s = moved(drive, POINTS_M, 0.5)
     angle = 78.5 * 0.5 + drive.phase_rad
     assert position_m - POINTS_M == pytest.approx(
         np.tile(drive.amplitude_m * np.sin(angle), (4, 1)), abs=1e-15
     )
-    assert velocity_m_s[0] == pytest.approx(78.5 * drive.amplitude_m * np.cos(angle), rel=1e-13)
+    assert velocity_m_per_s[0] == pytest.approx(78.5 * drive.amplitude_m * np.cos(angle), rel=1e-13)
 
 
 def test_drives_supply_what_the_reaction_takes() -> None:

@@ -35,7 +35,7 @@ def test_amplitude_and_phase_follow_the_closed_form(speed: float) -> None:
         motion = frames.advance(interval, Load.zero(4))
     moved = (motion.position_m - POINTS_M)[[0, 2], 0]
     turned = np.exp(1j * speed * 4.0)
-    for amplitude, at_end, v in zip(expected, moved, motion.velocity_m_s[[0, 2], 0], strict=True):
+    for amplitude, at_end, v in zip(expected, moved, motion.velocity_m_per_s[[0, 2], 0], strict=True):
         # 1e-12 m: the transient has decayed by exp(-40)
         assert at_end == pytest.approx((amplitude * turned).real, abs=1e-12)
         assert v == pytest.approx((1j * speed * amplitude * turned).real, abs=1e-10)
@@ -67,7 +67,7 @@ def reference(plan: FramesPlan, reaction_N: Array, time_s: float) -> tuple[Array
     machine = linear.linearised(plan, linear.TRANSLATIONS)
     n = len(machine.mass)
     (turning,) = plan.exciters
-    w, size = turning.speed_rad_s, turning.mass_moment_kg_m * turning.speed_rad_s**2
+    w, size = turning.speed_rad_per_s, turning.mass_moment_kg_m * turning.speed_rad_per_s**2
     side = np.cross(turning.axis, turning.start)
     a = np.zeros((2 * n + 3, 2 * n + 3))
     a[:n, n : 2 * n] = np.eye(n)
@@ -91,9 +91,9 @@ def test_transient_is_that_of_the_matrix_exponential(count: int) -> None:
     for index in range(count):
         motion = frames.advance(Interval(index, 0.7 / count), load)
     reaction_N = np.array([load.force_N[:2].sum(axis=0), load.force_N[2:].sum(axis=0)])
-    x_m, v_m_s = reference(plan, reaction_N, 0.7)
+    x_m, v_m_per_s = reference(plan, reaction_N, 0.7)
     assert motion.position_m - POINTS_M == pytest.approx(x_m.repeat(2, axis=0), abs=1e-13)
-    assert motion.velocity_m_s == pytest.approx(v_m_s.repeat(2, axis=0), abs=1e-11)
+    assert motion.velocity_m_per_s == pytest.approx(v_m_per_s.repeat(2, axis=0), abs=1e-11)
 
 
 def test_run_up_does_not_depend_on_the_step() -> None:
@@ -142,17 +142,12 @@ def test_a_bushing_loses_pi_c_w_X2_per_cycle() -> None:
 
 def test_a_free_body_falls_by_half_g_t2() -> None:
     plan = replace(
-        two_bodies(drawn_at_rest=False),
-        bodies=(body("driving"),),
-        bushings=(),
-        carrier=("driving",) * 4,
+        two_bodies(drawn_at_rest=False), bodies=(body("driving"),), bushings=(), carrier=("driving",) * 4
     )
     frames = build(plan)
     for interval in intervals(0.3, 1e-2):
         motion = frames.advance(interval, Load.zero(4))
-    assert motion.position_m - POINTS_M == pytest.approx(
-        np.tile(GRAVITY * 0.3**2 / 2, (4, 1)), abs=1e-14
-    )
+    assert motion.position_m - POINTS_M == pytest.approx(np.tile(GRAVITY * 0.3**2 / 2, (4, 1)), abs=1e-14)
 
 
 def test_bushings_that_cannot_hold_the_weight_are_refused() -> None:
@@ -166,8 +161,8 @@ def test_tilted_axes_turn_the_stiffness() -> None:
     c, s = np.cos(np.pi / 6), np.sin(np.pi / 6)
     axes = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
     plan = two_bodies()
-    tilted = replace(plan.bushings[0], axes=axes, stiffness_N_m=np.array([1e5, 2e5, 4e5]))
-    tilted = replace(tilted, damping_N_s_m=np.array([1.2e4, 1.7e4, 2.4e4]))
+    tilted = replace(plan.bushings[0], axes=axes, stiffness_N_per_m=np.array([1e5, 2e5, 4e5]))
+    tilted = replace(tilted, damping_N_s_per_m=np.array([1.2e4, 1.7e4, 2.4e4]))
     plan = replace(plan, bodies=plan.bodies[:1], bushings=(tilted,), carrier=("driving",) * 4)
     frames = build(plan)
     pull_N = 100.0 * ALONG

@@ -8,12 +8,12 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-G_M_S2 = 9.81
+G_M_PER_S2 = 9.81
 WIDTH_M, THICKNESS_M = 0.2, 0.004  # of the panel that the lump falls on
-C10_PA, C01_PA, PU_KG_M3 = 0.7e6, 2.8e6, 1150.0
+C10_PA, C01_PA, PU_KG_PER_M3 = 0.7e6, 2.8e6, 1150.0
 
 
-def stretched_J_m3(stretch: float) -> float:
+def stretched_J_per_m3(stretch: float) -> float:
     """Energy of an incompressible Mooney-Rivlin bar, per volume (Treloar, The Physics of Rubber
     Elasticity, 1975, ch. 5)."""
     one = stretch**2 + 2 / stretch - 3
@@ -30,12 +30,12 @@ def vee_J(depth_m: float, length_m: float, span_m: float, area_m2: float) -> flo
     """Least energy of a strip held at both ends whose middle is ``depth_m`` below them: the
     shortest line through the three points is a V; a slack one has none."""
     stretch = 2 * math.hypot(span_m / 2, depth_m) / length_m
-    return area_m2 * length_m * stretched_J_m3(max(stretch, 1.0))
+    return area_m2 * length_m * stretched_J_per_m3(max(stretch, 1.0))
 
 
 def deepest_m(
     lump_kg: float,
-    speed_m_s: float,
+    speed_m_per_s: float,
     panel: tuple[float, float, float],
     kept: float = 1.0,
     stiffer: float = 1.0,
@@ -48,17 +48,17 @@ def deepest_m(
     the contact, whose spring then holds its part, as does the panel's bending.
     """
     length_m, span_m, area_m2 = panel
-    panel_kg = PU_KG_M3 * area_m2 * length_m
+    panel_kg = PU_KG_PER_M3 * area_m2 * length_m
     bending_N_m2 = 6 * (C10_PA + C01_PA) * area_m2 * THICKNESS_M**2 / 12
     rest_J = stiffer * vee_J(0.0, length_m, span_m, area_m2)
 
     def missing_J(depth_m: float) -> float:
-        fallen_J = (lump_kg + panel_kg) * G_M_S2 * depth_m
+        fallen_J = (lump_kg + panel_kg) * G_M_PER_S2 * depth_m
         stored_J = stiffer * vee_J(depth_m, length_m, span_m, area_m2)
         push_N = stiffer * vee_J(depth_m + 1e-6, length_m, span_m, area_m2) - stored_J
         pressed_J = hertz_J(push_N / 1e-6, *contact) if contact else 0.0
         bent_J = stiffer * turned_J(depth_m, length_m, span_m, bending_N_m2) if contact else 0.0
-        kinetic_J = kept * lump_kg * speed_m_s**2 / 2
+        kinetic_J = kept * lump_kg * speed_m_per_s**2 / 2
         return kinetic_J + fallen_J - (stored_J - rest_J) - pressed_J - bent_J
 
     return float(brentq(missing_J, 1e-4, 0.5))
@@ -86,7 +86,7 @@ def shared(lump_kg: float, panel_kg: float) -> float:
     return lump_kg / (lump_kg + panel_kg / 3)
 
 
-def tangent_N_m(stretch: float, area_m2: float, length_m: float) -> float:
+def tangent_N_per_m(stretch: float, area_m2: float, length_m: float) -> float:
     """Stiffness of a stretched strip along itself."""
     small = 1e-6
     slope_Pa = (nominal_Pa(stretch + small) - nominal_Pa(stretch - small)) / (2 * small)
@@ -98,7 +98,7 @@ def swept_m(
     to_ground: tuple[float, float],
     between: tuple[float, float],
     moment_kg_m: float,
-    speed_rad_s: float,
+    speed_rad_per_s: float,
     run_up_s: float,
     end_s: float,
     branches: tuple[float, tuple[tuple[float, float], ...]] = (0.0, ()),
@@ -115,10 +115,10 @@ def swept_m(
 
     def force_N(t: float) -> float:
         rising = min(t, run_up_s)
-        angle = speed_rad_s / 2 * (rising - math.sin(rate * rising) / rate)
-        angle += speed_rad_s * (t - rising)
-        speed = speed_rad_s / 2 * (1 - math.cos(rate * rising))
-        growth = speed_rad_s / 2 * rate * math.sin(rate * rising)
+        angle = speed_rad_per_s / 2 * (rising - math.sin(rate * rising) / rate)
+        angle += speed_rad_per_s * (t - rising)
+        speed = speed_rad_per_s / 2 * (1 - math.cos(rate * rising))
+        growth = speed_rad_per_s / 2 * rate * math.sin(rate * rising)
         return moment_kg_m * (speed**2 * math.cos(angle) + growth * math.sin(angle))
 
     def rates(t: float, y: np.ndarray) -> list[float]:
@@ -128,7 +128,5 @@ def swept_m(
         return [v1, v2, (force_N(t) + shear - kg * x1 - cg * v1) / m1, -shear / m2, *relaxing]
 
     times_s = np.linspace(0, end_s, 20001)
-    found = solve_ivp(
-        rates, (0, end_s), [0.0] * (4 + len(maxwell)), t_eval=times_s, rtol=1e-9, atol=1e-12
-    )
+    found = solve_ivp(rates, (0, end_s), [0.0] * (4 + len(maxwell)), t_eval=times_s, rtol=1e-9, atol=1e-12)
     return float(np.abs(found.y[1]).max())

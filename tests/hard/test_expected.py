@@ -64,16 +64,7 @@ def folders(tmp_path: Path) -> dict[str, Path]:
         ({"axis": "x", "measure": "relative", "against": "two"}, 0.5),
         ({"measure": "difference", "against": "two"}, 4.0),
         ({"axis": "x", "measure": "later", "between_s": (3, 4), "earlier_s": (0, 1)}, 4.0),
-        (
-            {
-                "axis": "x",
-                "measure": "moved",
-                "take": "mean",
-                "between_s": (0, 1),
-                "earlier_s": (3, 4),
-            },
-            3.0,
-        ),
+        ({"axis": "x", "measure": "moved", "take": "mean", "between_s": (0, 1), "earlier_s": (3, 4)}, 3.0),
         ({"run": "two", "measure": "unexplained"}, 2.0),
         ({"run": "two", "measure": "share_unexplained"}, 1.0),
         ({"run": "two", "measure": "kept"}, 2.0),
@@ -111,9 +102,9 @@ def test_what_is_not_there_is_unknown(folders: dict[str, Path]) -> None:
         (DONE, "stable"),
         (DONE | {"status": "doubtful"}, "warned"),
         (DONE | {"status": "incomplete"}, "stable"),
-        (DONE | {"watch": {"figures": {"growing_modes": {"times": 0}}}}, "stable"),
-        (DONE | {"watch": {"figures": {"growing_modes": {"times": 1}}}}, "warned"),
-        (DONE | {"watch": {"figures": {"deep_overlaps": {"times": 1}}}}, "stable"),
+        (DONE | {"monitor": {"figures": {"growing_modes": {"times": 0}}}}, "stable"),
+        (DONE | {"monitor": {"figures": {"growing_modes": {"times": 1}}}}, "warned"),
+        (DONE | {"monitor": {"figures": {"deep_overlaps": {"times": 1}}}}, "stable"),
     ],
 )
 def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> None:
@@ -134,9 +125,7 @@ def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> 
     ],
 )
 def test_verdicts(measured: float | None, given: dict[str, object], verdict: str) -> None:
-    expected = Expected(
-        number=1, happens="a", expected="b", runs={}, criteria=(criterion(**given),)
-    )
+    expected = Expected(number=1, happens="a", expected="b", runs={}, criteria=(criterion(**given),))
     case = cases.HardCase("a", Path(), expected, {})
     line = verdicts.Line(case, expected.criteria[0], measured, "not run")
     assert line.verdict == verdict

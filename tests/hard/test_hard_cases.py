@@ -36,9 +36,7 @@ def every_criterion() -> list[object]:
 
 
 @pytest.fixture(scope="module")
-def was_run(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Callable[[str], cases.HardCase]:
+def was_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], cases.HardCase]:
     """A case with all its runs made, each case once."""
     out, made = tmp_path_factory.mktemp("hard"), {}
 

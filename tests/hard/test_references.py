@@ -17,7 +17,7 @@ from orchestrator.studies.hard.expected import read
 from tests.hard import closed_forms as known
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
-G = known.G_M_S2
+G = known.G_M_PER_S2
 
 
 def case(name: str, *sets: str) -> Case:
@@ -39,7 +39,7 @@ def reference(name: str, run: str, words: str) -> float:
 @pytest.mark.parametrize(("name", "run"), [("heavy-bed", "bed"), ("size-ratio", "both")])
 def test_weights(name: str, run: str) -> None:
     bed = initial_particles(case(name), {"coal": 0, "glass": 1, "PU": 2})
-    weight_N = math.pi / 6 * float(bed.diameter_m**3 @ bed.density_kg_m3) * G
+    weight_N = math.pi / 6 * float(bed.diameter_m**3 @ bed.density_kg_per_m3) * G
     assert reference(name, run, "force on the panel") == pytest.approx(-weight_N, rel=1e-4)
 
 
@@ -47,18 +47,18 @@ def test_weights(name: str, run: str) -> None:
 def test_how_deep_the_lump_goes(run: str) -> None:
     one = case("lump-drop", *read(FOLDER / "lump-drop").runs[run].sets)
     panel, lump = one.screen.panels["deck"], one.bed.particles["lump"]
-    speed_m_s = -lump.velocity_m_s[2]
-    assert speed_m_s == pytest.approx(math.sqrt(2 * G * 1.0), rel=1e-6)  # from 1 m
+    speed_m_per_s = -lump.velocity_m_per_s[2]
+    assert speed_m_per_s == pytest.approx(math.sqrt(2 * G * 1.0), rel=1e-6)  # from 1 m
     assert bed_kg(one) == pytest.approx(0.5, rel=1e-5)
     section_m2 = panel.width_m * panel.thickness_m
     assert (panel.width_m, panel.thickness_m) == (known.WIDTH_M, known.THICKNESS_M)
     strip = (panel.length_m, panel.length_m + (panel.tension_m or 0.0), section_m2)
-    panel_kg = known.PU_KG_M3 * section_m2 * panel.length_m
+    panel_kg = known.PU_KG_PER_M3 * section_m2 * panel.length_m
     moduli = (contact_moduli(one.materials[name], None) for name in ("coal", "PU"))
-    most_m = known.deepest_m(0.5, speed_m_s, strip)
+    most_m = known.deepest_m(0.5, speed_m_per_s, strip)
     least_m = known.deepest_m(
         0.5,
-        speed_m_s,
+        speed_m_per_s,
         strip,
         kept=known.shared(0.5, panel_kg) * (1 - math.pi / 2 * 0.12),  # loss factor, quarter swing
         stiffer=1.6,  # 1 + the branches' ratios
@@ -81,30 +81,30 @@ def test_the_way_through_resonance() -> None:
     screen, panel = one.screen, one.screen.panels["deck"]
     section_m2 = panel.width_m * panel.thickness_m
     stretch = 1 + (panel.tension_m or 0.0) / panel.length_m
-    tangent_N_m = known.tangent_N_m(stretch, section_m2, panel.length_m)
-    panel_kg = known.PU_KG_M3 * section_m2 * panel.length_m
+    tangent_N_per_m = known.tangent_N_per_m(stretch, section_m2, panel.length_m)
+    panel_kg = known.PU_KG_PER_M3 * section_m2 * panel.length_m
     masses = [(screen.frames[name].mass_kg or 0.0) + panel_kg for name in ("driving", "driven")]
 
     def along(name: str) -> tuple[float, float]:
         springs = screen.bushings[name]
         number = len(springs.positions_m)
-        return number * springs.stiffness_N_m[0], number * springs.damping_N_s_m[0]
+        return number * springs.stiffness_N_per_m[0], number * springs.damping_N_s_per_m[0]
 
-    stiffness_N_m, damping_N_s_m = along("shear")
+    stiffness_N_per_m, damping_N_s_per_m = along("shear")
     law = one.materials["PU"].hyperelastic
     assert law is not None
     branches = tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell)
-    slack_N_m = 2 * 6 * (law.c10_Pa + law.c01_Pa) * section_m2 / panel.length_m  # where they act
+    slack_N_per_m = 2 * 6 * (law.c10_Pa + law.c01_Pa) * section_m2 / panel.length_m  # where they act
     shaft = screen.exciters["shaft"]
     largest_m = known.swept_m(
         (masses[0], masses[1]),
         along("isolation"),
-        (stiffness_N_m + 2 * tangent_N_m, damping_N_s_m),
+        (stiffness_N_per_m + 2 * tangent_N_per_m, damping_N_s_per_m),
         shaft.mass_moment_kg_m,
-        shaft.speed_rad_s,
+        shaft.speed_rad_per_s,
         shaft.run_up_s,
         one.duration_s,
-        (slack_N_m, branches),
+        (slack_N_per_m, branches),
     )
     assert reference("resonance", "sweep", "largest") == pytest.approx(largest_m, rel=1e-4)
 
@@ -112,24 +112,24 @@ def test_the_way_through_resonance() -> None:
 def test_undamped_bushings() -> None:
     one = case("bushings")
     panel, shaft = one.screen.panels["deck"], one.screen.exciters["shaft"]
-    panel_kg = known.PU_KG_M3 * panel.width_m * panel.thickness_m * panel.length_m
+    panel_kg = known.PU_KG_PER_M3 * panel.width_m * panel.thickness_m * panel.length_m
     driving_kg, driven_kg = (one.screen.frames[n].mass_kg or 0.0 for n in ("driving", "driven"))
-    speed = shaft.speed_rad_s
+    speed = shaft.speed_rad_per_s
     amplitude_m = shaft.mass_moment_kg_m / (driving_kg + driven_kg + 2 * panel_kg)
-    velocity_m_s = reference("bushings", "undamped", "velocity")
-    assert velocity_m_s == pytest.approx(2 * speed * amplitude_m, rel=1e-4)
+    velocity_m_per_s = reference("bushings", "undamped", "velocity")
+    assert velocity_m_per_s == pytest.approx(2 * speed * amplitude_m, rel=1e-4)
     shear = one.screen.bushings["shear"]
-    stiffness_N_m = len(shear.positions_m) * shear.stiffness_N_m[0]
-    stretch_m = (driven_kg + panel_kg) * speed**2 * amplitude_m / stiffness_N_m
+    stiffness_N_per_m = len(shear.positions_m) * shear.stiffness_N_per_m[0]
+    stretch_m = (driven_kg + panel_kg) * speed**2 * amplitude_m / stiffness_N_per_m
     assert reference("bushings", "undamped", "against") == pytest.approx(2 * stretch_m, rel=1e-4)
 
 
 def test_the_bond_number() -> None:
     one = case("sticky-fines")
     size = one.bed.blocks["fines"].sizes[0].largest_m
-    weight_N = math.pi / 6 * size**3 * one.materials["coal"].density_kg_m3 * G
+    weight_N = math.pi / 6 * size**3 * one.materials["coal"].density_kg_per_m3 * G
     for contact in one.contacts:
-        pull_off_N = 1.5 * math.pi * contact.work_of_adhesion_J_m2 * size / 2  # on a plane
+        pull_off_N = 1.5 * math.pi * contact.work_of_adhesion_J_per_m2 * size / 2  # on a plane
         assert pull_off_N / weight_N == pytest.approx(500, rel=1e-3)
     assert reference("sticky-fines", "dry", "share") == one.bed.blocks["fines"].count
     holes = one.screen.panels["deck"].apertures
@@ -155,16 +155,16 @@ def test_what_a_squeeze_can_give() -> None:
     reduced_Pa = reduced_modulus_Pa(*moduli)
     overlap_J = 8 / 15 * reduced_Pa * math.sqrt(ball.diameter_m / 2) * stroke_m**2.5
     squeeze_J = 2 * overlap_J
-    speed_m_s = math.sqrt(2 * squeeze_J / bed_kg(one))
-    speed_m_s += abs(drive.amplitude_m[0]) * drive.speed_rad_s
+    speed_m_per_s = math.sqrt(2 * squeeze_J / bed_kg(one))
+    speed_m_per_s += abs(drive.amplitude_m[0]) * drive.speed_rad_per_s
     assert reference("jam", "squeezed", "created") == pytest.approx(squeeze_J, rel=0.02)
-    assert reference("jam", "squeezed", "fastest") == pytest.approx(speed_m_s, rel=0.02)
+    assert reference("jam", "squeezed", "fastest") == pytest.approx(speed_m_per_s, rel=0.02)
 
 
 def test_the_energy_of_the_balls() -> None:
     one = case("elastic")
-    speed_m_s = one.bed.blocks["balls"].velocity_m_s[2]
-    kinetic_J = bed_kg(one) * speed_m_s**2 / 2
+    speed_m_per_s = one.bed.blocks["balls"].velocity_m_per_s[2]
+    kinetic_J = bed_kg(one) * speed_m_per_s**2 / 2
     assert reference("elastic", "bouncing", "stored") == pytest.approx(kinetic_J, rel=1e-4)
 
 
@@ -172,7 +172,7 @@ def test_what_lies_at_rest() -> None:
     one = case("at-rest")
     panel = one.screen.panels["deck"]
     length_m = panel.length_m + 2 * panel.clamp_m
-    panel_kg = known.PU_KG_M3 * length_m * panel.width_m * panel.thickness_m
+    panel_kg = known.PU_KG_PER_M3 * length_m * panel.width_m * panel.thickness_m
     weight_N = (panel_kg + bed_kg(one) / 2) * G
     for number in (1, 2):
         found = reference("at-rest", "long", f"force of panel {number}")

@@ -45,7 +45,7 @@ def spots(tmp_path: Path) -> list[stability_map.Spot]:
     (case / "case.toml").write_text(text)
     shutil.copy(HARD / "interval/levels/draft.toml", case / "levels")
     (case / "map.toml").write_text(
-        f'key = "materials.coal.density_kg_m3"\nvalues = [350.0, 1430.0]\nmultiples = [1.0, 2.0]\n'
+        f'key = "materials.coal.density_kg_per_m3"\nvalues = [350.0, 1430.0]\nmultiples = [1.0, 2.0]\n'
         f"sets = {json.dumps(STRIP)}\n"
     )
     return stability_map.spots(case, tmp_path / "out")

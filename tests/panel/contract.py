@@ -95,10 +95,10 @@ def held(panel: Panel) -> Motion:
     return Motion(panel.mount.position_m, np.zeros_like(panel.mount.position_m))
 
 
-def shifted(panel: Panel, shift_m: Array, velocity_m_s: Array) -> Motion:
+def shifted(panel: Panel, shift_m: Array, velocity_m_per_s: Array) -> Motion:
     """All clamps moved alike; both (3,)."""
     moved = panel.mount.position_m + shift_m
-    return Motion(moved, np.broadcast_to(velocity_m_s, moved.shape).copy())
+    return Motion(moved, np.broadcast_to(velocity_m_per_s, moved.shape).copy())
 
 
 def swung(panel: Panel, time_s: float) -> Motion:

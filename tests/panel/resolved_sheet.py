@@ -36,25 +36,19 @@ def resolved(plan, pieces_along, pieces_across):
     pattern, rectangle = plan.apertures, plan.rectangle
     centres = pattern.centres_m(rectangle)
     s = lines_m(
-        rectangle.length_m,
-        np.unique(centres[:, 0]),
-        pattern.length_m,
-        rectangle.clamp_m,
-        *pieces_along,
+        rectangle.length_m, np.unique(centres[:, 0]), pattern.length_m, rectangle.clamp_m, *pieces_along
     )
     y = lines_m(rectangle.width_m, np.unique(centres[:, 1]), pattern.width_m, 0.0, *pieces_across)
     number = np.arange(len(s) * len(y)).reshape(len(s), len(y))
-    cells = np.stack(
-        [number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]], axis=-1
-    ).reshape(-1, 4)
+    cells = np.stack([number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]], axis=-1).reshape(
+        -1, 4
+    )
     points = np.column_stack([np.repeat(s, len(y)), np.tile(y, len(s))])
     middle = points[cells].mean(axis=1)
     half = np.array([pattern.length_m, pattern.width_m]) / 2
     hole = (np.abs(middle[:, None] - centres[None]) < half).all(axis=2).any(axis=1)
     used, cells = np.unique(cells[~hole], return_inverse=True)
-    linear = ufl.Mesh(
-        ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 1)
-    )
+    linear = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("quadrilateral", geometric_dimension=2), 1))
     flat = mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 4), points[used], linear)
     space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
     scalars = function_space(flat, ufl.FiniteElement("Lagrange", flat.ufl_cell(), 2))
@@ -63,7 +57,7 @@ def resolved(plan, pieces_along, pieces_across):
     bending = sheet_forms.bending(plan, scalars, material_m)
     return Structure(
         sheet_forms.law(plan, fem.Function(space)),
-        plan.material.density_kg_m3 * plan.thickness_m,
+        plan.material.density_kg_per_m3 * plan.thickness_m,
         held,
         bending,
     )
@@ -75,8 +69,8 @@ class Found:
 
     def __init__(self, plan, structure):
         tangent = Tangent(structure)
-        start = first_guess_m(plan.rectangle, plan.gravity_m_s2, structure.material_m)
-        weight = structure.mass_kg[:, None] * plan.gravity_m_s2
+        start = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
+        weight = structure.mass_kg[:, None] * plan.gravity_m_per_s2
         rest = settle(structure, tangent, start, weight, plan.name)
         force = structure.force_N(rest)
         second = structure.material_m[structure.held, 0] > plan.rectangle.length_m / 2

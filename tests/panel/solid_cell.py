@@ -72,13 +72,9 @@ def _mesh(pattern, thickness_m, pieces):
     cells = np.stack(corners, axis=1)
     points = np.stack(np.meshgrid(s, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     middle = points[cells].mean(axis=1)
-    hole = (np.abs(middle[:, 0]) < pattern.length_m / 2) & (
-        np.abs(middle[:, 1]) < pattern.width_m / 2
-    )
+    hole = (np.abs(middle[:, 0]) < pattern.length_m / 2) & (np.abs(middle[:, 1]) < pattern.width_m / 2)
     used, cells = np.unique(cells[~hole], return_inverse=True)
-    linear = ufl.Mesh(
-        ufl.VectorElement("Lagrange", ufl.Cell("hexahedron", geometric_dimension=3), 1)
-    )
+    linear = ufl.Mesh(ufl.VectorElement("Lagrange", ufl.Cell("hexahedron", geometric_dimension=3), 1))
     return mesh.create_mesh(MPI.COMM_SELF, cells.reshape(-1, 8), points[used], linear)
 
 

@@ -34,7 +34,7 @@ def test_books_are_those_of_a_massless_body() -> None:
     wall.advance(Interval(0, INTERVAL_S), moved, Load(np.full((3, 3), 2.0)))
     account = wall.account()
     assert account.received_J == pytest.approx({"load": 0.6, "clamps": -0.6})
-    assert not account.momentum_kg_m_s.any()
+    assert not account.momentum_kg_m_per_s.any()
     assert not account.outside_impulse_N_s.any()
 
 

@@ -16,7 +16,7 @@ from tests.panel.elastic_plans import plan
 
 pytestmark = pytest.mark.solver
 
-LENGTH_M, SIDE_M, GRAVITY_M_S2, DENSITY_KG_M3, YOUNGS_PA = 0.3, 0.004, 0.02, 1200.0, 21e6
+LENGTH_M, SIDE_M, GRAVITY_M_PER_S2, DENSITY_KG_PER_M3, YOUNGS_PA = 0.3, 0.004, 0.02, 1200.0, 21e6
 
 
 def narrow(solver: str, clamp_m: float) -> PanelPlan:
@@ -27,7 +27,7 @@ def narrow(solver: str, clamp_m: float) -> PanelPlan:
         thickness_m=SIDE_M,
         width_m=SIDE_M,
         clamp_m=clamp_m,
-        gravity_m_s2=GRAVITY_M_S2,
+        gravity_m_per_s2=GRAVITY_M_PER_S2,
         cells=(60, 1),
         integrator="explicit" if solver == "strip" else "implicit",
     )
@@ -51,9 +51,9 @@ def test_sag_under_its_own_weight(solver: str, clamp_m: float, share: float) -> 
     middle = panel.interpolation(np.array([[LENGTH_M / 2, SIDE_M / 2]]))
     sag_m = 0.3 - (middle @ panel.initial().surface.position_m)[0, 2]
     panel.close()
-    weight_N_m = DENSITY_KG_M3 * GRAVITY_M_S2 * SIDE_M**2
+    weight_N_per_m = DENSITY_KG_PER_M3 * GRAVITY_M_PER_S2 * SIDE_M**2
     bending_N_m2 = YOUNGS_PA * SIDE_M**4 / 12
-    assert sag_m == pytest.approx(share * weight_N_m * LENGTH_M**4 / bending_N_m2, rel=0.01)
+    assert sag_m == pytest.approx(share * weight_N_per_m * LENGTH_M**4 / bending_N_m2, rel=0.01)
 
 
 @pytest.mark.parametrize("solver", ["sheet", "solid"])
@@ -66,7 +66,7 @@ def test_a_taut_panel_pulls_as_much_on_hinges(solver: str) -> None:
         span_m=length_m * stretch,
         width_m=0.03,
         clamp_m=0.0,
-        gravity_m_s2=0.0,
+        gravity_m_per_s2=0.0,
         cells=(30, 3),
         integrator="implicit",
     )

@@ -132,9 +132,7 @@ def test_what_is_in_the_cache_waits_for_nobody(tmp_path: Path) -> None:
 
 def test_who_waits_for_a_stopped_process_says_so_and_gives_up(tmp_path: Path) -> None:
     """The second form is not waited for again: the same process still holds the lock."""
-    patience = (
-        "import adapters.panel.common.compiled as compiled\ncompiled.GIVEN_UP_AFTER_S = 6.0\n"
-    )
+    patience = "import adapters.panel.common.compiled as compiled\ncompiled.GIVEN_UP_AFTER_S = 6.0\n"
     with stopped_while_it_compiles(tmp_path) as stopped:
         errors = started(tmp_path, patience + PROGRAM).communicate(timeout=TOGETHER_S)[1]
         assert f"waiting for process {stopped.pid} on " in errors

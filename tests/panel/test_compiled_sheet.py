@@ -69,16 +69,15 @@ def test_a_shaken_and_loaded_panel(pattern, branches):
     for k in range(1200):
         load = Load(rng.normal(scale=0.05, size=rest_m.shape))
         python, compiled = (
-            panel.advance(Interval(k, length_s), shaken(panel, (k + 1) * length_s), load)
-            for panel in panels
+            panel.advance(Interval(k, length_s), shaken(panel, (k + 1) * length_s), load) for panel in panels
         )
         if k % 100 == 0:
             reached = compiled.surface.position_m - rest_m
             assert difference(reached, python.surface.position_m - rest_m) < 1e-9
-            assert difference(compiled.surface.velocity_m_s, python.surface.velocity_m_s) < 1e-9
+            assert difference(compiled.surface.velocity_m_per_s, python.surface.velocity_m_per_s) < 1e-9
             assert difference(compiled.reaction.force_N, python.reaction.force_N) < 1e-9
     expected, found = (panel.account() for panel in panels)
-    assert found.momentum_kg_m_s == pytest.approx(expected.momentum_kg_m_s, rel=1e-9, abs=1e-12)
+    assert found.momentum_kg_m_per_s == pytest.approx(expected.momentum_kg_m_per_s, rel=1e-9, abs=1e-12)
     for books in ("stored_J", "lost_J", "received_J"):
         assert getattr(found, books) == pytest.approx(getattr(expected, books), rel=1e-9)
     assert bool(found.lost_J["panel_damping"]) == bool(branches)

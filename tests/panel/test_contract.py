@@ -33,7 +33,7 @@ marked = [
     for name, case in CASES.items()
 ]
 every_adapter = pytest.mark.parametrize("case", marked)
-GRAVITY_M_S2 = np.array([0.0, 0.0, -9.81])
+GRAVITY_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 
 
 def mass_kg(case: Case) -> float:
@@ -42,14 +42,14 @@ def mass_kg(case: Case) -> float:
     area_m2 = (plan.rectangle.length_m + 2 * plan.rectangle.clamp_m) * plan.rectangle.width_m
     if plan.apertures:
         area_m2 -= len(plan.apertures.centres_m(plan.rectangle)) * plan.apertures.opening_m2
-    return area_m2 * plan.thickness_m * plan.material.density_kg_m3
+    return area_m2 * plan.thickness_m * plan.material.density_kg_per_m3
 
 
 @every_adapter
 def test_clamps_start_on_the_mount_and_at_rest(case: Case) -> None:
     panel = case.open()
     state, rectangle = panel.initial(), case.plan.rectangle
-    assert not state.surface.velocity_m_s.any()
+    assert not state.surface.velocity_m_per_s.any()
     assert set(panel.mount.frame) == {"driving", "driven"}
     ends = np.array([[s, y] for s in (0.0, rectangle.length_m) for y in (0, rectangle.width_m)])
     corners_m = panel.interpolation(ends) @ state.surface.position_m
@@ -65,7 +65,7 @@ def test_at_rest_nothing_moves_and_the_reaction_is_the_weight(case: Case) -> Non
     unloaded = Load.zero(len(start.surface))
     for index in range(50):
         state = panel.advance(Interval(index, INTERVAL_S), held(panel), unloaded)
-    weight_N = mass_kg(case) * GRAVITY_M_S2
+    weight_N = mass_kg(case) * GRAVITY_M_PER_S2
     for reaction in (start.reaction, state.reaction):
         assert reaction.force_N.sum(axis=0) == pytest.approx(weight_N, abs=20 * case.still_N)
     assert state.reaction.force_N == pytest.approx(start.reaction.force_N, abs=case.still_N)
@@ -85,7 +85,7 @@ def test_interpolation_sums_to_one_and_reproduces_linear_fields(case: Case) -> N
     force = rng.normal(size=(50, 3))
     assert (H.T @ force).sum(axis=0) == pytest.approx(force.sum(axis=0), abs=1e-12)
     unstretched = replace(rectangle, span_m=rectangle.length_m)
-    still = replace(case.plan, rectangle=unstretched, gravity_m_s2=np.zeros(3))
+    still = replace(case.plan, rectangle=unstretched, gravity_m_per_s2=np.zeros(3))
     straight_m = replace(case, plan=still).open().initial().surface.position_m
     off_m = H @ straight_m - unstretched.mounted(somewhere)
     assert np.ptp(off_m, axis=0).max() < 1e-11
@@ -106,14 +106,12 @@ def test_momentum_balances_in_every_interval(case: Case) -> None:
     panel = case.open()
     run = driven(panel, 200)
     size = max(np.abs(s.reaction.force_N).sum() for s in run.states) * INTERVAL_S
-    for (before, after), load, state in zip(
-        pairwise(run.accounts), run.loads, run.states[1:], strict=True
-    ):
-        change = after.momentum_kg_m_s - before.momentum_kg_m_s
+    for (before, after), load, state in zip(pairwise(run.accounts), run.loads, run.states[1:], strict=True):
+        change = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s
         outside = after.outside_impulse_N_s - before.outside_impulse_N_s
         ports = INTERVAL_S * (load.force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0))
         assert change == pytest.approx(outside + ports, abs=1e-12 * size)
-    weight_N_s = 200 * INTERVAL_S * mass_kg(case) * GRAVITY_M_S2
+    weight_N_s = 200 * INTERVAL_S * mass_kg(case) * GRAVITY_M_PER_S2
     given = run.accounts[-1].outside_impulse_N_s - run.accounts[0].outside_impulse_N_s
     assert given == pytest.approx(weight_N_s, rel=1e-9, abs=1e-12)
 
@@ -131,13 +129,13 @@ def test_momentum_in_the_books_is_that_of_the_surface(case: Case) -> None:
         share_s = (started_s - 0.1 / np.pi * np.sin(np.pi * started_s / 0.1)) / 2
         end = shifted(panel, velocity * (share_s + time_s - started_s), ramp * velocity)
         state = panel.advance(Interval(index, INTERVAL_S), end, unloaded)
-    momentum = panel.account().momentum_kg_m_s
+    momentum = panel.account().momentum_kg_m_per_s
     # Galilean invariance too: carried at constant velocity after a smooth start, a panel only
     # has its weight left; what still rings after 0.2 s is below 1e-3 of the starting force
     assert momentum == pytest.approx(mass_kg(case) * velocity, rel=1e-3, abs=1e-5)
     reaction_N = state.reaction.force_N.sum(axis=0)
     started_N = mass_kg(case) * np.linalg.norm(velocity) / 0.1
-    assert reaction_N == pytest.approx(mass_kg(case) * GRAVITY_M_S2, abs=1e-3 * started_N)
+    assert reaction_N == pytest.approx(mass_kg(case) * GRAVITY_M_PER_S2, abs=1e-3 * started_N)
 
 
 @every_adapter
@@ -164,7 +162,7 @@ def test_a_constant_load_comes_out_as_reaction(case: Case) -> None:
         state = panel.advance(Interval(index, INTERVAL_S), held(panel), load)
         reactions.append(state.reaction.force_N.sum(axis=0))
     mean_N: Array = np.mean(reactions[2000:], axis=0)
-    expected = load.force_N.sum(axis=0) + mass_kg(case) * GRAVITY_M_S2
+    expected = load.force_N.sum(axis=0) + mass_kg(case) * GRAVITY_M_PER_S2
     assert mean_N == pytest.approx(expected, abs=1e-3 * 3.0)
 
 
@@ -235,9 +233,9 @@ def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
         for found in (known, half):
             which = found.which
             off_m = found.motion.position_m[which] - surface.position_m[which]
-            off_m_s = found.motion.velocity_m_s[which] - surface.velocity_m_s[which]
+            off_m_per_s = found.motion.velocity_m_per_s[which] - surface.velocity_m_per_s[which]
             assert np.abs(off_m).max() < 1e-14
-            assert np.abs(off_m_s).max() < 1e-11
+            assert np.abs(off_m_per_s).max() < 1e-11
         assert not nothing.which.any()
         assert (half.which <= known.which).all()
         assert 0 < half.which.sum() < known.which.sum()
@@ -263,6 +261,6 @@ def test_the_shape_of_a_recorded_panel_is_known_ahead() -> None:
         assert known.which.all()
         assert half.which.tolist() == [True, False, False]
         assert known.motion.position_m == pytest.approx(surface.position_m, abs=1e-15)
-        assert known.motion.velocity_m_s == pytest.approx(surface.velocity_m_s, abs=1e-13)
+        assert known.motion.velocity_m_per_s == pytest.approx(surface.velocity_m_per_s, abs=1e-13)
         farthest_m = max(farthest_m, np.abs(surface.position_m[1, 2]).max())
     assert farthest_m > 8e-3

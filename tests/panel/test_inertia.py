@@ -19,7 +19,7 @@ COARSE = np.array([[0.02, 0.01], [0.031, 0.02], [0.06, 0.013], [0.09, 0.03]])
 ELASTIC = ["strip", "sheet-explicit", "sheet-implicit", "solid"]
 
 
-def velocity_m_s(case: Case, through: bool, load_N: Array | None) -> tuple[Array, Panel]:
+def velocity_m_per_s(case: Case, through: bool, load_N: Array | None) -> tuple[Array, Panel]:
     """(points, 3) after an impulse of ``load_N`` over ``SHORT_S``, and the panel."""
     own = case.open(SHORT_S)
     panel: Panel = mapped(own, own.interpolation(COARSE)) if through else own
@@ -27,7 +27,7 @@ def velocity_m_s(case: Case, through: bool, load_N: Array | None) -> tuple[Array
         points = len(panel.initial().surface)
         clamps = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
         load = Load.zero(points) if load_N is None else Load(load_N)
-        return panel.advance(Interval(0, SHORT_S), clamps, load).surface.velocity_m_s, panel
+        return panel.advance(Interval(0, SHORT_S), clamps, load).surface.velocity_m_per_s, panel
 
 
 @pytest.mark.solver
@@ -37,13 +37,13 @@ def test_an_impulse_gives_the_velocity_of_the_masses(name: str, through: bool) -
     """v = shapes (shapes' impulse / mass); within 1e-3: the solid's mass is not lumped as its
     stiffness is."""
     case = CASES[name]
-    idle_m_s, panel = velocity_m_s(case, through, None)
-    load_N = np.random.default_rng(5).normal(0.0, 1.0, idle_m_s.shape)
-    pushed_m_s, _ = velocity_m_s(case, through, load_N)
+    idle_m_per_s, panel = velocity_m_per_s(case, through, None)
+    load_N = np.random.default_rng(5).normal(0.0, 1.0, idle_m_per_s.shape)
+    pushed_m_per_s, _ = velocity_m_per_s(case, through, load_N)
     inertia = inertia_of(panel)
     masses_N = inertia.yielding(inertia.shapes.T @ load_N)
     expected = inertia.shapes @ (masses_N / inertia.mass_kg[:, None])
-    found = (pushed_m_s - idle_m_s) / SHORT_S
+    found = (pushed_m_per_s - idle_m_per_s) / SHORT_S
     assert np.abs(expected).max() > 0
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-3 * np.abs(expected).max())
 

@@ -29,7 +29,7 @@ def moved_m(model: str, branches: tuple[tuple[float, float], ...], intervals: in
     """Displacement along the panel of its middle after each interval since the strike."""
     solver, _, integrator = model.partition(" ")
     given = plan(
-        gravity_m_s2=0.0,
+        gravity_m_per_s2=0.0,
         cells=(12, 1),
         integrator=integrator or "explicit",
         step_s=MODELS[model],
@@ -43,9 +43,7 @@ def moved_m(model: str, branches: tuple[tuple[float, float], ...], intervals: in
     shape = np.sin(np.pi * np.clip(s_m / given.rectangle.length_m, 0.0, 1.0))
     strike = Load(np.outer(shape, [1.0, 0.0, 0.0]))
     still = Load.zero(len(start))
-    states = [
-        panel.advance(Interval(k, STEP_s), clamps, still if k else strike) for k in range(intervals)
-    ]
+    states = [panel.advance(Interval(k, STEP_s), clamps, still if k else strike) for k in range(intervals)]
     return np.array([(one.surface.position_m - start.position_m)[:, 0] @ shape for one in states])
 
 

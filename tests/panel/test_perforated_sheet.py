@@ -14,7 +14,7 @@ ALONG = Apertures("rectangle", 0.009, 0.003, 0.012, 0.006, 0.0, 0.012, 0.006)
 ACROSS = Apertures("rectangle", 0.003, 0.009, 0.006, 0.012, 0.0, 0.012, 0.006)
 
 
-def small(pattern, span_m=0.12, gravity_m_s2=1e-4, **more):
+def small(pattern, span_m=0.12, gravity_m_per_s2=1e-4, **more):
     """120 x 60 mm, 1 mm thick: thin enough for the lands (3 mm) of the sheet with openings."""
     return plan(
         length_m=0.12,
@@ -23,7 +23,7 @@ def small(pattern, span_m=0.12, gravity_m_s2=1e-4, **more):
         thickness_m=0.001,
         clamp_m=0.01,
         cells=(24, 12),
-        gravity_m_s2=gravity_m_s2,
+        gravity_m_per_s2=gravity_m_per_s2,
         apertures=pattern,
         **more,
     )
@@ -108,12 +108,7 @@ def test_strip_and_sheet_agree():
 
     pattern = Apertures("rectangle", 0.012, 0.006, 0.016, 0.010, 0.0, 0.03, 0.0)
     given = plan(
-        length_m=0.3,
-        span_m=0.306,
-        width_m=0.03,
-        cells=(30, 3),
-        gravity_m_s2=0.0,
-        apertures=pattern,
+        length_m=0.3, span_m=0.306, width_m=0.03, cells=(30, 3), gravity_m_per_s2=0.0, apertures=pattern
     )
     pulls = []
     for solver in (strip, sheet):

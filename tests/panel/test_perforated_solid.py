@@ -25,7 +25,7 @@ ACROSS = Apertures("rectangle", 0.006, 0.012, 0.012, 0.018, 0.0, 0.024, 0.006)
 both_patterns = pytest.mark.parametrize("pattern", [ALONG, ACROSS], ids=["along", "across"])
 
 
-def small(pattern, span_m=0.12, gravity_m_s2=0.02, **more):
+def small(pattern, span_m=0.12, gravity_m_per_s2=0.02, **more):
     return plan(
         length_m=0.12,
         width_m=0.048,
@@ -33,7 +33,7 @@ def small(pattern, span_m=0.12, gravity_m_s2=0.02, **more):
         thickness_m=0.002,
         clamp_m=0.01,
         cells=(20, 8),
-        gravity_m_s2=gravity_m_s2,
+        gravity_m_per_s2=gravity_m_per_s2,
         apertures=pattern,
         **more,
     )
@@ -96,7 +96,7 @@ def test_momentum_is_exact_in_every_interval(integrator):
         before, after, state = run.accounts[k], run.accounts[k + 1], run.states[k + 1]
         received = after.outside_impulse_N_s - before.outside_impulse_N_s
         received += length_s * (load.force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0))
-        error = after.momentum_kg_m_s - before.momentum_kg_m_s - received
+        error = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s - received
         assert np.abs(error).max() < 1e-12 * np.abs(state.reaction.force_N).sum() * length_s
     panel.close()
 

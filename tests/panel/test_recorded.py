@@ -31,12 +31,10 @@ def test_the_shape_at_any_time_is_the_one_recorded() -> None:
     shape = arch(plan, playback(plan, 1.0).recording.grid.points_m)[:, None]
     for time_s in (0.1001, 0.1234, 0.2, 3.3333):
         angle = 78.5 * (time_s - 0.01)
-        shape_m, rate_m_s = played.shape(time_s)
+        shape_m, rate_m_per_s = played.shape(time_s)
         wanted_m = shape * (moved(angle) - np.array([0.0, 0.0, 2e-3]))
         assert shape_m == pytest.approx(wanted_m, abs=1.01 * ALLOWED_M)
-        assert rate_m_s == pytest.approx(
-            78.5 * shape * rate(angle), abs=78.5 * 4 * ALLOWED_M / STEP_RAD
-        )
+        assert rate_m_per_s == pytest.approx(78.5 * shape * rate(angle), abs=78.5 * 4 * ALLOWED_M / STEP_RAD)
 
 
 def test_velocity_is_the_rate_of_the_place_while_it_grows_and_across_samples() -> None:
@@ -54,7 +52,7 @@ def test_nothing_moves_before_the_machine_starts() -> None:
     for index in range(200):  # until 0.02 s
         state = panel.advance(Interval(index, INTERVAL_S), held(panel), unloaded)
     assert state.surface.position_m == pytest.approx(start.surface.position_m, abs=1e-12)
-    assert not state.surface.velocity_m_s.any()
+    assert not state.surface.velocity_m_per_s.any()
 
 
 def test_the_pull_at_rest_is_the_recorded_one() -> None:
@@ -76,9 +74,7 @@ def test_the_surface_has_no_kinks_and_goes_through_the_grid() -> None:
     assert met == pytest.approx(arch(plan, places), abs=2e-2)
     row = grid.rows_m[len(grid.rows_m) // 2 - 2]
     h = 1e-7
-    near = recorded.build(plan).interpolation(
-        np.array([[row - h, 0.013], [row, 0.013], [row + h, 0.013]])
-    )
+    near = recorded.build(plan).interpolation(np.array([[row - h, 0.013], [row, 0.013], [row + h, 0.013]]))
     below, at, above = near @ heights
     assert (above - at) / h == pytest.approx((at - below) / h, rel=1e-4)
 
@@ -136,8 +132,8 @@ def test_a_recording_of_a_flat_panel_is_a_rigid_one() -> None:
         for panel in panels:
             H = panel.interpolation(places)
             moved_m = np.array([4e-3, 0.0, 5e-3]) * np.sin(78.5 * time_s) ** 2
-            rate_m_s = np.array([4e-3, 0.0, 5e-3]) * 78.5 * np.sin(2 * 78.5 * time_s)
-            end = shifted(panel, moved_m, rate_m_s)
+            rate_m_per_s = np.array([4e-3, 0.0, 5e-3]) * 78.5 * np.sin(2 * 78.5 * time_s)
+            end = shifted(panel, moved_m, rate_m_per_s)
             state = panel.advance(Interval(index, INTERVAL_S), end, Load(H.T @ force_N))
             first = np.array([frame == "driving" for frame in panel.mount.frame])
             middles.append(H @ state.surface.position_m)

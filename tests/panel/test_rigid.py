@@ -32,9 +32,7 @@ def test_reaction_is_load_and_weight_less_inertia() -> None:
     load = Load(np.random.default_rng(8).normal(size=(8, 3)))
     end = shifted(panel, velocity * INTERVAL_S / 2, velocity)
     state = panel.advance(Interval(0, INTERVAL_S), end, load)
-    expected = load.force_N.sum(axis=0) + MASS_KG * (
-        np.array([0.0, 0.0, -9.81]) - velocity / INTERVAL_S
-    )
+    expected = load.force_N.sum(axis=0) + MASS_KG * (np.array([0.0, 0.0, -9.81]) - velocity / INTERVAL_S)
     assert state.reaction.force_N.sum(axis=0) == pytest.approx(expected)
     assert state.surface.position_m == pytest.approx(end.position_m)
 

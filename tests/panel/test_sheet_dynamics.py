@@ -46,16 +46,14 @@ def test_first_frequency_of_a_taut_strip(thickness_m):
         span_m=length * stretch,
         width_m=0.006,
         thickness_m=thickness_m,
-        gravity_m_s2=0.0,
+        gravity_m_per_s2=0.0,
         cells=(16, 1),
     )
     blow = Load.zero(len(panel.initial().surface))
     blow.force_N[:, 2] = (
         3.0
         * thickness_m
-        * np.sin(
-            np.pi * (panel.initial().surface.position_m[:, 0] - 0.1) / (length * stretch)
-        ).clip(0.0)
+        * np.sin(np.pi * (panel.initial().surface.position_m[:, 0] - 0.1) / (length * stretch)).clip(0.0)
     )
     heights = []
     for k in range(900):
@@ -65,8 +63,8 @@ def test_first_frequency_of_a_taut_strip(thickness_m):
     before = np.flatnonzero(signs[1:] * signs[:-1] < 0.0)
     crossings_s = 1e-4 * (before + signs[before] / (signs[before] - signs[before + 1]))
     frequency_Hz = 0.5 * (len(crossings_s) - 1) / (crossings_s[-1] - crossings_s[0])
-    tension_N_m = 2511.5 * thickness_m / 0.005
-    e = (21e6 * thickness_m**3 / 12 / (tension_N_m * (length * stretch) ** 2)) ** 0.5
+    tension_N_per_m = 2511.5 * thickness_m / 0.005
+    e = (21e6 * thickness_m**3 / 12 / (tension_N_per_m * (length * stretch) ** 2)) ** 0.5
     exact = 33.68 * (1 + 2 * e + (4 + np.pi**2 / 2) * e**2)
     assert len(crossings_s) >= 5
     assert frequency_Hz == pytest.approx(exact, rel=0.01)
@@ -90,7 +88,7 @@ def test_momentum_is_exact_in_every_interval(integrator):
             - before.outside_impulse_N_s
             + (load.force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0)) * length_s
         )
-        error = after.momentum_kg_m_s - before.momentum_kg_m_s - received
+        error = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s - received
         through = np.abs(state.reaction.force_N).sum() * length_s
         worst = max(worst, float(np.abs(error).max() / through))
         before = after
@@ -105,9 +103,7 @@ def test_position_and_energy_converge_with_order_two(integrator):
     steps_s = (4e-5, 2e-5, 1e-5)
     shapes, defects = [], []
     for step_s in steps_s:
-        panel = opened(
-            span_m=0.326, cells=(8, 1), integrator=integrator, step_s=step_s, branches=BRANCHES
-        )
+        panel = opened(span_m=0.326, cells=(8, 1), integrator=integrator, step_s=step_s, branches=BRANCHES)
         stored_J = sum(panel.account().stored_J.values())
         states, _ = shake(panel, 4e-4, 50)
         shapes.append(states[-1].surface.position_m)
@@ -125,9 +121,7 @@ def test_explicit_and_implicit_agree():
     """Same panel, same law, implicit with 5e-5 s: 1e-3 in deflection, 1e-2 in clamp force."""
     heights, pulls = [], []
     for integrator, step_s in (("explicit", 0.0), ("implicit", 5e-5)):
-        panel = opened(
-            span_m=0.328, cells=(12, 2), integrator=integrator, step_s=step_s, branches=BRANCHES
-        )
+        panel = opened(span_m=0.328, cells=(12, 2), integrator=integrator, step_s=step_s, branches=BRANCHES)
         states, initial = shake(panel, 1e-4, 300)
         heights.append(np.array([height_m(state) - height_m(initial) for state in states]))
         pulls.append(np.array([pull_N(panel, state) for state in states]))
@@ -141,7 +135,7 @@ def test_turning_both_clamps_turns_the_panel(integrator):
     """A weightless panel carried round by 90 degrees in 0.4 s and stopped smoothly: stretched by
     the centrifugal force on the way, then unstrained.  What is left rings in the first bending
     mode: below 1e-3 of the kinetic energy on the way."""
-    panel = opened(gravity_m_s2=0.0, cells=(8, 1), integrator=integrator, branches=BRANCHES)
+    panel = opened(gravity_m_per_s2=0.0, cells=(8, 1), integrator=integrator, branches=BRANCHES)
     fastest_J = 0.0
     center = panel.mount.position_m.mean(axis=0)
     unloaded = Load.zero(len(panel.initial().surface))
@@ -173,7 +167,7 @@ def test_clamps_carry_their_rotation():
     """Turning the second clamp's points by a small angle about its inner edge bends the panel as
     a built-in beam does: mid deflection  angle L / 8  (S. Timoshenko, Strength of Materials)."""
     angle, length = 2e-3, 0.33
-    panel = opened(gravity_m_s2=0.0, cells=(16, 1), integrator="implicit", branches=((2.0, 0.01),))
+    panel = opened(gravity_m_per_s2=0.0, cells=(16, 1), integrator="implicit", branches=((2.0, 0.01),))
     at = panel.mount.position_m
     edge_m = at[:, 0].max() - 0.02
     unloaded = Load.zero(len(panel.initial().surface))
@@ -214,7 +208,7 @@ def test_the_limit_is_where_it_becomes_unstable():
         load = Load(1e-6 * np.random.default_rng(6).normal(size=(len(panel.initial().surface), 3)))
         try:
             state = panel.advance(Interval(0, length_s), held(panel), load)
-            speeds.append(np.abs(state.surface.velocity_m_s).max())
+            speeds.append(np.abs(state.surface.velocity_m_per_s).max())
         except SolverFailed:
             speeds.append(np.inf)
         panel.close()

@@ -95,7 +95,7 @@ def test_bending_energy_of_a_cylinder(strip):
 def test_mass_is_that_of_the_sheet(strip):
     given, structure = strip
     area = (given.rectangle.length_m + 2 * given.rectangle.clamp_m) * given.rectangle.width_m
-    exact = given.material.density_kg_m3 * given.thickness_m * area
+    exact = given.material.density_kg_per_m3 * given.thickness_m * area
     assert structure.mass_kg.sum() == pytest.approx(exact, rel=1e-12)
     assert structure.mass_kg.min() > 0.0
 

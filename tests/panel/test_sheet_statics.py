@@ -26,7 +26,7 @@ def test_built_in_beam_under_its_weight():
     this width (1.5 % at 10 mm, 0.1 % at 2 mm, measured)."""
     length, thickness = 0.3, 0.004
     panel = opened(
-        length_m=length, thickness_m=thickness, width_m=0.004, gravity_m_s2=0.02, cells=(30, 1)
+        length_m=length, thickness_m=thickness, width_m=0.004, gravity_m_per_s2=0.02, cells=(30, 1)
     )
     exact = 1200 * 0.02 * thickness * length**4 / (384 * 21e6 * thickness**3 / 12)
     assert sag_m(panel) == pytest.approx(exact, rel=0.01)
@@ -35,12 +35,7 @@ def test_built_in_beam_under_its_weight():
 
 @pytest.mark.parametrize(
     ("closing", "height", "over_critical"),
-    [
-        (0.005, 0.0449, 1.0025),
-        (0.02, 0.0895, 1.0101),
-        (0.05, 0.1401, 1.0257),
-        (0.10, 0.1949, 1.0530),
-    ],
+    [(0.005, 0.0449, 1.0025), (0.02, 0.0895, 1.0101), (0.05, 0.1401, 1.0257), (0.10, 0.1949, 1.0530)],
 )
 def test_clamped_elastica(closing, height, over_critical):
     """A slack panel without weight: height and end force of the inextensible clamped elastica
@@ -53,7 +48,7 @@ def test_clamped_elastica(closing, height, over_critical):
         span_m=length * (1 - closing),
         thickness_m=thickness,
         width_m=width,
-        gravity_m_s2=0.0,
+        gravity_m_per_s2=0.0,
         cells=(48, 1),
     )
     assert sag_m(panel) / length == pytest.approx(height, rel=0.01)
@@ -73,7 +68,7 @@ def test_catenary(closing, height):
         thickness_m=0.00005,
         width_m=0.02,
         cells=(30, 1),
-        gravity_m_s2=2.0,
+        gravity_m_per_s2=2.0,
     )
     assert sag_m(panel) / length == pytest.approx(height, rel=0.02)
     panel.close()
@@ -89,13 +84,13 @@ def test_taut_panel_sags_like_a_string():
         thickness_m=thickness,
         width_m=0.01,
         cells=(24, 1),
-        gravity_m_s2=1.0,
+        gravity_m_per_s2=1.0,
     )
-    tension_N_m = 2511.5 * thickness / 0.005
-    per_length_N_m2 = 1200 * thickness * 1.0 / stretch
-    exact = per_length_N_m2 * (length * stretch) ** 2 / (8 * tension_N_m)
+    tension_N_per_m = 2511.5 * thickness / 0.005
+    per_length_N_per_m2 = 1200 * thickness * 1.0 / stretch
+    exact = per_length_N_per_m2 * (length * stretch) ** 2 / (8 * tension_N_per_m)
     assert sag_m(panel) == pytest.approx(exact, rel=0.015)
-    assert -pull_N(panel, panel.initial()) == pytest.approx(tension_N_m * 0.01, rel=0.015)
+    assert -pull_N(panel, panel.initial()) == pytest.approx(tension_N_per_m * 0.01, rel=0.015)
     panel.close()
 
 
@@ -106,8 +101,6 @@ def test_at_rest_the_clamps_carry_the_weight(span_m):
     panel = opened(span_m=span_m, width_m=0.2, cells=(12, 3))
     force = panel.initial().reaction.force_N
     weight_N = 1200 * 0.004 * 0.2 * (0.33 + 0.04) * 9.81
-    np.testing.assert_allclose(
-        force.sum(axis=0), [0, 0, -weight_N], atol=1e-7 * np.abs(force).sum()
-    )
-    np.testing.assert_array_equal(panel.initial().surface.velocity_m_s, 0.0)
+    np.testing.assert_allclose(force.sum(axis=0), [0, 0, -weight_N], atol=1e-7 * np.abs(force).sum())
+    np.testing.assert_array_equal(panel.initial().surface.velocity_m_per_s, 0.0)
     panel.close()

@@ -41,14 +41,14 @@ def structure_of(given, held_s_m=None, volumetric_degree=2):
     law = solid_forms.law(given, fem.Function(space), volumetric_degree)
     s = space.tabulate_dof_coordinates()[:, 0]
     lowest = -np.inf if held_s_m is None else held_s_m
-    return Structure(law, given.material.density_kg_m3, np.flatnonzero(s <= lowest + 1e-9))
+    return Structure(law, given.material.density_kg_per_m3, np.flatnonzero(s <= lowest + 1e-9))
 
 
 def settled(structure, given):
     from adapters.panel.finite_element.resting_shape import settle
     from adapters.panel.finite_element.tangent import Tangent
 
-    weight_N = structure.mass_kg[:, None] * given.gravity_m_s2
+    weight_N = structure.mass_kg[:, None] * given.gravity_m_per_s2
     return settle(structure, Tangent(structure), structure.material_m, weight_N, "cantilever")
 
 
@@ -71,9 +71,7 @@ def test_uniaxial_stress(stretch):
     assert stress == pytest.approx(exact, rel=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("poisson_ratio", "correction", "share"), [(0.0, 1.008, 0.003), (0.498, 1.0, 0.03)]
-)
+@pytest.mark.parametrize(("poisson_ratio", "correction", "share"), [(0.0, 1.008, 0.003), (0.498, 1.0, 0.03)])
 def test_cantilever_under_its_weight(poisson_ratio, correction, share):
     """0.2 x 0.02 x 0.02 m, E = 1e8 Pa: 3 rho g L^4 / (2 E h^2) = 1.4700 mm (Euler-Bernoulli).
 
@@ -99,8 +97,8 @@ def beam(poisson_ratio):
         thickness_m=0.02,
         clamp_m=0.0,
         cells=(10, 1),
-        gravity_m_s2=9.8,
-        density_kg_m3=2500.0,
+        gravity_m_per_s2=9.8,
+        density_kg_per_m3=2500.0,
     )
     material = Hyperelastic(2500.0, 0.5 * half_shear_Pa, 0.5 * half_shear_Pa, bulk_Pa)
     return dataclasses.replace(given, material=material)
@@ -115,7 +113,7 @@ def test_reduced_integration_prevents_locking():
     from adapters.panel.finite_element import sheet_forms
     from adapters.panel.finite_element.structure import Structure
 
-    given = plan(length_m=0.2, width_m=0.1, thickness_m=0.004, cells=(20, 4), gravity_m_s2=0.02)
+    given = plan(length_m=0.2, width_m=0.1, thickness_m=0.004, cells=(20, 4), gravity_m_per_s2=0.02)
     sags = {}
     for name, degree in (("selective", 2), ("full", 4)):
         structure = structure_of(given, held_s_m=0.0, volumetric_degree=degree)
@@ -142,7 +140,7 @@ def test_at_rest_as_the_sheet():
     and 3 % (0.3 and 0.7 % on a mesh twice as fine, measured)."""
     from adapters.panel import sheet
 
-    given = {"span_m": 0.328, "cells": (22, 2), "integrator": "implicit", "gravity_m_s2": 0.0}
+    given = {"span_m": 0.328, "cells": (22, 2), "integrator": "implicit", "gravity_m_per_s2": 0.0}
     thin, thick = sheet.build(plan(**given)), opened(**given)
     sags = [0.3 - height_m(panel.initial()) for panel in (thin, thick)]
     pulls = [pull_N(panel, panel.initial()) for panel in (thin, thick)]
@@ -155,9 +153,7 @@ def test_at_rest_as_the_sheet():
 @pytest.mark.parametrize("integrator", ["explicit", "implicit"])
 def test_momentum_is_exact_in_every_interval(integrator):
     """As for the sheet: 1e-12 of the impulse through the clamps."""
-    panel = opened(
-        span_m=0.328, cells=(8, 1), integrator=integrator, branches=BRANCHES, thickness_m=0.008
-    )
+    panel = opened(span_m=0.328, cells=(8, 1), integrator=integrator, branches=BRANCHES, thickness_m=0.008)
     before = panel.account()
     rng = np.random.default_rng(5)
     length_s = 5e-5
@@ -170,7 +166,7 @@ def test_momentum_is_exact_in_every_interval(integrator):
             - before.outside_impulse_N_s
             + (load.force_N.sum(axis=0) - state.reaction.force_N.sum(axis=0)) * length_s
         )
-        error = after.momentum_kg_m_s - before.momentum_kg_m_s - received
+        error = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s - received
         assert np.abs(error).max() < 1e-12 * np.abs(state.reaction.force_N).sum() * length_s
         before = after
     panel.close()

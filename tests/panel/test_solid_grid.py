@@ -40,9 +40,7 @@ def test_cells_are_no_longer_than_asked_for_nor_than_half_a_land(pattern):
     free = (grid.whole.s_m >= 0.0) & (grid.whole.s_m <= 0.3)
     assert np.diff(grid.whole.s_m[free]).max() <= 0.3 / 10 + 1e-12
     assert np.diff(grid.whole.y_m).max() <= 0.04 / 2 + 1e-12
-    along_m = grid.whole.s_m[
-        (grid.whole.s_m > 0.0575) & (grid.whole.s_m < 0.0625)
-    ]  # a land of 5 mm
+    along_m = grid.whole.s_m[(grid.whole.s_m > 0.0575) & (grid.whole.s_m < 0.0625)]  # a land of 5 mm
     assert along_m == pytest.approx([0.06])
     across_m = grid.whole.y_m[(grid.whole.y_m > 0.0065) & (grid.whole.y_m < 0.0335)]
     limit_m = 0.0015 if pattern.stagger else 0.003  # lands of one row are openings of the next

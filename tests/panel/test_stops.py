@@ -24,14 +24,12 @@ SOLVERS = [
     pytest.param("solid", marks=pytest.mark.solver),
 ]
 ALONG = {"strip": 12, "sheet": 6, "solid": 4}  # cells, as many as half cells over the stop
-DENSITY_KG_M3, THICKNESS_M = 1200.0, 0.004
-AREAL_KG_M2 = DENSITY_KG_M3 * THICKNESS_M
+DENSITY_KG_PER_M3, THICKNESS_M = 1200.0, 0.004
+AREAL_KG_M2 = DENSITY_KG_PER_M3 * THICKNESS_M
 INTERVAL_S = 1e-4
 
 
-def stop(
-    q: float, gap_m: float = 0.002, damping_ratio: float = 0.0, frame: str = "driving"
-) -> Stop:
+def stop(q: float, gap_m: float = 0.002, damping_ratio: float = 0.0, frame: str = "driving") -> Stop:
     """All along the middle half; ``q`` = k dt^2 / m, the limit is 4."""
     stiffness = q * AREAL_KG_M2 / INTERVAL_S**2
     damping = 2 * damping_ratio * np.sqrt(stiffness * AREAL_KG_M2)
@@ -47,11 +45,11 @@ def stopped(solver: str, stops: tuple[Stop, ...], **changes: object) -> StoppedP
     return StoppedPanel(import_module(f"adapters.panel.{solver}").build(made), made)
 
 
-def mount(panel: StoppedPanel, shift_m: Array, velocity_m_s: Array, which: Array) -> Motion:
+def mount(panel: StoppedPanel, shift_m: Array, velocity_m_per_s: Array, which: Array) -> Motion:
     """The points ``which`` of the mount shifted and moving, the others where they are."""
     place, speed = panel.mount.position_m.copy(), np.zeros_like(panel.mount.position_m)
     place[which] += shift_m
-    speed[which] = velocity_m_s
+    speed[which] = velocity_m_per_s
     return Motion(place, speed)
 
 
@@ -91,7 +89,7 @@ def test_a_panel_pressed_on_a_stop_rests_on_its_layer(solver: str) -> None:
     assert carried_N[2] > 1.0  # many times the weight
     through_m = depths_m(solver, panel, state, clamps)
     assert through_m.max() > 0
-    spring_N = stop(0.05).stiffness_Pa_m * 0.06 * 0.05 * np.mean(np.maximum(through_m, 0.0))
+    spring_N = stop(0.05).stiffness_Pa_per_m * 0.06 * 0.05 * np.mean(np.maximum(through_m, 0.0))
     assert carried_N[2] == pytest.approx(spring_N, rel=2e-3)
 
 
@@ -107,14 +105,14 @@ def depths_m(solver: str, panel: StoppedPanel, state: PanelState, clamps: Motion
 class Plate:
     """A rigid plate that nothing holds, in place of a panel: x'' = F/m + g, exactly."""
 
-    def __init__(self, made: PanelPlan, speed_m_s: float = 0.0) -> None:
+    def __init__(self, made: PanelPlan, speed_m_per_s: float = 0.0) -> None:
         at = made.rectangle
         self.mass_kg = AREAL_KG_M2 * at.length_m * at.width_m
-        self.gravity_m_s2 = made.gravity_m_s2
+        self.gravity_m_per_s2 = made.gravity_m_per_s2
         self.mount = Mount(np.empty((0, 3)), ())
         corners = at.mounted(np.array([[0, 0], [at.length_m, 0], [0, at.width_m]]))
         self.size_m, self.load_N = np.array([at.length_m, at.width_m]), np.zeros((3, 3))
-        self.surface = Motion(corners, np.tile([0.0, 0.0, -speed_m_s], (3, 1)))
+        self.surface = Motion(corners, np.tile([0.0, 0.0, -speed_m_per_s], (3, 1)))
         self.work_J = 0.0
 
     def initial(self) -> PanelState:
@@ -122,20 +120,20 @@ class Plate:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         dt, self.load_N = interval.length_s, load.force_N
-        acceleration = load.force_N.sum(axis=0) / self.mass_kg + self.gravity_m_s2
-        moved_m = dt * self.surface.velocity_m_s + dt**2 / 2 * acceleration
+        acceleration = load.force_N.sum(axis=0) / self.mass_kg + self.gravity_m_per_s2
+        moved_m = dt * self.surface.velocity_m_per_s + dt**2 / 2 * acceleration
         self.work_J += float(np.vdot(load.force_N, moved_m))
-        velocity_m_s = self.surface.velocity_m_s + dt * acceleration
-        self.surface = Motion(self.surface.position_m + moved_m, velocity_m_s)
+        velocity_m_per_s = self.surface.velocity_m_per_s + dt * acceleration
+        self.surface = Motion(self.surface.position_m + moved_m, velocity_m_per_s)
         return self.initial()
 
     def account(self) -> Account:
-        speed_m_s = self.surface.velocity_m_s[0]
-        momentum = self.mass_kg * speed_m_s
+        speed_m_per_s = self.surface.velocity_m_per_s[0]
+        momentum = self.mass_kg * speed_m_per_s
         return Account(
             momentum,
             np.zeros(3),
-            stored_J={"kinetic": 0.5 * self.mass_kg * float(speed_m_s @ speed_m_s)},
+            stored_J={"kinetic": 0.5 * self.mass_kg * float(speed_m_per_s @ speed_m_per_s)},
             received_J={"load": self.work_J, "clamps": 0.0},
         )
 
@@ -150,15 +148,15 @@ class Plate:
 def bounced(q: float, damping_ratio: float, interval_s: float = INTERVAL_S) -> tuple[Plate, Any]:
     """A weightless plate thrown at 1 m/s onto a stop of the stiffness ``stop(q)`` under all of it,
     after it has left again."""
-    made = plan(length_m=0.12, gravity_m_s2=0.0)
+    made = plan(length_m=0.12, gravity_m_per_s2=0.0)
     whole = replace(stop(q, damping_ratio=damping_ratio), from_m=0.0, to_m=0.12)
     made = replace(made, stops=(whole,))
-    plate = Plate(made, speed_m_s=1.0)
+    plate = Plate(made, speed_m_per_s=1.0)
     panel = StoppedPanel(plate, made)
     still = mount(panel, np.zeros(3), np.zeros(3), tops(panel))
     for index in range(10000):
         panel.advance(Interval(index, interval_s), still, Load.zero(3))
-        if plate.surface.velocity_m_s[0, 2] > 0 and plate.surface.position_m[0, 2] > 0.3:
+        if plate.surface.velocity_m_per_s[0, 2] > 0 and plate.surface.position_m[0, 2] > 0.3:
             return plate, panel
     raise AssertionError("it never left")
 
@@ -174,9 +172,9 @@ def test_a_plate_bounces_as_the_spring_and_damper_let_it(damping_ratio: float) -
         root = np.sqrt(1 - damping_ratio**2)
         angle = np.pi - np.arctan2(2 * damping_ratio * root, root**2 - damping_ratio**2)
         e = float(np.exp(-damping_ratio / root * angle))
-    assert plate.surface.velocity_m_s[0, 2] == pytest.approx(e, rel=1e-2)
+    assert plate.surface.velocity_m_per_s[0, 2] == pytest.approx(e, rel=1e-2)
     account = panel.account()
-    lost_J = 0.5 * plate.mass_kg * (1.0 - plate.surface.velocity_m_s[0, 2] ** 2)
+    lost_J = 0.5 * plate.mass_kg * (1.0 - plate.surface.velocity_m_per_s[0, 2] ** 2)
     assert account.stored_J["stops"] == 0.0
     # the energy of the spring's last interval is what is not booked as damping
     assert account.lost_J["stop_damping"] == pytest.approx(lost_J, abs=0.01 * plate.mass_kg)
@@ -190,17 +188,17 @@ def test_energy_of_an_elastic_bounce_is_of_second_order() -> None:
         for phase in range(7):
             made_gap_m = 0.002 + phase / 7 * interval_s
             plate = _bounce_from(made_gap_m, 0.02, interval_s)
-            errors.append(abs(plate.surface.velocity_m_s[0, 2] ** 2 - 1.0))
+            errors.append(abs(plate.surface.velocity_m_per_s[0, 2] ** 2 - 1.0))
         worst.append(max(errors))
     assert worst[2] < 0.01
     assert worst[0] / worst[2] > 10.0  # 16 is second order
 
 
 def _bounce_from(gap_m: float, q: float, interval_s: float) -> Plate:
-    made = plan(length_m=0.12, gravity_m_s2=0.0)
+    made = plan(length_m=0.12, gravity_m_per_s2=0.0)
     whole = replace(stop(q, gap_m=gap_m), from_m=0.0, to_m=0.12)
     made = replace(made, stops=(whole,))
-    plate = Plate(made, speed_m_s=1.0)
+    plate = Plate(made, speed_m_per_s=1.0)
     panel = StoppedPanel(plate, made)
     still = mount(panel, np.zeros(3), np.zeros(3), tops(panel))
     for index in range(int(0.02 / interval_s)):
@@ -211,7 +209,7 @@ def _bounce_from(gap_m: float, q: float, interval_s: float) -> Plate:
 @pytest.mark.parametrize(("q", "stays"), [(3.9, True), (4.1, False)])
 def test_the_limit_of_stiffness(q: float, stays: bool) -> None:
     """A plate that is slowly pressed on an elastic layer stays on it, up to q = 4."""
-    made = plan(length_m=0.12, gravity_m_s2=0.0)
+    made = plan(length_m=0.12, gravity_m_per_s2=0.0)
     whole = replace(stop(q, gap_m=1e-12), from_m=0.0, to_m=0.12)
     plate = Plate(made)
     panel = StoppedPanel(plate, replace(made, stops=(whole,)))
@@ -221,16 +219,16 @@ def test_the_limit_of_stiffness(q: float, stays: bool) -> None:
         load = Load(np.tile([0.0, 0.0, -pressed_N / 3 * min(index / 400, 1.0)], (3, 1)))
         state = panel.advance(Interval(index, INTERVAL_S), still, load)
         deepest_m = max(deepest_m, 0.3 - float(state.surface.position_m[0, 2]))
-    rest_m = pressed_N / (0.12 * 0.05 * whole.stiffness_Pa_m)
+    rest_m = pressed_N / (0.12 * 0.05 * whole.stiffness_Pa_per_m)
     assert (deepest_m < 2 * rest_m) == stays
 
 
 def test_force_and_torque_pass_to_a_turning_top() -> None:
     """To rounding: the load on the panel and the reaction at the top's corners, where they are in
     the middle of the interval, make up neither a force nor a couple."""
-    made = plan(length_m=0.12, gravity_m_s2=0.0)
+    made = plan(length_m=0.12, gravity_m_per_s2=0.0)
     made = replace(made, stops=(stop(0.1, gap_m=1e-6),))
-    plate = Plate(made, speed_m_s=0.5)
+    plate = Plate(made, speed_m_per_s=0.5)
     panel = StoppedPanel(plate, made)
     start_m = panel.mount.position_m
     turn = Rotation.from_rotvec([0.02, 0.05, 0.01])
@@ -243,7 +241,7 @@ def test_force_and_torque_pass_to_a_turning_top() -> None:
     np.testing.assert_allclose(
         reaction_N.sum(axis=0), -plate.load_N.sum(axis=0), atol=1e-12 * np.abs(reaction_N).max()
     )
-    at_m = before.position_m + INTERVAL_S / 2 * before.velocity_m_s
+    at_m = before.position_m + INTERVAL_S / 2 * before.velocity_m_per_s
     torque = np.cross(at_m, plate.load_N).sum(axis=0)
     torque += np.cross((start_m + end_m) / 2, reaction_N).sum(axis=0)
     np.testing.assert_allclose(torque, 0.0, atol=1e-12 * np.abs(reaction_N).max())
@@ -259,9 +257,7 @@ def test_energy_closes_while_a_panel_is_beaten(solver: str) -> None:
         t = (index + 1) * INTERVAL_S
         up_m, speed = 0.003 * np.sin(157 * t / 2) ** 2, 0.003 * 78.5 * np.sin(157 * t)
         z = np.array([0.0, 0.0, 1.0])
-        panel.advance(
-            Interval(index, INTERVAL_S), mount(panel, up_m * z, speed * z, tops(panel)), unloaded
-        )
+        panel.advance(Interval(index, INTERVAL_S), mount(panel, up_m * z, speed * z, tops(panel)), unloaded)
     account = panel.account()
     assert account.lost_J["stop_damping"] > 3e-4
     assert abs(balance_J(panel) - start_J) < 0.02 * account.lost_J["stop_damping"]

@@ -69,7 +69,7 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
 
     step = 1e-7 * rng.normal(size=x.shape)
     change = (force(x + step) - force(x - step)) / 2
-    expected = -links.tangent_N_m(x) @ step.ravel()
+    expected = -links.tangent_N_per_m(x) @ step.ravel()
     assert change == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
 
 
@@ -107,7 +107,7 @@ def test_force_is_minus_the_derivative_of_the_energy() -> None:
 
 
 def test_pull_of_a_stretched_strip_is_that_of_the_law() -> None:
-    panel = strip.build(taut(gravity_m_s2=0.0))
+    panel = strip.build(taut(gravity_m_per_s2=0.0))
     reaction = panel.initial().reaction.force_N
     first = np.array([frame == "driving" for frame in panel.mount.frame])
     pull_N = 0.50230e6 * 0.05 * 0.005
@@ -133,7 +133,7 @@ def test_taut_strip_frequency() -> None:
     """Pre-tensioned strip 0.3 m x 5 mm, rho 1200, 2.5 % stretch, no bending: T = 2511.5 N/m and
     f1 = sqrt(T / (rho t L 1.025 L)) / 2 = 33.68 Hz, whatever the thickness; here 0.5 mm between
     hinges (clamp_m = 0), so that bending adds 1e-4.  The chain of 24 cells: -7e-4."""
-    panel = strip.build(taut(thickness_m=5e-4, clamp_m=0.0, gravity_m_s2=0.0))
+    panel = strip.build(taut(thickness_m=5e-4, clamp_m=0.0, gravity_m_per_s2=0.0))
     points = len(panel.initial().surface)
     wave = np.sin(np.pi * np.arange(points // 2) / (points // 2 - 1)).repeat(2)
     kick = Load(np.outer(wave, [0.0, 0.0, 1e-3]))
@@ -168,7 +168,7 @@ def test_elastica_formula_gives_the_published_heights() -> None:
 def test_slack_strip_is_an_elastica(slack: float) -> None:
     """1 % (48 cells; the strip is 1 mm thick, so compression by P_cr shortens it by 4e-5)."""
     panel = strip.build(
-        plan(span_m=0.33 * (1 - slack), thickness_m=0.001, gravity_m_s2=0.0, cells=(48, 1))
+        plan(span_m=0.33 * (1 - slack), thickness_m=0.001, gravity_m_per_s2=0.0, cells=(48, 1))
     )
     assert -middle_m(panel) / 0.33 == pytest.approx(elastica(slack), rel=0.01)
 
@@ -185,7 +185,7 @@ def test_clamped_beam_sag() -> None:
     stiffness, g = 21e6 * 0.004**3 / 12, 1e-3
     expected = 1200 * 0.004 * g * 0.33**4 / (384 * stiffness)
     error = [
-        -middle_m(strip.build(plan(gravity_m_s2=g, cells=(cells, 1)))) / expected - 1
+        -middle_m(strip.build(plan(gravity_m_per_s2=g, cells=(cells, 1)))) / expected - 1
         for cells in (24, 48)
     ]
     assert error[0] / error[1] == pytest.approx(4.0, rel=0.02)
@@ -219,7 +219,7 @@ def test_maxwell_branch_relaxes_the_pull() -> None:
     """A branch of ratio g adds g E A strain at once, and exp(-t / tau) of it after t: after a
     quick, small stretch held for tau, 1/e is left.  2 %: the stretch takes tau / 100."""
     tau, g = 0.1, 0.5
-    panel = strip.build(taut(4, gravity_m_s2=0.0, branches=((g, tau),)))
+    panel = strip.build(taut(4, gravity_m_per_s2=0.0, branches=((g, tau),)))
     unloaded = Load.zero(len(panel.initial().surface))
     second = np.array([frame == "driven" for frame in panel.mount.frame])
     resting_N = panel.initial().reaction.force_N[second].sum(axis=0)[0]
@@ -232,8 +232,8 @@ def test_maxwell_branch_relaxes_the_pull() -> None:
         rate = 6 * share * (1 - share) / 100e-4 * 1.0
         still = held(panel)
         moved_m = np.outer(second * small_m * smooth, [1.0, 0, 0])
-        speed_m_s = np.outer(second * small_m * rate, [1.0, 0, 0])
-        end = Motion(still.position_m + moved_m, speed_m_s)
+        speed_m_per_s = np.outer(second * small_m * rate, [1.0, 0, 0])
+        end = Motion(still.position_m + moved_m, speed_m_per_s)
         state = panel.advance(Interval(index, 1e-4), end, unloaded)
         pulls.append(state.reaction.force_N[second].sum(axis=0)[0])
     viscous_N = g * 21e6 * 0.05 * 0.005 * small_m / 0.3
@@ -259,7 +259,7 @@ def test_limit_is_where_the_strip_goes_unstable() -> None:
             state = panel.advance(Interval(index, 1e-2), held(panel), tap)
         return state
 
-    given = replace(taut(12, span_m=0.3, gravity_m_s2=0.0), sync_interval_s=1e-2)
+    given = replace(taut(12, span_m=0.3, gravity_m_per_s2=0.0), sync_interval_s=1e-2)
     limit_s = strip.largest_step_s(given)
     for factor, fails in ((0.98, False), (1.1, True)):
         panel = strip.build(given)
@@ -270,13 +270,13 @@ def test_limit_is_where_the_strip_goes_unstable() -> None:
             with pytest.raises(SolverFailed, match=r"panel 1: strip unstable before 0\."):
                 run(panel, tap)
         else:
-            assert np.abs(run(panel, tap).surface.velocity_m_s).max() < 1e-3
+            assert np.abs(run(panel, tap).surface.velocity_m_per_s).max() < 1e-3
 
 
 def test_a_one_sided_load_reaches_the_clamps_with_its_moment() -> None:
     """A vertical force on the edge y = width a quarter along: three quarters of its moment
     about the middle line go to the first clamp."""
-    panel = strip.build(taut(8, gravity_m_s2=0.0, branches=((1.0, 2e-3), (1.0, 5e-4))))
+    panel = strip.build(taut(8, gravity_m_per_s2=0.0, branches=((1.0, 2e-3), (1.0, 5e-4))))
     points = len(panel.initial().surface)
     force = np.zeros((points, 3))
     force[2 * 3 + 1] = [0.0, 0.0, -1.0]  # row 3: after the clamp's two rows, a quarter along

@@ -13,7 +13,7 @@ from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
 
-G_M_S2 = np.array([0.0, 0.0, -9.81])
+G_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 WEIGHTLESS = np.zeros(3)
 SOFT = GrainMaterial("soft", 1e7, 0.3)
 
@@ -34,18 +34,16 @@ def plate(half_m: float, cells: int, probes: int = 0) -> TriangleSurface:
     )
     extra = np.tile([0.0, 0.0, -half_m], (probes, 1))
     return TriangleSurface(
-        np.concatenate([grid, extra]),
-        triangles.astype(np.int64),
-        np.zeros(len(triangles), dtype=np.int64),
+        np.concatenate([grid, extra]), triangles.astype(np.int64), np.zeros(len(triangles), dtype=np.int64)
     )
 
 
 def particles(
     position_m: Any,
-    velocity_m_s: Any = (0.0, 0.0, 0.0),
-    spin_rad_s: Any = (0.0, 0.0, 0.0),
+    velocity_m_per_s: Any = (0.0, 0.0, 0.0),
+    spin_rad_per_s: Any = (0.0, 0.0, 0.0),
     diameter_m: Any = 0.01,
-    density_kg_m3: float = 1430.0,
+    density_kg_per_m3: float = 1430.0,
     material: int = 0,
 ) -> ParticleList:
     position_m = np.atleast_2d(np.asarray(position_m, dtype=float))
@@ -56,10 +54,10 @@ def particles(
 
     return ParticleList(
         position_m,
-        rows(velocity_m_s),
-        rows(spin_rad_s),
+        rows(velocity_m_per_s),
+        rows(spin_rad_per_s),
         np.broadcast_to(np.asarray(diameter_m, dtype=float), (n,)).copy(),
-        np.full(n, density_kg_m3),
+        np.full(n, density_kg_per_m3),
         np.full(n, material, dtype=np.int64),
     )
 
@@ -75,7 +73,7 @@ def plan(surface: TriangleSurface, given: ParticleList, **changes: Any) -> Parti
         particles=given,
         largest_diameter_m=float(np.max(given.diameter_m, initial=0.01)),
         domain_m=np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]),
-        gravity_m_s2=G_M_S2,
+        gravity_m_per_s2=G_M_PER_S2,
         step_s=2e-5,
         sync_interval_s=1e-3,
     )
@@ -92,7 +90,7 @@ class Run:
 
     solver: Particles
     plan: ParticlesPlan
-    velocity_m_s: Array = field(default_factory=lambda: np.zeros(3))  # of the whole surface
+    velocity_m_per_s: Array = field(default_factory=lambda: np.zeros(3))  # of the whole surface
     index: int = 0
     load_N: list[Array] = field(default_factory=list)
 
@@ -102,14 +100,12 @@ class Run:
 
     @property
     def given_N_s(self) -> Array:
-        return self.plan.sync_interval_s * np.sum(
-            [load.sum(axis=0) for load in self.load_N], axis=0
-        )
+        return self.plan.sync_interval_s * np.sum([load.sum(axis=0) for load in self.load_N], axis=0)
 
     def motion(self) -> Motion:
         start_m = self.plan.surface.position_m
-        velocity_m_s = np.broadcast_to(self.velocity_m_s, start_m.shape).copy()
-        return Motion(start_m + self.time_s * self.velocity_m_s, velocity_m_s)
+        velocity_m_per_s = np.broadcast_to(self.velocity_m_per_s, start_m.shape).copy()
+        return Motion(start_m + self.time_s * self.velocity_m_per_s, velocity_m_per_s)
 
     def advance(self, intervals: int = 1) -> None:
         length_s = self.plan.sync_interval_s

@@ -52,9 +52,7 @@ def furrows() -> TriangleSurface:
     """Sharp ridges, 1.2 mm apart in the middle and diverging along y."""
     x = 0.6e-3 * np.arange(-6, 7)
     surface = sheet(lambda x, y: 1e-3 * np.cos(np.pi * x / 0.6e-3), x, 2e-3 * np.arange(-3, 4))
-    surface.position_m[:, 0] = (surface.position_m[:, 0] + 0.6e-3) * (
-        1.0 + 60.0 * surface.position_m[:, 1]
-    )
+    surface.position_m[:, 0] = (surface.position_m[:, 0] + 0.6e-3) * (1.0 + 60.0 * surface.position_m[:, 1])
     return surface
 
 

@@ -56,7 +56,7 @@ class Drizzle:
 def bed_plan(layers: int = 4, **changes: Any) -> ParticlesPlan:
     """Particles are fed, and leave to the side; two ranks share the domain along x."""
     rest = {
-        "gravity_m_s2": np.array([0.0, 0.0, -9.81]),
+        "gravity_m_per_s2": np.array([0.0, 0.0, -9.81]),
         "domain_m": np.array([[-0.056, -0.03, -0.03], [0.056, 0.03, 0.06]]),
         "feed": Drizzle(),
         "step_s": 2.5e-6,
@@ -65,10 +65,7 @@ def bed_plan(layers: int = 4, **changes: Any) -> ParticlesPlan:
 
 
 # as wide as the sheet
-PERIODIC = {
-    "domain_m": np.array([[-0.056, -0.02, -0.03], [0.056, 0.02, 0.06]]),
-    "periodic_y": True,
-}
+PERIODIC = {"domain_m": np.array([[-0.056, -0.02, -0.03], [0.056, 0.02, 0.06]]), "periodic_y": True}
 
 
 # sticks below 0.02 m/s (pair) and 0.03 m/s
@@ -103,7 +100,7 @@ def main() -> None:
     changes = PERIODIC if "periodic" in sys.argv else {}
     changes = WET if "wet" in sys.argv else changes
     changes = SOFT if "soft" in sys.argv else changes
-    solver = build(bed_plan(communicator=MPI.COMM_WORLD, wear_m3_N_m=np.ones((2, 2)), **changes))
+    solver = build(bed_plan(communicator=MPI.COMM_WORLD, wear_m3_per_N_m=np.ones((2, 2)), **changes))
     owned_first = len(solver.arrays()["x"])
     forces = travel(solver, wave, range(200))
     account, snapshot, worn_m3 = solver.account(), solver.snapshot(), solver.worn_m3()
@@ -113,7 +110,7 @@ def main() -> None:
     if MPI.COMM_WORLD.rank == 0:
         result = {
             "impulse": impulse_N_s(forces).tolist(),
-            "momentum": account.momentum_kg_m_s.tolist(),
+            "momentum": account.momentum_kg_m_per_s.tolist(),
             "stored": list(account.stored_J.values()),
             "work": account.received_J["surface"],
             "supplied": account.supplied_J["feed"],
@@ -121,7 +118,7 @@ def main() -> None:
             "worn": worn_m3.tolist(),
             "overlaps": list(vars(overlaps).values()),
             "crossings": [crossings.number, crossings.first_id, crossings.first_time_s],
-            "angular": [] if turned is None else turned.momentum_kg_m2_s.tolist(),
+            "angular": [] if turned is None else turned.momentum_kg_m2_per_s.tolist(),
             "given": [] if turned is None else turned.received_N_m_s["surface"].tolist(),
             "ids": snapshot.id.tolist(),
             "owned": owned,

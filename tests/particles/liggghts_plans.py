@@ -18,19 +18,19 @@ INTERVAL_S = 5e-5
 
 def spheres(
     position_m: Any,
-    velocity_m_s: Any = (0.0, 0.0, 0.0),
+    velocity_m_per_s: Any = (0.0, 0.0, 0.0),
     diameter_m: float = 5e-3,
-    density_kg_m3: float = 2500.0,
-    spin_rad_s: Any = (0.0, 0.0, 0.0),
+    density_kg_per_m3: float = 2500.0,
+    spin_rad_per_s: Any = (0.0, 0.0, 0.0),
 ) -> ParticleList:
     position_m = np.atleast_2d(np.asarray(position_m, dtype=float))
     n = len(position_m)
     return ParticleList(
         position_m,
-        np.array(np.broadcast_to(velocity_m_s, (n, 3)), dtype=float),
-        np.array(np.broadcast_to(spin_rad_s, (n, 3)), dtype=float),
+        np.array(np.broadcast_to(velocity_m_per_s, (n, 3)), dtype=float),
+        np.array(np.broadcast_to(spin_rad_per_s, (n, 3)), dtype=float),
         np.full(n, diameter_m),
-        np.full(n, density_kg_m3),
+        np.full(n, density_kg_per_m3),
         np.zeros(n, dtype=np.int64),
     )
 
@@ -66,7 +66,7 @@ def make_plan(surface: TriangleSurface, particles: ParticleList, **changes: Any)
         particles=particles,
         largest_diameter_m=float(particles.diameter_m.max()),
         domain_m=np.array([[-0.1, -0.1, -0.1], [0.1, 0.1, 0.1]]),
-        gravity_m_s2=np.zeros(3),
+        gravity_m_per_s2=np.zeros(3),
         step_s=1e-6,
         sync_interval_s=INTERVAL_S,
     )
@@ -77,9 +77,7 @@ def still(surface: TriangleSurface) -> Motion:
     return Motion(surface.position_m.copy(), np.zeros_like(surface.position_m))
 
 
-def travel(
-    solver: Particles, motion_at: Any, intervals: range, length_s: float = INTERVAL_S
-) -> list[Array]:
+def travel(solver: Particles, motion_at: Any, intervals: range, length_s: float = INTERVAL_S) -> list[Array]:
     """Advance through ``intervals`` with the surface at ``motion_at(time_s)``; the total force on
     the surface in each."""
     forces = []

@@ -46,15 +46,13 @@ def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> l
     return found
 
 
-OPEN_END = Exit(
-    "end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1])
-)
+OPEN_END = Exit("end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1]))
 INLET = Inlet(
     sizes=(Sizes(5e-3, 6e-3, 1.0),),
-    rate_kg_s=0.15,
+    rate_kg_per_s=0.15,
     box_m=np.array([[-0.04, -0.015, 0.034], [0.04, 0.015, 0.046]]),
-    velocity_m_s=np.array([0.0, 0.0, -0.5]),
-    density_kg_m3=1400.0,
+    velocity_m_per_s=np.array([0.0, 0.0, -0.5]),
+    density_kg_per_m3=1400.0,
     material=0,
 )
 
@@ -70,7 +68,7 @@ def astray(interval: Interval) -> Path:
     """The surface pushed up and along, out of its way."""
     start, end = wave(interval.start_s), wave(interval.end_s)
     off_m = np.array([1e-4, 0.0, 2e-4])
-    pushed = Motion(end.position_m + off_m, end.velocity_m_s + off_m / INTERVAL_S)
+    pushed = Motion(end.position_m + off_m, end.velocity_m_per_s + off_m / INTERVAL_S)
     return Path(start, pushed, INTERVAL_S)
 
 

@@ -16,15 +16,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import GrainMaterial, Jkr, Sjkr, SolverMissing
 from tests.particles.contract import energy_defect_J
 from tests.particles.liggghts_plans import flat, make_plan, sheet, spheres, still, travel
-from tests.particles.sticky import (
-    DENSITY_KG_M3,
-    PAIR,
-    PLANE,
-    RADIUS_M,
-    Known,
-    on_surface,
-    plan_of,
-)
+from tests.particles.sticky import DENSITY_KG_PER_M3, PAIR, PLANE, RADIUS_M, Known, on_surface, plan_of
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
@@ -45,16 +37,16 @@ def curve(overlap_m: Array, known: Known) -> Array:
     contact from separation on."""
     least_m = math.sqrt(-known.separation_m * known.radius_m / 3.0)
     neck_m = least_m * np.linspace(1.0, 6.0, 200_001)
-    pulled_m = np.sqrt(2 * math.pi * known.work_J_m2 * neck_m / known.e_star_Pa)
+    pulled_m = np.sqrt(2 * math.pi * known.work_J_per_m2 * neck_m / known.e_star_Pa)
     hertz_N = 4 / 3 * known.e_star_Pa * neck_m**3 / known.radius_m
     force_N = hertz_N - 2 * known.e_star_Pa * neck_m * pulled_m
     return np.interp(overlap_m, neck_m**2 / known.radius_m - pulled_m, force_N)
 
 
 def test_the_published_figures() -> None:
-    mass_kg = DENSITY_KG_M3 * 4 / 3 * math.pi * RADIUS_M**3
+    mass_kg = DENSITY_KG_PER_M3 * 4 / 3 * math.pi * RADIUS_M**3
     assert PAIR.separation_m == pytest.approx(-5.566e-7, rel=1e-3)
-    assert PAIR.sticking_m_s(mass_kg / 2) == pytest.approx(4.84e-3, rel=1e-3)
+    assert PAIR.sticking_m_per_s(mass_kg / 2) == pytest.approx(4.84e-3, rel=1e-3)
     assert curve(np.zeros(1), PAIR) == pytest.approx(-8 / 9 * PAIR.pull_off_N, rel=1e-6)
 
 
@@ -92,9 +84,7 @@ def test_pressed_on_a_surface_and_pulled_off(module: ModuleType, shape: str) -> 
     assert pulled_N.min() == pytest.approx(-PLANE.pull_off_N, rel=5e-3)
     assert parting_m[held[-1]] == pytest.approx(PLANE.separation_m, abs=2e-8)
     inside = held[:-2]
-    np.testing.assert_allclose(
-        pulled_N[inside], curve(parting_m[inside], PLANE), rtol=0, atol=tolerance_N
-    )
+    np.testing.assert_allclose(pulled_N[inside], curve(parting_m[inside], PLANE), rtol=0, atol=tolerance_N)
     # the step, 1e-9 m, shifts where a contact forms and snaps: 0.2 % of the loop
     assert account.received_J["surface"] == pytest.approx(PLANE.loop_J, rel=5e-3)
     assert account.lost_J["contact_dissipation"] == pytest.approx(PLANE.loop_J, rel=5e-3)
@@ -127,53 +117,51 @@ def test_a_neck_holds_across_triangles(module: ModuleType, shape: str) -> None:
     np.testing.assert_allclose(np.array(sliding_N)[:, 2], still_N[0, 2], rtol=tolerance)
 
 
-def pair(module: ModuleType, speed_m_s: float, gap_m: float, **changes: object) -> Particles:
-    """Two spheres far above the sheet that meet, or part, with ``speed_m_s``."""
-    half_m, half_m_s = RADIUS_M + gap_m / 2, speed_m_s / 2
+def pair(module: ModuleType, speed_m_per_s: float, gap_m: float, **changes: object) -> Particles:
+    """Two spheres far above the sheet that meet, or part, with ``speed_m_per_s``."""
+    half_m, half_m_per_s = RADIUS_M + gap_m / 2, speed_m_per_s / 2
     places = [[-half_m, 0.0, 0.03], [half_m, 0.0, 0.03]]
-    velocities = np.array([[half_m_s, 0.0, 0.0], [-half_m_s, 0.0, 0.0]])
-    velocities += np.asarray(changes.pop("drift_m_s", np.zeros(3)))
+    velocities = np.array([[half_m_per_s, 0.0, 0.0], [-half_m_per_s, 0.0, 0.0]])
+    velocities += np.asarray(changes.pop("drift_m_per_s", np.zeros(3)))
     return module.build(plan_of(places, velocities, **changes))
 
 
 def apart_m(solver: Particles) -> tuple[float, float]:
     """Gap between the two spheres, and its rate."""
     seen = solver.snapshot()
-    between_m, between_m_s = (v[1] - v[0] for v in (seen.position_m, seen.velocity_m_s))
+    between_m, between_m_per_s = (v[1] - v[0] for v in (seen.position_m, seen.velocity_m_per_s))
     distance_m = float(np.linalg.norm(between_m))
-    return distance_m - 2 * RADIUS_M, float(between_m @ between_m_s) / distance_m
+    return distance_m - 2 * RADIUS_M, float(between_m @ between_m_per_s) / distance_m
 
 
-@pytest.mark.parametrize("drift_m_s", [0.0, 3.0])
-def test_a_pair_pulled_apart(module: ModuleType, drift_m_s: float) -> None:
+@pytest.mark.parametrize("drift_m_per_s", [0.0, 3.0])
+def test_a_pair_pulled_apart(module: ModuleType, drift_m_per_s: float) -> None:
     """Two spheres of 4 t, pressed 2e-7 m, part with 1e-4 m/s: what slows them down is the curve
     of the theory, to 0.5 % of the pull-off force.  Flying along with 3 m/s they meet tens of new
     neighbour lists meanwhile, which must not forget the neck."""
-    solver = pair(module, -1e-4, -2e-7, density_kg_m3=1e12, drift_m_s=[0.0, drift_m_s, 0.0])
+    solver = pair(module, -1e-4, -2e-7, density_kg_per_m3=1e12, drift_m_per_s=[0.0, drift_m_per_s, 0.0])
     mass_kg = 1e12 * 4 / 3 * math.pi * RADIUS_M**3
     surface = flat()
-    gaps_m, rates_m_s = [], []
+    gaps_m, rates_m_per_s = [], []
     with closing(solver):
         for index in range(90):
             travel(solver, lambda _: still(surface), range(index, index + 1), 1e-4)
-            gap_m, rate_m_s = apart_m(solver)
+            gap_m, rate_m_per_s = apart_m(solver)
             gaps_m.append(gap_m)
-            rates_m_s.append(rate_m_s)
-    force_N = mass_kg / 2 * np.diff(rates_m_s) / 1e-4
+            rates_m_per_s.append(rate_m_per_s)
+    force_N = mass_kg / 2 * np.diff(rates_m_per_s) / 1e-4
     overlap_m = -0.5 * (np.array(gaps_m[1:]) + np.array(gaps_m[:-1]))
     held = np.flatnonzero(np.abs(force_N) > 0.05 * PAIR.pull_off_N)
     assert overlap_m[held[-1]] == pytest.approx(PAIR.separation_m, abs=1.5e-8)
     assert force_N.min() == pytest.approx(-PAIR.pull_off_N, rel=5e-3)
     inside = held[:-2]
     tolerance_N = 5e-3 * PAIR.pull_off_N
-    np.testing.assert_allclose(
-        force_N[inside], curve(overlap_m[inside], PAIR), rtol=0, atol=tolerance_N
-    )
+    np.testing.assert_allclose(force_N[inside], curve(overlap_m[inside], PAIR), rtol=0, atol=tolerance_N)
 
 
-def meeting(module: ModuleType, speed_m_s: float, **changes: object) -> tuple[bool, float, float]:
+def meeting(module: ModuleType, speed_m_per_s: float, **changes: object) -> tuple[bool, float, float]:
     """Two free spheres meet: whether they stick, what was lost, and the solver's own defect."""
-    solver = pair(module, speed_m_s, 1e-8, **changes)
+    solver = pair(module, speed_m_per_s, 1e-8, **changes)
     surface = flat()
     with closing(solver):
         before = solver.account()
@@ -183,14 +171,14 @@ def meeting(module: ModuleType, speed_m_s: float, **changes: object) -> tuple[bo
     return gap_m < 5e-6, lost_J, energy_defect_J(before, after)
 
 
-MASS_KG = DENSITY_KG_M3 * 4 / 3 * math.pi * RADIUS_M**3
+MASS_KG = DENSITY_KG_PER_M3 * 4 / 3 * math.pi * RADIUS_M**3
 
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
 def test_the_critical_sticking_speed_of_a_pair(module: ModuleType, share: float) -> None:
     """Without damping: below 4.84 mm/s two spheres stick, above they part.  The step, 2 us,
     shifts where the neck forms and snaps by up to 2 % of the gap it bridges."""
-    sticks, _, _ = meeting(module, share * PAIR.sticking_m_s(MASS_KG / 2), step_s=2e-6)
+    sticks, _, _ = meeting(module, share * PAIR.sticking_m_per_s(MASS_KG / 2), step_s=2e-6)
     assert sticks == (share < 1.0)
 
 
@@ -198,7 +186,7 @@ def test_a_bounce_loses_the_loop(module: ModuleType) -> None:
     """At twice the sticking speed the pair parts with the area of the loop less; the ledger of
     the spheres, which books necks as they form and snap, agrees to 1 % of it (the step: 1 us
     at 10 mm/s is 2 % of the gap that the neck bridges, half of it at each end)."""
-    sticks, lost_J, defect_J = meeting(module, 2 * PAIR.sticking_m_s(MASS_KG / 2), step_s=1e-6)
+    sticks, lost_J, defect_J = meeting(module, 2 * PAIR.sticking_m_per_s(MASS_KG / 2), step_s=1e-6)
     assert not sticks
     assert lost_J == pytest.approx(PAIR.loop_J, rel=2e-2)
     assert abs(defect_J) < 2e-2 * PAIR.loop_J
@@ -210,25 +198,25 @@ def test_softened_contacts(module: ModuleType, rule: str) -> None:
     the pull-off force stays, but particles stick up to 10^(1/3) times the speed."""
     factor = 0.1**0.4 if rule == "sticking" else 1.0
     soft = GrainMaterial("soft", 1e6, 0.3)
-    known = replace(PAIR, work_J_m2=factor * PAIR.work_J_m2, e_star_Pa=0.1 * PAIR.e_star_Pa)
+    known = replace(PAIR, work_J_per_m2=factor * PAIR.work_J_per_m2, e_star_Pa=0.1 * PAIR.e_star_Pa)
     changes = {
         "materials": (soft, soft),
-        "adhesion": Jkr(np.full((2, 2), known.work_J_m2), 1e-2),
+        "adhesion": Jkr(np.full((2, 2), known.work_J_per_m2), 1e-2),
         "step_s": 4e-6,
     }
-    speed_m_s = PAIR.sticking_m_s(MASS_KG / 2)
+    speed_m_per_s = PAIR.sticking_m_per_s(MASS_KG / 2)
     if rule == "pull-off":
         assert known.pull_off_N == PAIR.pull_off_N
-        speed_m_s *= math.pow(10.0, 1 / 3)
-    assert meeting(module, 0.97 * speed_m_s, **changes)[0]
-    assert not meeting(module, 1.03 * speed_m_s, **changes)[0]
+        speed_m_per_s *= math.pow(10.0, 1 / 3)
+    assert meeting(module, 0.97 * speed_m_per_s, **changes)[0]
+    assert not meeting(module, 1.03 * speed_m_per_s, **changes)[0]
 
 
-@pytest.mark.parametrize("work_J_m2", [0.0, 0.05])
-def test_coarse_contacts_are_similar(module: ModuleType, work_J_m2: float) -> None:
+@pytest.mark.parametrize("work_J_per_m2", [0.0, 0.05])
+def test_coarse_contacts_are_similar(module: ModuleType, work_J_per_m2: float) -> None:
     """Twice the size with twice the work of adhesion: the same rebound speed, in twice the time
     (particles.coarse_graining)."""
-    speeds_m_s = []
+    speeds_m_per_s = []
     for k in (1.0, 2.0):
         sphere = spheres([1e-5 * k, 0.0, 1.001e-3 * k], (0.0, 0.0, -0.05), 2e-3 * k)
         plan = make_plan(
@@ -236,21 +224,19 @@ def test_coarse_contacts_are_similar(module: ModuleType, work_J_m2: float) -> No
             sphere,
             materials=(GrainMaterial("soft", 1e7, 0.3),) * 2,
             restitution=0.6,
-            adhesion=Jkr(np.full((2, 2), k * work_J_m2), 1e-2) if work_J_m2 else None,
+            adhesion=Jkr(np.full((2, 2), k * work_J_per_m2), 1e-2) if work_J_per_m2 else None,
             step_s=1e-6 * k,
             sync_interval_s=1e-5 * k,
         )
         with closing(module.build(plan)) as solver:
             travel(solver, lambda _, plan=plan: still(plan.surface), range(200), 1e-5 * k)
-            speeds_m_s.append(solver.snapshot().velocity_m_s[0, 2])
-    assert 0.005 < speeds_m_s[0] < 0.045
-    assert speeds_m_s[1] == pytest.approx(speeds_m_s[0], rel=1e-6)
+            speeds_m_per_s.append(solver.snapshot().velocity_m_per_s[0, 2])
+    assert 0.005 < speeds_m_per_s[0] < 0.045
+    assert speeds_m_per_s[1] == pytest.approx(speeds_m_per_s[0], rel=1e-6)
 
 
 @pytest.mark.parametrize("share", [-1.0, -0.5, 0.0, 2.0])
-def test_friction_goes_by_the_force_plus_twice_the_pull_off(
-    module: ModuleType, share: float
-) -> None:
+def test_friction_goes_by_the_force_plus_twice_the_pull_off(module: ModuleType, share: float) -> None:
     """A sphere held at an overlap (in units of the separation) while the surface slides away: the
     drag is  mu |F + 2 F_po|,  also in tension and where there is no force at all."""
     overlap_m = -share * PLANE.separation_m if share > 0 else 0.98 * -share * PLANE.separation_m
@@ -292,7 +278,7 @@ def test_sjkr_with_its_mapping_has_the_pull_off_force(module: ModuleType) -> Non
     """k = (9 w E*^2 / (4 pi^2 R))^(1/3): the same pull-off force at a positive overlap (1 %: the
     mapping leaves out terms in overlap / R), nothing beyond contact, and no loop: what the
     surface does on the way in comes back on the way out."""
-    k = math.pow(9 * PLANE.work_J_m2 * PLANE.e_star_Pa**2 / (4 * math.pi**2 * RADIUS_M), 1 / 3)
+    k = math.pow(9 * PLANE.work_J_per_m2 * PLANE.e_star_Pa**2 / (4 * math.pi**2 * RADIUS_M), 1 / 3)
     puller = on_surface(module, flat(), adhesion=Sjkr(np.full((2, 2), k)))
     with closing(puller.solver):
         _, _ = puller.pull([0.0, 0.0, 4e-4], 60)

@@ -16,14 +16,7 @@ from orchestrator.ports import Account, Array, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import Jkr, ParticleList, ParticlesPlan, SolverMissing
-from tests.particles.contract import (
-    Run,
-    energy_defect_J,
-    one,
-    particles,
-    plan,
-    plate,
-)
+from tests.particles.contract import Run, energy_defect_J, one, particles, plan, plate
 
 Build = Callable[[ParticlesPlan], Run]
 SPIN_RAD_S = np.array([1.3, -2.1, 4.0])
@@ -61,8 +54,8 @@ def turned(start_m: Array, time_s: float) -> Motion:
     turn = Rotation.from_rotvec(time_s * SPIN_RAD_S).as_matrix()
     around_m = np.array([0.0, 0.0, 0.02])
     arms_m = (start_m - around_m) @ turn.T
-    velocity_m_s = np.cross(SPIN_RAD_S, arms_m) + RISE_M_S
-    return Motion(around_m + arms_m + time_s * RISE_M_S, velocity_m_s)
+    velocity_m_per_s = np.cross(SPIN_RAD_S, arms_m) + RISE_M_S
+    return Motion(around_m + arms_m + time_s * RISE_M_S, velocity_m_per_s)
 
 
 def advance(run: Run, intervals: int) -> None:
@@ -80,7 +73,7 @@ def missing_N_m_s(before: Account, after: Account) -> tuple[Array, float]:
     assert after.angular is not None
     received = after.angular.received_N_m_s["surface"] - before.angular.received_N_m_s["surface"]
     outside = after.angular.outside_impulse_N_m_s - before.angular.outside_impulse_N_m_s
-    change = after.angular.momentum_kg_m2_s - before.angular.momentum_kg_m2_s
+    change = after.angular.momentum_kg_m2_per_s - before.angular.momentum_kg_m2_per_s
     return change - outside - received, float(np.linalg.norm(received))
 
 
@@ -133,18 +126,18 @@ def test_resistance_to_rolling_sees_the_surface_turn(build: Build, law: str) -> 
     one that does not is taken along."""
     omega, length_s, surface = np.array([0.0, 3.0, 0.0]), 2e-3, plate(0.02, 4)
     rolls = {"rolling_friction": one(0.3), "rolling": law, "sliding_friction": one(0.0)}
-    velocity_m_s = np.cross(omega, surface.position_m - [0.0, 0.0, 0.005])
-    end_m = surface.position_m + length_s * velocity_m_s
-    path = Path(Motion(surface.position_m, velocity_m_s), Motion(end_m, velocity_m_s), length_s)
-    spins_rad_s = []
-    for spin_rad_s in (omega, 0.0 * omega):
-        falling = particles([0.0, 0.0, 0.0051], [0.0, 0.0, -0.5], spin_rad_s)
-        changes = {"gravity_m_s2": np.zeros(3), "sync_interval_s": length_s} | rolls
+    velocity_m_per_s = np.cross(omega, surface.position_m - [0.0, 0.0, 0.005])
+    end_m = surface.position_m + length_s * velocity_m_per_s
+    path = Path(Motion(surface.position_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
+    spins_rad_per_s = []
+    for spin_rad_per_s in (omega, 0.0 * omega):
+        falling = particles([0.0, 0.0, 0.0051], [0.0, 0.0, -0.5], spin_rad_per_s)
+        changes = {"gravity_m_per_s2": np.zeros(3), "sync_interval_s": length_s} | rolls
         run = build(plan(surface, falling, **changes))
         run.solver.advance(Interval(0, length_s), path)
-        spins_rad_s.append(run.solver.snapshot().spin_rad_s[0])
-    np.testing.assert_allclose(spins_rad_s[0], omega, atol=5e-3)
-    assert 1.0 < spins_rad_s[1][1] < 6.0  # the spring of epsd2 has no damper
+        spins_rad_per_s.append(run.solver.snapshot().spin_rad_per_s[0])
+    np.testing.assert_allclose(spins_rad_per_s[0], omega, atol=5e-3)
+    assert 1.0 < spins_rad_per_s[1][1] < 6.0  # the spring of epsd2 has no damper
 
 
 def test_a_couple_works_on_a_surface_that_turns(build: Build) -> None:

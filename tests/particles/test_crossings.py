@@ -17,15 +17,7 @@ from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import GrainMaterial, ParticlesPlan, SolverMissing
 from orchestrator.ports.state import restorable
-from tests.particles.contract import (
-    WEIGHTLESS,
-    Run,
-    at_rest,
-    one,
-    particles,
-    plan,
-    plate,
-)
+from tests.particles.contract import WEIGHTLESS, Run, at_rest, one, particles, plan, plate
 
 Build = Callable[[ParticlesPlan], Run]
 VERY_SOFT = GrainMaterial("very soft", 1e3, 0.3)
@@ -43,7 +35,7 @@ def build(request: pytest.FixtureRequest) -> Iterator[Build]:
 
 def soft(surface: TriangleSurface, *given: Any, **changes: Any) -> ParticlesPlan:
     """Particles of 10 mm that hardly feel what they meet, without gravity."""
-    usual: dict[str, Any] = {"materials": (VERY_SOFT,), "gravity_m_s2": WEIGHTLESS}
+    usual: dict[str, Any] = {"materials": (VERY_SOFT,), "gravity_m_per_s2": WEIGHTLESS}
     return plan(surface, particles(*given), **usual | changes)
 
 
@@ -124,25 +116,23 @@ def test_who_passes_a_free_edge_goes_through_nothing(build: Build) -> None:
     assert (found.number, found.first_id) == (1, 2)
 
 
-@pytest.mark.parametrize("speed_m_s", [450.0, 2000.0])
-def test_who_jumps_over_the_surface_in_one_step_is_found(build: Build, speed_m_s: float) -> None:
+@pytest.mark.parametrize("speed_m_per_s", [450.0, 2000.0])
+def test_who_jumps_over_the_surface_in_one_step_is_found(build: Build, speed_m_per_s: float) -> None:
     """Steps of 9 and 40 mm, over a radius of 5 mm and beyond all lists of neighbours."""
-    start_m = [0.001, 0.002, 0.5 + 0.006 * speed_m_s / 450.0]
-    given = particles(start_m, [0.0, 0.0, -speed_m_s])
+    start_m = [0.001, 0.002, 0.5 + 0.006 * speed_m_per_s / 450.0]
+    given = particles(start_m, [0.0, 0.0, -speed_m_per_s])
     domain_m = np.array([[-1.0, -1.0, -9.0], [1.0, 1.0, 9.0]])
     lifted = plate(0.05, 2)
     lifted.position_m[:, 2] += 0.5
-    run = build(
-        plan(lifted, given, gravity_m_s2=WEIGHTLESS, domain_m=domain_m, sync_interval_s=2e-4)
-    )
+    run = build(plan(lifted, given, gravity_m_per_s2=WEIGHTLESS, domain_m=domain_m, sync_interval_s=2e-4))
     run.advance(1)
     assert run.solver.snapshot().position_m[0, 2] < 0.5
     assert run.solver.crossings().number == 1
 
 
-def moved(surface: TriangleSurface, by_m: Array, velocity_m_s: Array) -> Motion:
+def moved(surface: TriangleSurface, by_m: Array, velocity_m_per_s: Array) -> Motion:
     still = at_rest(surface)
-    return Motion(still.position_m + by_m, still.velocity_m_s + velocity_m_s)
+    return Motion(still.position_m + by_m, still.velocity_m_per_s + velocity_m_per_s)
 
 
 def test_a_surface_that_moves_through_a_particle(build: Build) -> None:
@@ -152,7 +142,7 @@ def test_a_surface_that_moves_through_a_particle(build: Build) -> None:
     surface = plate(0.05, 4)
     given = [[0.0, 0.0, 0.008], [0.021, 0.02, 0.008]]
     run = build(soft(surface, given))
-    run.velocity_m_s = 3.0 * up
+    run.velocity_m_per_s = 3.0 * up
     run.advance(6)
     assert run.solver.crossings().number == 2
     run = build(soft(surface, given))
@@ -165,8 +155,8 @@ def test_a_surface_that_follows_is_not_crossed(build: Build) -> None:
     """Seen from a surface that falls and turns with them, particles at rest cross nothing."""
     surface = plate(0.05, 4)
     given = particles([[0.0, 0.0, 0.0049], [0.02, 0.013, 0.0049]], [0.4, 0.1, -2.0])
-    run = build(plan(surface, given, gravity_m_s2=WEIGHTLESS, restitution=one(1.0)))
-    run.velocity_m_s = np.array([0.4, 0.1, -2.0])
+    run = build(plan(surface, given, gravity_m_per_s2=WEIGHTLESS, restitution=one(1.0)))
+    run.velocity_m_per_s = np.array([0.4, 0.1, -2.0])
     run.advance(30)
     assert run.solver.crossings().number == 0
 
@@ -193,11 +183,9 @@ def test_overlaps_are_the_deepest_of_all_steps(build: Build) -> None:
     nothing touches: Hertz, 0.9745 (m^2 v^4 / (R E*^2))^(1/5), Johnson, Contact Mechanics, 1985,
     section 11.4."""
     place_m = [[0.0, 0.0, 0.0052], [0.1, 0.0, 0.05], [0.1104, 0.0, 0.05]]
-    velocity_m_s = [[0.0, 0.0, -0.5], [0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]
-    given = particles(place_m, velocity_m_s)
-    run = build(
-        plan(plate(0.02, 3), given, restitution=one(1.0), gravity_m_s2=WEIGHTLESS, step_s=5e-6)
-    )
+    velocity_m_per_s = [[0.0, 0.0, -0.5], [0.5, 0.0, 0.0], [-0.5, 0.0, 0.0]]
+    given = particles(place_m, velocity_m_per_s)
+    run = build(plan(plate(0.02, 3), given, restitution=one(1.0), gravity_m_per_s2=WEIGHTLESS, step_s=5e-6))
     assert run.solver.overlaps().surface_m == 0.0
     run.advance(10)
     found, again = run.solver.overlaps(), run.solver.overlaps()

@@ -20,10 +20,10 @@ from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
 
 INLET = Inlet(
     sizes=COAL,
-    rate_kg_s=2.0,
+    rate_kg_per_s=2.0,
     box_m=np.array([[0.0, 0.0, 0.5], [0.1, 0.2, 0.6]]),
-    velocity_m_s=np.array([0.0, 0.0, -1.0]),
-    density_kg_m3=1430.0,
+    velocity_m_per_s=np.array([0.0, 0.0, -1.0]),
+    density_kg_per_m3=1430.0,
     material=1,
     start_s=0.01,
     stop_s=0.06,
@@ -46,14 +46,12 @@ def total_kg(offers: list[ParticleList]) -> float:
 
 @settings(max_examples=25, deadline=None)
 @given(
-    rate_kg_s=st.floats(0.01, 3.0),
+    rate_kg_per_s=st.floats(0.01, 3.0),
     length_s=st.sampled_from([1e-4, 1e-3, 3e-3]),
     seed=st.integers(0, 2**32),
 )
-def test_the_rate_is_kept_within_half_a_particle(
-    rate_kg_s: float, length_s: float, seed: int
-) -> None:
-    inlet = replace(INLET, rate_kg_s=rate_kg_s, seed=seed)
+def test_the_rate_is_kept_within_half_a_particle(rate_kg_per_s: float, length_s: float, seed: int) -> None:
+    inlet = replace(INLET, rate_kg_per_s=rate_kg_per_s, seed=seed)
     feed, fed_kg = RateFeed(inlet), 0.0
     for index in range(30):
         interval = Interval(index, length_s)
@@ -62,7 +60,7 @@ def test_the_rate_is_kept_within_half_a_particle(
         assert smallest_gap_m(offer) >= 0.0
         fed_kg += total_kg([offer])
         assert feed.fed_kg == pytest.approx(fed_kg, rel=1e-12)
-        due_kg = rate_kg_s * max(0.0, min(interval.start_s, 0.06) - 0.01)
+        due_kg = rate_kg_per_s * max(0.0, min(interval.start_s, 0.06) - 0.01)
         assert feed.backlog_kg == pytest.approx(due_kg - fed_kg, abs=1e-12)
         assert abs(feed.backlog_kg) <= LARGEST_KG / 2.0 + 1e-12
 
@@ -91,7 +89,7 @@ def test_particles_appear_wholly_inside_the_box_with_the_velocity_given() -> Non
         reach_m = offer.diameter_m[:, None] / 2.0
         assert np.all(offer.position_m - reach_m >= INLET.box_m[0] - 1e-15)
         assert np.all(offer.position_m + reach_m <= INLET.box_m[1] + 1e-15)
-        assert np.all(offer.velocity_m_s == [0.0, 0.0, -1.0])
+        assert np.all(offer.velocity_m_per_s == [0.0, 0.0, -1.0])
         np.testing.assert_array_equal(offer.material, 1)
 
 
@@ -107,7 +105,7 @@ def test_refused_particles_are_tried_again_elsewhere() -> None:
 
 def test_a_rate_too_large_for_the_box_shows_as_backlog() -> None:
     """An inlet that never clears takes what fits once; the rest waits."""
-    feed = RateFeed(replace(INLET, sizes=LUMPS, rate_kg_s=200.0, start_s=0.0))
+    feed = RateFeed(replace(INLET, sizes=LUMPS, rate_kg_per_s=200.0, start_s=0.0))
     offer = feed.due(Interval(10, 1e-3))
     feed.settle(np.ones(len(offer), dtype=bool))
     assert smallest_gap_m(offer) >= 0.0
@@ -116,12 +114,12 @@ def test_a_rate_too_large_for_the_box_shows_as_backlog() -> None:
 
 
 def test_the_largest_rate_is_what_leaves_a_box_filled_by_a_fifth() -> None:
-    assert INLET.largest_rate_kg_s == pytest.approx(0.2 * 1430.0 * 0.1 * 0.2 * 1.0)
+    assert INLET.largest_rate_kg_per_s == pytest.approx(0.2 * 1430.0 * 0.1 * 0.2 * 1.0)
     seldom = replace(INLET, batch_s=0.5)  # the box empties in 0.1 s
-    assert seldom.largest_rate_kg_s == pytest.approx(0.2 * 1430.0 * 0.1 * 0.2 * 0.1 / 0.5)
+    assert seldom.largest_rate_kg_per_s == pytest.approx(0.2 * 1430.0 * 0.1 * 0.2 * 0.1 / 0.5)
 
 
-def largest_rate_found_kg_s(inlet: Inlet) -> float:
+def largest_rate_found_kg_per_s(inlet: Inlet) -> float:
     """What goes in where as much as a third of the box is always waiting; particles keep their
     velocity."""
     feed = RateFeed(replace(inlet, start_s=0.0, stop_s=math.inf))
@@ -130,15 +128,15 @@ def largest_rate_found_kg_s(inlet: Inlet) -> float:
     batches = 3 * math.ceil(
         np.max(
             (high - low)
-            / np.maximum(np.abs(inlet.velocity_m_s), 1e-9)
-            * (np.abs(inlet.velocity_m_s) > 0)
+            / np.maximum(np.abs(inlet.velocity_m_per_s), 1e-9)
+            * (np.abs(inlet.velocity_m_per_s) > 0)
         )
         / inlet.batch_s
     )
     for index in range(max(batches, 12)):
-        waiting_kg = 0.33 * inlet.density_kg_m3 * float(np.prod(high - low))
+        waiting_kg = 0.33 * inlet.density_kg_per_m3 * float(np.prod(high - low))
         rate = (feed.fed_kg + waiting_kg) / (max(index, 1) * inlet.batch_s)
-        feed.inlet = replace(feed.inlet, rate_kg_s=rate)
+        feed.inlet = replace(feed.inlet, rate_kg_per_s=rate)
         offer = feed.due(Interval(max(index, 1), inlet.batch_s))
         radius_m = offer.diameter_m / 2.0
         free = np.ones(len(offer), dtype=bool)
@@ -148,7 +146,7 @@ def largest_rate_found_kg_s(inlet: Inlet) -> float:
         feed.settle(free)
         fed_kg.append(feed.fed_kg)
         present_m = np.vstack([present_m, offer.position_m[free]])
-        present_m = present_m + inlet.batch_s * np.asarray(inlet.velocity_m_s)
+        present_m = present_m + inlet.batch_s * np.asarray(inlet.velocity_m_per_s)
         reach_m = np.append(reach_m, radius_m[free])
         near = np.all((present_m > low - 0.03) & (present_m < high + 0.03), axis=1)
         present_m, reach_m = present_m[near], reach_m[near]
@@ -157,7 +155,7 @@ def largest_rate_found_kg_s(inlet: Inlet) -> float:
 
 
 @pytest.mark.parametrize(
-    ("smallest_m", "largest_m", "box_m", "velocity_m_s", "batch_s"),
+    ("smallest_m", "largest_m", "box_m", "velocity_m_per_s", "batch_s"),
     [
         (0.008, 0.013, (0.1, 0.1, 0.03), (0.0, 0.0, -1.0), 1e-3),
         (0.008, 0.013, (0.1, 0.1, 0.03), (0.0, 0.0, -1.0), 4e-3),
@@ -170,7 +168,7 @@ def test_the_largest_rate_is_no_more_than_what_is_found(
     smallest_m: float,
     largest_m: float,
     box_m: tuple[float, ...],
-    velocity_m_s: tuple[float, ...],
+    velocity_m_per_s: tuple[float, ...],
     batch_s: float,
 ) -> None:
     """A case is refused above the estimate: what is let through must be possible (measured 1.0 to
@@ -179,16 +177,16 @@ def test_the_largest_rate_is_no_more_than_what_is_found(
         INLET,
         sizes=(Sizes(smallest_m, largest_m, 1.0),),
         box_m=np.array([np.zeros(3), box_m]),
-        velocity_m_s=np.array(velocity_m_s),
+        velocity_m_per_s=np.array(velocity_m_per_s),
         batch_s=batch_s,
     )
-    found_kg_s = largest_rate_found_kg_s(inlet)
-    assert 1.0 <= found_kg_s / inlet.largest_rate_kg_s <= 1.7
+    found_kg_per_s = largest_rate_found_kg_per_s(inlet)
+    assert 1.0 <= found_kg_per_s / inlet.largest_rate_kg_per_s <= 1.7
 
 
 def test_a_rate_below_the_largest_finds_room() -> None:
     """Particles leave the box at the inlet's velocity; those still inside block the others."""
-    inlet = replace(INLET, sizes=LUMPS, rate_kg_s=INLET.largest_rate_kg_s, start_s=0.0)
+    inlet = replace(INLET, sizes=LUMPS, rate_kg_per_s=INLET.largest_rate_kg_per_s, start_s=0.0)
     inlet = replace(inlet, stop_s=math.inf)
     feed, present_m, reach_m = RateFeed(inlet), np.empty((0, 3)), np.empty(0)
     for index in range(200):
@@ -197,7 +195,7 @@ def test_a_rate_below_the_largest_finds_room() -> None:
         apart_m = np.linalg.norm(offer.position_m[:, None] - present_m[None], axis=2)
         free = np.all(apart_m >= radius_m[:, None] + reach_m[None], axis=1)
         feed.settle(free)
-        present_m = np.vstack([present_m, offer.position_m[free]]) + 2e-3 * inlet.velocity_m_s
+        present_m = np.vstack([present_m, offer.position_m[free]]) + 2e-3 * inlet.velocity_m_per_s
         reach_m = np.append(reach_m, radius_m[free])
         near = present_m[:, 2] > 0.48
         present_m, reach_m = present_m[near], reach_m[near]
@@ -227,7 +225,7 @@ def test_several_feeds_are_one() -> None:
         INLET,
         box_m=INLET.box_m + 1.0,
         sizes=(Sizes(0.012, 0.013, 1.0),),
-        rate_kg_s=6.0,
+        rate_kg_per_s=6.0,
         material=0,
         seed=2,
     )

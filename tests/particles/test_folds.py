@@ -188,9 +188,9 @@ def test_the_order_of_triangles_does_not_matter(code: str) -> None:
 def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float:
     """Largest change of energy over the kinetic energy, while an elastic sphere without friction
     slides at 0.4 m/s from one face over the fold onto the other, or into the other."""
-    half, gravity_m_s2 = np.radians(angle_deg) / 2, 30.0
+    half, gravity_m_per_s2 = np.radians(angle_deg) / 2, 30.0
     mass_kg = 2500.0 * np.pi / 6.0 * (2 * RADIUS_M) ** 3
-    overlap_m = (mass_kg * gravity_m_s2 * np.cos(half) / single_N(1.0)) ** (2 / 3)
+    overlap_m = (mass_kg * gravity_m_per_s2 * np.cos(half) / single_N(1.0)) ** (2 / 3)
     along, up = (
         np.array([np.cos(half), 0.0, kind * np.sin(half)]),
         np.array([-kind * np.sin(half), 0.0, np.cos(half)]),
@@ -200,8 +200,8 @@ def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float
     surface = fold(angle_deg, kind)
     plan = make_plan(
         surface,
-        spheres(start_m, 0.4 * along, spin_rad_s=[0.0, 160.0, 0.0]),
-        gravity_m_s2=np.array([0.0, 0.0, -gravity_m_s2]),
+        spheres(start_m, 0.4 * along, spin_rad_per_s=[0.0, 160.0, 0.0]),
+        gravity_m_per_s2=np.array([0.0, 0.0, -gravity_m_per_s2]),
         step_s=step_s,
     )
     with closing(module(code).build(plan)) as solver:
@@ -210,8 +210,8 @@ def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float
             travel(solver, lambda t: still(surface), range(index, index + 1))
             energy_J.append(sum(solver.account().stored_J.values()))
         now = solver.snapshot()
-    turned_m_s = np.linalg.norm(now.velocity_m_s[0] - 0.4 * along)
-    assert now.position_m[0] @ along > 0.0 if kind == RIDGE else turned_m_s > 0.2 * np.sin(2 * half)
+    turned_m_per_s = np.linalg.norm(now.velocity_m_per_s[0] - 0.4 * along)
+    assert now.position_m[0] @ along > 0.0 if kind == RIDGE else turned_m_per_s > 0.2 * np.sin(2 * half)
     return float(np.abs(np.subtract(energy_J, energy_J[0])).max() / (0.5 * mass_kg * 0.4**2))
 
 

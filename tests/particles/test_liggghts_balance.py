@@ -21,7 +21,7 @@ pytestmark = pytest.mark.solver
 
 def defect(before, after, impulse_on_surface):
     """Change of momentum that neither gravity, feed, removal nor the surface explains."""
-    change = after.momentum_kg_m_s - before.momentum_kg_m_s
+    change = after.momentum_kg_m_per_s - before.momentum_kg_m_per_s
     outside = after.outside_impulse_N_s - before.outside_impulse_N_s
     return change - outside + impulse_on_surface
 
@@ -57,9 +57,7 @@ def test_a_bounce_dissipates_what_restitution_says():
         travel(solver, lambda t: still(plan.surface), range(10))
         account, v = solver.account(), solver.arrays()["v"][0, 2]
         mass = solver.arrays()["rmass"][0]
-    assert account.lost_J["contact_dissipation"] == pytest.approx(
-        0.5 * mass * (1 - v**2), rel=1e-12
-    )
+    assert account.lost_J["contact_dissipation"] == pytest.approx(0.5 * mass * (1 - v**2), rel=1e-12)
 
 
 def test_a_correction_of_the_surface_is_received_work():
@@ -99,7 +97,7 @@ def test_particles_come_and_go():
     sheet_away.position_m[:, 0] += 0.05
     gravity = np.array([0.0, 0.0, -9.81])
     domain = np.array([[-0.1, -0.1, -0.03], [0.1, 0.1, 0.1]])
-    plan = make_plan(sheet_away, seated, feed=rain, gravity_m_s2=gravity, domain_m=domain)
+    plan = make_plan(sheet_away, seated, feed=rain, gravity_m_per_s2=gravity, domain_m=domain)
     with closing(liggghts.build(plan)) as solver:
         before = solver.account()
         forces = travel(solver, lambda t: still(sheet_away), range(31))
@@ -115,9 +113,7 @@ def test_particles_come_and_go():
     # 1e-12 of the momentum of the 58 particles fed at 3 m/s (60 000 steps)
     passed = 58 * 3.0 * np.pi / 6 * 5e-3**3 * 2500.0
     assert np.abs(defect(before, after, impulse_N_s(forces))).max() < 1e-12 * passed
-    assert after.lost_J["contact_dissipation"] == pytest.approx(
-        0.0, abs=1e-6 * after.supplied_J["feed"]
-    )
+    assert after.lost_J["contact_dissipation"] == pytest.approx(0.0, abs=1e-6 * after.supplied_J["feed"])
 
 
 def test_removal_keeps_the_others_contact_history():
@@ -133,8 +129,8 @@ def test_removal_keeps_the_others_contact_history():
     alone, left = run(False), run(True)
     assert left.id.tolist() == [1, 2]
     # removal evaluates the forces anew with whole-step velocities: a step's worth of damping
-    np.testing.assert_allclose(left.velocity_m_s, alone.velocity_m_s, atol=2e-4)
-    np.testing.assert_allclose(left.spin_rad_s, alone.spin_rad_s, atol=0.1)
+    np.testing.assert_allclose(left.velocity_m_per_s, alone.velocity_m_per_s, atol=2e-4)
+    np.testing.assert_allclose(left.spin_rad_per_s, alone.spin_rad_per_s, atol=0.1)
 
 
 def ranks(n, *words):

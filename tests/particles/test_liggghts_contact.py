@@ -26,9 +26,9 @@ def opened():
 OBLIQUE = {"restitution": 0.6, "sliding_friction": 0.3, "rolling_friction": 0.05}
 
 
-def impact(velocity_m_s, **laws):
+def impact(velocity_m_per_s, **laws):
     """A sphere 0.7 steps above the inside of a triangle of the flat sheet."""
-    particles = spheres([0.0011, 0.0007, 2.5e-3 + 7e-7], velocity_m_s, spin_rad_s=(10.0, 40.0, 5.0))
+    particles = spheres([0.0011, 0.0007, 2.5e-3 + 7e-7], velocity_m_per_s, spin_rad_per_s=(10.0, 40.0, 5.0))
     return make_plan(flat(), particles, **laws)
 
 
@@ -67,15 +67,10 @@ def test_restitution_as_set(opened, restitution):
 
 @pytest.mark.parametrize(
     ("youngs_Pa", "poisson", "density", "overlap_m", "peak_N", "time_s"),
-    [
-        (70e9, 0.30, 2699.0, 49.717e-6, 11370.0, 731.7e-6),
-        (40e9, 0.35, 1800.0, 52.123e-6, 7232.7, 767.1e-6),
-    ],
+    [(70e9, 0.30, 2699.0, 49.717e-6, 11370.0, 731.7e-6), (40e9, 0.35, 1800.0, 52.123e-6, 7232.7, 767.1e-6)],
     ids=["aluminium alloy", "magnesium alloy"],
 )
-def test_elastic_impact_on_a_rigid_plane(
-    opened, youngs_Pa, poisson, density, overlap_m, peak_N, time_s
-):
+def test_elastic_impact_on_a_rigid_plane(opened, youngs_Pa, poisson, density, overlap_m, peak_N, time_s):
     # Chung & Ooi 2011, doi 10.1007/s10035-011-0277-0, test 2: r = 0.1 m at 0.2 m/s, Hertz's
     # closed form; the plane's E is 1e6 times larger instead of infinite.  Means over 2 us are
     # 1e-5 below the peak, the published figures have five digits: 1e-4; the end to one interval.
@@ -125,7 +120,7 @@ def test_slip_to_rolling(opened):
         spheres([-0.03, 0.0011, 2.5e-3], (0.5, 0.0, 0.0)),
         restitution=0.3,
         sliding_friction=0.5,
-        gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+        gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
         step_s=5e-6,
     )
     solver = opened(plan)

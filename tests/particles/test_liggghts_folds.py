@@ -34,7 +34,7 @@ def test_facets_of_a_plane_leave_no_trace():
         laws = {"restitution": 0.3, "sliding_friction": 0.4, "rolling_friction": 0.02}
         gravity = np.array([1.0, 0.5, -9.81])
         sphere = spheres([-0.012, -0.0013, RADIUS_M], (0.3, 0.05, 0.0))
-        plan = make_plan(plane, sphere, gravity_m_s2=gravity, step_s=5e-6, **laws)
+        plan = make_plan(plane, sphere, gravity_m_per_s2=gravity, step_s=5e-6, **laws)
         with closing(liggghts.build(plan)) as solver:
             forces_N = np.array(travel(solver, lambda t: still(plane), range(1600)))
             return forces_N, solver.snapshot()
@@ -44,7 +44,7 @@ def test_facets_of_a_plane_leave_no_trace():
     scale_N = np.abs(coarse_N).max()
     np.testing.assert_allclose(fine_N, coarse_N, atol=1e-9 * scale_N)
     np.testing.assert_allclose(fine.position_m, coarse.position_m, rtol=1e-9)
-    np.testing.assert_allclose(fine.spin_rad_s, coarse.spin_rad_s, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(fine.spin_rad_per_s, coarse.spin_rad_per_s, rtol=1e-9, atol=1e-9)
 
 
 def test_rolling_in_a_faceted_trough_keeps_its_tangential_spring():
@@ -60,7 +60,7 @@ def test_rolling_in_a_faceted_trough_keeps_its_tangential_spring():
         spheres([ring * np.sin(start), 1e-3, bend_m - ring * np.cos(start)]),
         restitution=0.3,
         sliding_friction=0.8,
-        gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+        gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
         step_s=5e-6,
     )
     quarter_s = 0.5 * np.pi * np.sqrt(7 / 5 * ring / 9.81)
@@ -102,7 +102,7 @@ def test_elastic_bounces_keep_their_energy(height_m, wave_1_m, fold_deg):
     grid = 0.02 * (np.arange(4) - 1.5)
     place = np.stack([*map(np.ravel, np.meshgrid(grid, grid)), np.full(16, 7e-3)], axis=1)
     place[:, :2] += np.random.default_rng(2).normal(0.0, 2e-3, (16, 2))
-    plan = make_plan(bumps, spheres(place), gravity_m_s2=np.array([0.0, 0.0, -50.0]))
+    plan = make_plan(bumps, spheres(place), gravity_m_per_s2=np.array([0.0, 0.0, -50.0]))
     with closing(liggghts.build(plan)) as solver:
         forces_N = travel(solver, lambda t: still(bumps), range(2000))
         account = solver.account()

@@ -55,7 +55,7 @@ def test_input_word_for_word():
         restitution=0.6,
         sliding_friction=0.4,
         rolling_friction=0.1,
-        gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+        gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
     )
     assert input_text(plan) == GOLDEN
 
@@ -76,9 +76,7 @@ def test_the_step_fills_the_interval_with_whole_steps():
 
 
 def test_bins_cover_what_is_there_and_not_the_domain():
-    plan = make_plan(
-        flat(), spheres([0.0, 0.03, 0.05]), domain_m=np.array([[-50.0] * 3, [50.0] * 3])
-    )
+    plan = make_plan(flat(), spheres([0.0, 0.03, 0.05]), domain_m=np.array([[-50.0] * 3, [50.0] * 3]))
     corners_m = np.array([[-0.025, -0.025, -0.005], [0.025, 0.035, 0.055]])
     np.testing.assert_allclose(smallest_box_m(plan), corners_m, atol=1e-15)
     corners_m[:, 1] = [-50.0, 50.0]

@@ -44,9 +44,7 @@ def surface(height, ridge_m: float) -> TriangleSurface:
 
 
 def plan_of(height, ridge_m, particles, **changes):
-    return make_plan(
-        surface(height, ridge_m), particles, domain_m=DOMAIN_M, periodic_y=True, **changes
-    )
+    return make_plan(surface(height, ridge_m), particles, domain_m=DOMAIN_M, periodic_y=True, **changes)
 
 
 def force_on_a_sphere(height, ridge_m, at_m):
@@ -71,10 +69,10 @@ def test_a_sphere_dragged_across_the_boundary_feels_what_it_feels_in_the_middle(
 
 def slid(start_m):
     """A spinning sphere, pressed on a bent sheet with friction, slides from y = ``start_m``."""
-    ball = spheres([1.1e-3, start_m, 2.68e-3], (0.1, 4.0, 0.0), spin_rad_s=(20.0, 0.0, 30.0))
+    ball = spheres([1.1e-3, start_m, 2.68e-3], (0.1, 4.0, 0.0), spin_rad_per_s=(20.0, 0.0, 30.0))
     gravity = np.array([0.0, 0.0, -500.0])
     laws = {"restitution": 0.5, "sliding_friction": 0.4, "rolling_friction": 0.05}
-    plan = plan_of(bent_along, 0.0, ball, gravity_m_s2=gravity, **laws)
+    plan = plan_of(bent_along, 0.0, ball, gravity_m_per_s2=gravity, **laws)
     with closing(liggghts.build(plan)) as solver:
         forces = travel(solver, lambda t: still(plan.surface), range(60))
         return np.array(forces), solver.snapshot(), solver.account()
@@ -88,8 +86,8 @@ def test_a_sphere_that_slides_across_the_boundary_keeps_its_contact():
     np.testing.assert_allclose(crossing, free, atol=1e-9 * np.abs(free).max())
     moved_m = there.position_m[0, 1] - (PERIOD_M - 2e-3) + PERIOD_M
     assert moved_m == pytest.approx(here.position_m[0, 1] - PERIOD_M / 4, abs=1e-11)
-    np.testing.assert_allclose(there.velocity_m_s, here.velocity_m_s, atol=1e-9)
-    np.testing.assert_allclose(there.spin_rad_s, here.spin_rad_s, atol=1e-6)
+    np.testing.assert_allclose(there.velocity_m_per_s, here.velocity_m_per_s, atol=1e-9)
+    np.testing.assert_allclose(there.spin_rad_per_s, here.spin_rad_per_s, atol=1e-6)
     assert books.stored_J["gravitational"] == pytest.approx(other.stored_J["gravitational"])
 
 
@@ -102,7 +100,7 @@ def test_two_spheres_touch_across_the_boundary():
         plan = plan_of(flat, 0.0, pair, restitution=0.6)
         with closing(liggghts.build(plan)) as solver:
             travel(solver, lambda t: still(plan.surface), range(10))
-            return solver.snapshot().velocity_m_s[:, 1]
+            return solver.snapshot().velocity_m_per_s[:, 1]
 
     np.testing.assert_allclose(collide(0.0), collide(PERIOD_M / 2), atol=1e-9)
     np.testing.assert_allclose(collide(0.0), [-0.6, 0.6], atol=2e-3)

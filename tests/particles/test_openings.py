@@ -66,8 +66,8 @@ def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
     run.advance(round(time_s / run.plan.sync_interval_s))
     now = run.solver.snapshot()
     below = now.position_m[:, 2] < -now.diameter_m / 2
-    fallen = start.velocity_m_s + time_s * run.plan.gravity_m_s2
-    free = np.abs(now.velocity_m_s - fallen).max(axis=1) < 1e-9
+    fallen = start.velocity_m_per_s + time_s * run.plan.gravity_m_per_s2
+    free = np.abs(now.velocity_m_per_s - fallen).max(axis=1) < 1e-9
     assert below[free].all()
     return int(free.sum()), int(below.sum())
 
@@ -88,9 +88,7 @@ def test_single_attempts_pass_with_the_probability_of_gaudin(
     for seed in range(3 if solver == "spheres" else 8):
         places = over_the_pattern(pattern, diameter_m, seed)
         heights = np.full(len(places), 0.51 * diameter_m)
-        given = particles(
-            np.column_stack([places, heights]), (0.0, 0.0, -1.0), diameter_m=diameter_m
-        )
+        given = particles(np.column_stack([places, heights]), (0.0, 0.0, -1.0), diameter_m=diameter_m)
         done = run(
             solver,
             still(pattern),
@@ -144,28 +142,19 @@ def test_what_is_a_little_smaller_slips_through(solver: str) -> None:
     [(SLOTS, 0.004), (SQUARES, 0.0125), (SQUARES, 0.02)],
     ids=["slot", "square", "square-large"],
 )
-def test_a_sphere_rests_on_an_opening_s_rim(
-    solver: str, pattern: Apertures, diameter_m: float
-) -> None:
+def test_a_sphere_rests_on_an_opening_s_rim(solver: str, pattern: Apertures, diameter_m: float) -> None:
     """Its centre is sqrt(r^2 - a^2/4) over the panel, a the width between the rims that hold
     it, less what its weight presses it in (1e-3 r)."""
     radius_m, half_m = diameter_m / 2, pattern.width_m / 2
     height_m = np.sqrt(radius_m**2 - half_m**2)
     centre = pattern.centres_m(PANEL)[25]
     given = particles([*centre, height_m + 1e-3 * radius_m], diameter_m=diameter_m)
-    done = run(
-        solver,
-        still(pattern),
-        given=given,
-        sync_interval_s=1e-3,
-        step_s=2e-5,
-        restitution=one(0.2),
-    )
+    done = run(solver, still(pattern), given=given, sync_interval_s=1e-3, step_s=2e-5, restitution=one(0.2))
     done.advance(60)
     now = done.solver.snapshot()
     assert now.position_m[0, :2] == pytest.approx(centre, abs=1e-3 * radius_m)
     assert now.position_m[0, 2] == pytest.approx(height_m, abs=3e-3 * radius_m)
-    assert np.abs(now.velocity_m_s).max() < 1e-3
+    assert np.abs(now.velocity_m_per_s).max() < 1e-3
     carried_N = done.load_N[-1].sum(axis=0)
     weight_N = 1430.0 * np.pi / 6 * diameter_m**3 * 9.81
     assert carried_N == pytest.approx([0.0, 0.0, -weight_N], abs=0.02 * weight_N)

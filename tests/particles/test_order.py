@@ -43,10 +43,10 @@ def solver(request: pytest.FixtureRequest) -> Any:
         pytest.skip(str(missing))
 
 
-def at(given: ParticlesPlan, height_m: float, velocity_m_s: float) -> Motion:
+def at(given: ParticlesPlan, height_m: float, velocity_m_per_s: float) -> Motion:
     """The plate."""
     up = np.broadcast_to([0.0, 0.0, 1.0], given.surface.position_m.shape)
-    return Motion(given.surface.position_m + height_m * up, velocity_m_s * up)
+    return Motion(given.surface.position_m + height_m * up, velocity_m_per_s * up)
 
 
 def following(given: ParticlesPlan, height: Height, intervals: int) -> list[Path]:
@@ -60,7 +60,7 @@ def carried(solver: Any, given: ParticlesPlan, paths: Iterable[Path]) -> tuple[A
         for index, path in enumerate(paths):
             opened.advance(Interval(index, LENGTH_S), path)
         now = opened.snapshot()
-    return now.position_m[:, 2], now.velocity_m_s[:, 2]
+    return now.position_m[:, 2], now.velocity_m_per_s[:, 2]
 
 
 def dropped(restitution: float, steps: int) -> ParticlesPlan:
@@ -72,7 +72,7 @@ def dropped(restitution: float, steps: int) -> ParticlesPlan:
         plate(0.05, 1),
         particles(np.stack([x, y, z], axis=1), [0.0, 0.0, -SPEED_M_S]),
         restitution=one(restitution),
-        gravity_m_s2=WEIGHTLESS,
+        gravity_m_per_s2=WEIGHTLESS,
         step_s=LENGTH_S / steps,
         sync_interval_s=LENGTH_S,
     )
@@ -89,7 +89,7 @@ def test_without_dampers_it_is_of_second_order(solver: Any, height: Height) -> N
     np.testing.assert_allclose(np.log2(np.divide(error_m[:-1], error_m[1:])), 2.0, atol=0.2)
 
 
-def rebound_m_s(restitution: float, late_s: float) -> float:
+def rebound_m_per_s(restitution: float, late_s: float) -> float:
     """Of Hertz's spring with Tsuji's damper, whose force is that of the velocity ``late_s`` ago:
     c (v - late a), as if the mass were m - c late."""
     log_e = np.log(restitution)
@@ -105,9 +105,7 @@ def rebound_m_s(restitution: float, late_s: float) -> float:
         return float(at[0])
 
     parted.terminal, parted.direction = True, -1.0  # type: ignore[attr-defined]
-    found = solve_ivp(
-        rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14
-    )
+    found = solve_ivp(rates, (0.0, 1e-2), [0.0, SPEED_M_S], "DOP853", events=parted, rtol=1e-10, atol=1e-14)
     return -float(found.y[1, -1])
 
 
@@ -115,16 +113,16 @@ def test_dampers_are_half_a_step_late(solver: Any) -> None:
     """Forces go by the velocities of the step's middle.  So the order is 1, and the error is what
     a damper half a step late makes of the rebound e v, within 2 %: when in a step a sphere begins
     to touch is chance."""
-    exact_m_s = 0.34 * SPEED_M_S
-    assert rebound_m_s(0.34, 0.0) == pytest.approx(exact_m_s, rel=1e-3)
-    error_m_s = []
+    exact_m_per_s = 0.34 * SPEED_M_S
+    assert rebound_m_per_s(0.34, 0.0) == pytest.approx(exact_m_per_s, rel=1e-3)
+    error_m_per_s = []
     for steps in (8, 16, 32):
         given = dropped(0.34, steps)
-        found_m_s = carried(solver, given, following(given, still, 22))[1]
-        error_m_s.append(float(np.mean(found_m_s)) - exact_m_s)
-        late_m_s = rebound_m_s(0.34, LENGTH_S / steps / 2.0)
-        assert error_m_s[-1] == pytest.approx(late_m_s - exact_m_s, rel=0.02)
-    np.testing.assert_allclose(np.log2(np.divide(error_m_s[:-1], error_m_s[1:])), 1.0, atol=0.05)
+        found_m_per_s = carried(solver, given, following(given, still, 22))[1]
+        error_m_per_s.append(float(np.mean(found_m_per_s)) - exact_m_per_s)
+        late_m_per_s = rebound_m_per_s(0.34, LENGTH_S / steps / 2.0)
+        assert error_m_per_s[-1] == pytest.approx(late_m_per_s - exact_m_per_s, rel=0.02)
+    np.testing.assert_allclose(np.log2(np.divide(error_m_per_s[:-1], error_m_per_s[1:])), 1.0, atol=0.05)
 
 
 def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
@@ -132,7 +130,7 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
         plate(0.02, 1),
         particles([0.001, 0.0, place_m]),
         restitution=one(restitution),
-        gravity_m_s2=WEIGHTLESS,
+        gravity_m_per_s2=WEIGHTLESS,
         step_s=LENGTH_S / steps,
         sync_interval_s=LENGTH_S,
     )
@@ -141,11 +139,11 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
 def test_a_sphere_rests_on_a_plate_that_accelerates(solver: Any) -> None:
     """At 50 g its overlap is Hertz's under 50 times its weight, whatever the step and the damper:
     both velocities that the damper compares are those of the middle of the step."""
-    acceleration_m_s2 = 490.0
-    overlap_m = (0.75 * MASS_KG * acceleration_m_s2 / (E_STAR_PA * RADIUS_M**0.5)) ** (2.0 / 3.0)
+    acceleration_m_per_s2 = 490.0
+    overlap_m = (0.75 * MASS_KG * acceleration_m_per_s2 / (E_STAR_PA * RADIUS_M**0.5)) ** (2.0 / 3.0)
 
     def pushed(time_s: float) -> tuple[float, float]:
-        return acceleration_m_s2 * time_s**2 / 2.0, acceleration_m_s2 * time_s
+        return acceleration_m_per_s2 * time_s**2 / 2.0, acceleration_m_per_s2 * time_s
 
     given = single(RADIUS_M - overlap_m, 0.34, 2)
     (place_m,), _ = carried(solver, given, following(given, pushed, 40))
@@ -158,14 +156,14 @@ def test_a_jump_of_the_surface_is_felt_half_a_step_late(solver: Any) -> None:
     into a sphere by d; Hertz's energy, 8/15 E* sqrt(r) d^(5/2), throws it off."""
     jump_m = 6e-5
     energy_J = 8.0 / 15.0 * E_STAR_PA * RADIUS_M**0.5 * jump_m**2.5
-    speed_m_s = np.sqrt(2.0 * energy_J / MASS_KG)
+    speed_m_per_s = np.sqrt(2.0 * energy_J / MASS_KG)
     steps, places_m = np.array([8, 16, 32, 64]), []
     for n in steps:
         given = single(RADIUS_M, 1.0, n)
         before, after = (at(given, height_m, 0.0) for height_m in (0.0, jump_m))
         paths = [Path(before, before, LENGTH_S), *[Path(after, after, LENGTH_S)] * 19]
-        (place_m,), (found_m_s,) = carried(solver, given, paths)
-        assert found_m_s == pytest.approx(speed_m_s, rel=2e-3)
+        (place_m,), (found_m_per_s,) = carried(solver, given, paths)
+        assert found_m_per_s == pytest.approx(speed_m_per_s, rel=2e-3)
         places_m.append(place_m)
-    earlier_s = np.diff(places_m) / speed_m_s  # than with steps twice as long
+    earlier_s = np.diff(places_m) / speed_m_per_s  # than with steps twice as long
     np.testing.assert_allclose(earlier_s, LENGTH_S / steps[:-1] / 4.0, rtol=0.1)

@@ -29,9 +29,7 @@ def filled(sizes: tuple[Sizes, ...], count: int, box_m: Array, seed: int = 1) ->
     ratio=st.floats(1.0, 8.0),
     seed=st.integers(0, 2**32),
 )
-def test_every_sphere_is_inside_and_none_overlaps(
-    count: int, split: float, ratio: float, seed: int
-) -> None:
+def test_every_sphere_is_inside_and_none_overlaps(count: int, split: float, ratio: float, seed: int) -> None:
     sizes = (Sizes(0.002, 0.002 * ratio, split), Sizes(0.004, 0.004 * ratio, 1.0 - split))
     found = filled(sizes, count, np.array([[0.0, 0.0, 0.0], [0.4, 0.4, 0.4]]), seed)
     reach_m = found.diameter_m[:, None] / 2.0

@@ -40,15 +40,15 @@ def pressed(**changes: Any) -> ParticlesPlan:
     two of them."""
     x = np.array([[0.3, 0.7], [1.3, 0.7], [0.3, 1.7], [1.4, 1.9], [0.8, 0.7]]) * 2.5e-3
     z = np.array([1.246e-3, 1.247e-3, 1.245e-3, 1.246e-3, 1.246e-3 + 2.155e-3])
-    velocity_m_s = np.array(
+    velocity_m_per_s = np.array(
         [[0.01, 0, -0.05], [0, 0.02, -0.03], [0, 0, -0.02], [0.01, 0.01, -0.04], [0, 0, -0.05]]
     )
-    given = spheres_at(np.column_stack([x, z]), velocity_m_s, 2.5e-3, 2500.0, (3.0, -4.0, 5.0))
+    given = spheres_at(np.column_stack([x, z]), velocity_m_per_s, 2.5e-3, 2500.0, (3.0, -4.0, 5.0))
     usual: dict[str, Any] = {
         "step_s": STEP_S,
         "restitution": 0.4,
         "sliding_friction": 0.6,
-        "gravity_m_s2": np.array([0.0, 0.0, -9.81]),
+        "gravity_m_per_s2": np.array([0.0, 0.0, -9.81]),
         "responds": True,
     }
     surface = changes.pop("surface", flat(0.02, 7))
@@ -64,10 +64,10 @@ def in_touch(module: ModuleType, plan: ParticlesPlan) -> Iterator[Any]:
         yield solver
 
 
-def load_N(solver: Any, plan: ParticlesPlan, velocity_m_s: Array, length_s: float) -> Array:
+def load_N(solver: Any, plan: ParticlesPlan, velocity_m_per_s: Array, length_s: float) -> Array:
     """(points, 3) over an interval in which the surface keeps a velocity; then back."""
     before, place_m = solver.save(), plan.surface.position_m
-    moving = np.broadcast_to(velocity_m_s, place_m.shape).copy()
+    moving = np.broadcast_to(velocity_m_per_s, place_m.shape).copy()
     start, end = Motion(place_m, moving), Motion(place_m + length_s * moving, moving)
     load = solver.advance(Interval(1, length_s), Path(start, end, length_s))
     solver.restore(before)
@@ -84,7 +84,7 @@ def errors(solver: Any, plan: ParticlesPlan, length_s: float) -> tuple[float, fl
     told = solver.response(length_s)
     still_N, *moving_N = (load_N(solver, plan, way, length_s) for way in WAYS)
     changes = np.array([still_N - one_N for one_N in moving_N]) / SPEED_M_S
-    foretold = np.moveaxis(told.impedance_N_s_m, 2, 0)  # (direction of motion, points, 3)
+    foretold = np.moveaxis(told.impedance_N_s_per_m, 2, 0)  # (direction of motion, points, 3)
     return (
         float(np.abs(told.push_N - still_N).max() / np.abs(still_N).max()),
         float(np.abs(foretold - changes).max() / np.abs(changes).max()),
@@ -100,9 +100,7 @@ def test_response_is_the_tangent_of_the_mean_load(module: Any) -> None:
     adapters: impedance off by 1.457 and 0.2015 %, push by 0.2114 and 0.1311 %)."""
     plan = pressed()
     with in_touch(module(), plan) as solver:
-        (push, impedance), (finer_push, finer) = (
-            errors(solver, plan, length_s) for length_s in (1e-5, 5e-6)
-        )
+        (push, impedance), (finer_push, finer) = (errors(solver, plan, length_s) for length_s in (1e-5, 5e-6))
     assert impedance < 0.03
     assert finer < 0.3 * impedance
     assert push < 0.005
@@ -127,7 +125,7 @@ def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
         with in_touch(module, plan) as solver:
             told.append(solver.response(1e-5))
     mine, theirs = told
-    for name in ("push_N", "impedance_N_s_m"):
+    for name in ("push_N", "impedance_N_s_per_m"):
         one, other = getattr(mine, name), getattr(theirs, name)
         assert np.abs(other).max() > 0
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
@@ -144,6 +142,6 @@ def test_a_response_goes_along_with_a_saved_state() -> None:
     with closing(liggghts().build(plan)) as other:
         other.restore(before)
         elsewhere = other.response(1e-5)
-    for name in ("push_N", "impedance_N_s_m"):
+    for name in ("push_N", "impedance_N_s_per_m"):
         np.testing.assert_array_equal(getattr(told, name), getattr(again, name))
         np.testing.assert_array_equal(getattr(told, name), getattr(elsewhere, name))

@@ -19,7 +19,7 @@ from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.restored_bed import OPEN_END, astray, fed, hesitating, resumed
 
 SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
-WEARING = {"wear_m3_N_m": np.ones((2, 2))}
+WEARING = {"wear_m3_per_N_m": np.ones((2, 2))}
 CHANGES: dict[str, dict[str, Any]] = {
     "dry": {},
     "periodic": PERIODIC,

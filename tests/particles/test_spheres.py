@@ -9,15 +9,7 @@ from adapters.particles import spheres
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import closest_on_triangle
 from orchestrator.ports.plans import Exit, GrainMaterial
-from tests.particles.contract import (
-    WEIGHTLESS,
-    Run,
-    energy_defect_J,
-    one,
-    particles,
-    plan,
-    plate,
-)
+from tests.particles.contract import WEIGHTLESS, Run, energy_defect_J, one, particles, plan, plate
 
 MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3
 
@@ -29,13 +21,11 @@ def opened(given: object) -> Run:
 def test_a_sliding_sphere_ends_rolling_at_five_sevenths() -> None:
     """Sliding friction torques a solid sphere until it rolls: u = 5 u0 / 7, spin = u / r (any
     textbook of mechanics); the spring's half overlap in the lever adds delta / 2r = 0.2 %."""
-    run = opened(
-        plan(plate(0.3, 1), particles([-0.1, 0.02, 0.00498], [0.3, 0, 0]), restitution=one(0.3))
-    )
+    run = opened(plan(plate(0.3, 1), particles([-0.1, 0.02, 0.00498], [0.3, 0, 0]), restitution=one(0.3)))
     run.advance(150)  # sliding ends after 2 u0 / (7 mu g) = 29 ms
     now = run.solver.snapshot()
-    assert now.velocity_m_s[0, 0] == pytest.approx(0.3 * 5.0 / 7.0, rel=2e-3)
-    assert now.spin_rad_s[0, 1] * 0.005 == pytest.approx(0.3 * 5.0 / 7.0, rel=4e-3)
+    assert now.velocity_m_per_s[0, 0] == pytest.approx(0.3 * 5.0 / 7.0, rel=2e-3)
+    assert now.spin_rad_per_s[0, 1] * 0.005 == pytest.approx(0.3 * 5.0 / 7.0, rel=4e-3)
 
 
 def test_an_oblique_impact_that_slides_throughout() -> None:
@@ -49,48 +39,44 @@ def test_an_oblique_impact_that_slides_throughout() -> None:
             impact,
             restitution=one(1.0),
             sliding_friction=one(0.1),
-            gravity_m_s2=WEIGHTLESS,
+            gravity_m_per_s2=WEIGHTLESS,
             step_s=2e-6,
         )
     )
     run.until_clear()
     now = run.solver.snapshot()
-    assert now.velocity_m_s[0, 2] == pytest.approx(1.0, rel=1e-3)
-    assert now.velocity_m_s[0, 0] == pytest.approx(3.0 - 0.1 * 2.0, rel=1e-3)
+    assert now.velocity_m_per_s[0, 2] == pytest.approx(1.0, rel=1e-3)
+    assert now.velocity_m_per_s[0, 0] == pytest.approx(3.0 - 0.1 * 2.0, rel=1e-3)
     # the lever is r - delta / 2; the overlap reaches 6 % of r here
-    assert now.spin_rad_s[0, 1] * 0.005 == pytest.approx(2.5 * 0.1 * 2.0, rel=0.04)
+    assert now.spin_rad_per_s[0, 1] * 0.005 == pytest.approx(2.5 * 0.1 * 2.0, rel=0.04)
 
 
 def test_a_contact_between_spheres_keeps_the_angular_momentum() -> None:
     given = particles(
         [[-0.00501, 0, 0.5], [0.00501, 0.003, 0.5]], [[0.5, 0, 0], [-0.5, 0.1, 0]], [0, 3.0, 20.0]
     )
-    run = opened(plan(plate(0.01, 1), given, gravity_m_s2=WEIGHTLESS))
+    run = opened(plan(plate(0.01, 1), given, gravity_m_per_s2=WEIGHTLESS))
 
     def angular_momentum() -> Array:
         now = run.solver.snapshot()
-        orbital = np.cross(now.position_m - [0, 0, 0.5], now.velocity_m_s)
-        return MASS_KG * (orbital + 0.4 * 0.005**2 * now.spin_rad_s).sum(axis=0)
+        orbital = np.cross(now.position_m - [0, 0, 0.5], now.velocity_m_per_s)
+        return MASS_KG * (orbital + 0.4 * 0.005**2 * now.spin_rad_per_s).sum(axis=0)
 
     before = angular_momentum()
     run.advance(30)
-    speed_m_s = run.solver.snapshot().velocity_m_s[0, 0]
-    assert speed_m_s < 0.0  # they met
+    speed_m_per_s = run.solver.snapshot().velocity_m_per_s[0, 0]
+    assert speed_m_per_s < 0.0  # they met
     # to the rounding of 1500 steps
-    np.testing.assert_allclose(
-        angular_momentum(), before, rtol=0.0, atol=1e-11 * np.abs(before).max()
-    )
+    np.testing.assert_allclose(angular_momentum(), before, rtol=0.0, atol=1e-11 * np.abs(before).max())
 
 
 def bouncing_spheres(step_s: float) -> Run:
     """Eighteen spheres dropped onto a plate that moves up and along."""
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
-    velocity_m_s = np.random.default_rng(1).normal(0.0, 0.3, (18, 3))
-    run = opened(
-        plan(plate(0.05, 5), particles(place_m, velocity_m_s, [5.0, -9.0, 3.0]), step_s=step_s)
-    )
-    run.velocity_m_s = np.array([0.3, 0.0, 0.2])
+    velocity_m_per_s = np.random.default_rng(1).normal(0.0, 0.3, (18, 3))
+    run = opened(plan(plate(0.05, 5), particles(place_m, velocity_m_per_s, [5.0, -9.0, 3.0]), step_s=step_s))
+    run.velocity_m_per_s = np.array([0.3, 0.0, 0.2])
     return run
 
 

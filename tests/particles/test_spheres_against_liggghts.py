@@ -24,7 +24,7 @@ pytestmark = pytest.mark.solver
 Result = tuple[Array, ParticleSnapshot, Account]
 
 
-def both(given: ParticlesPlan, intervals: int, surface_m_s: Array) -> tuple[Result, Result]:
+def both(given: ParticlesPlan, intervals: int, surface_m_per_s: Array) -> tuple[Result, Result]:
     """Loads, last snapshot and account of the spheres and of LIGGGHTS."""
     try:
         from adapters.particles import liggghts
@@ -33,7 +33,7 @@ def both(given: ParticlesPlan, intervals: int, surface_m_s: Array) -> tuple[Resu
     results = []
     for module in (spheres, liggghts):
         with closing(module.build(given)) as solver:
-            run = Run(solver, given, surface_m_s)
+            run = Run(solver, given, surface_m_per_s)
             run.advance(intervals)
             results.append((np.array(run.load_N), solver.snapshot(), solver.account()))
     return results[0], results[1]
@@ -43,7 +43,7 @@ def agree(one: Result, other: Result, relative: float) -> None:
     scale_N = np.abs(other[0]).max()
     assert scale_N > 0.0
     np.testing.assert_allclose(one[0], other[0], rtol=0.0, atol=relative * scale_N)
-    for name in ("position_m", "velocity_m_s", "spin_rad_s"):
+    for name in ("position_m", "velocity_m_per_s", "spin_rad_per_s"):
         mine, theirs = getattr(one[1], name), getattr(other[1], name)
         np.testing.assert_allclose(mine, theirs, rtol=0.0, atol=relative * np.abs(theirs).max())
     mine_J, theirs_J = one[2].received_J["surface"], other[2].received_J["surface"]
@@ -65,11 +65,7 @@ def test_eighteen_bouncing_spheres() -> None:
     surface = plate(0.05, 7)
     surface.material[:] = 2
     e = np.array([[0.5, 0.6, 0.3], [0.6, 0.8, 0.4], [0.3, 0.4, 0.9]])
-    materials = (
-        GrainMaterial("a", 1e7, 0.3),
-        GrainMaterial("b", 3e7, 0.2),
-        GrainMaterial("c", 6e6, 0.45),
-    )
+    materials = (GrainMaterial("a", 1e7, 0.3), GrainMaterial("b", 3e7, 0.2), GrainMaterial("c", 6e6, 0.45))
     case = plan(
         surface,
         given,
@@ -89,10 +85,7 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
     corner_m = np.array([[s * x, y, abs(s) * z] for s in (-1.0, 0.0, 1.0) for y in (-0.02, 0.02)])
     triangles = np.array([[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]])
     surface = TriangleSurface(corner_m, triangles, np.zeros(4, dtype=np.int64))
-    along, up = (
-        np.array([np.cos(tilt), 0.0, -np.sin(tilt)]),
-        np.array([np.sin(tilt), 0, np.cos(tilt)]),
-    )
+    along, up = (np.array([np.cos(tilt), 0.0, -np.sin(tilt)]), np.array([np.sin(tilt), 0, np.cos(tilt)]))
     start_m = -0.008 * along + 0.00495 * up + np.array([0.0, 0.001, 0.0])
     case = plan(surface, particles(start_m, 0.4 * along, [0.0, 5.0, 1.0]))
     agree(*both(case, 40, np.zeros(3)), relative=1e-9)
@@ -103,13 +96,13 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
 )
 def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface) -> None:
     """With friction, so that the tangential springs of contacts that come and go take part."""
-    start_m, velocity_m_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]
+    start_m, velocity_m_per_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]
     case = make_plan(
         surface,
-        spheres_at(start_m, velocity_m_s, spin_rad_s=[10.0, 30.0, 5.0]),
+        spheres_at(start_m, velocity_m_per_s, spin_rad_per_s=[10.0, 30.0, 5.0]),
         restitution=0.5,
         sliding_friction=0.4,
-        gravity_m_s2=np.array([0.0, 0.0, -9.81]),
+        gravity_m_per_s2=np.array([0.0, 0.0, -9.81]),
     )
     one, other = both(case, 400, np.zeros(3))
     # an edge is in two triangles, at the same distance but for rounding; either may take the couple
@@ -123,11 +116,7 @@ def summed(found: Result, surface: TriangleSurface) -> Result:
     return np.stack([force_N.sum(axis=1), moment_N_m / 0.01], axis=1), found[1], found[2]
 
 
-ADHESION = {
-    "dry": None,
-    "sjkr": Sjkr(np.full((1, 1), 3e5)),
-    "jkr": Jkr(np.full((1, 1), 0.05), 1e-3),
-}
+ADHESION = {"dry": None, "sjkr": Sjkr(np.full((1, 1), 3e5)), "jkr": Jkr(np.full((1, 1), 0.05), 1e-3)}
 
 
 @pytest.mark.parametrize("rolling", ["epsd2", "cdt"])
@@ -142,7 +131,7 @@ def test_eighteen_wet_spheres(adhesion: str, rolling: str) -> None:
         generator.normal(0.0, 0.02, (18, 3)),
         generator.normal(0.0, 5.0, (18, 3)),
         diameter_m=np.tile([1.8e-3, 2e-3], 9),
-        density_kg_m3=2500.0,
+        density_kg_per_m3=2500.0,
     )
     sheet = plate(0.006, 7)
     case = plan(
@@ -178,7 +167,7 @@ def test_a_sticky_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
     along = np.array([np.cos(tilt), 0.0, -np.sin(tilt)])
     up = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
     start_m = -0.002 * along - (1e-3 - 2e-7) * up + np.array([0.0, 1e-4, 0.0])
-    given = particles(start_m, 0.4 * along, [0, 0, 0], diameter_m=2e-3, density_kg_m3=2500.0)
+    given = particles(start_m, 0.4 * along, [0, 0, 0], diameter_m=2e-3, density_kg_per_m3=2500.0)
     case = plan(
         surface,
         given,

@@ -10,7 +10,7 @@ duration_s = 2.5
 domain_m = [[-0.3, -0.05, -0.6], [0.8, 0.15, 0.3]]
 """
     + polyurethane()
-    + grains("glass", density_kg_m3=2500.0, youngs_modulus_Pa=2e6)
+    + grains("glass", density_kg_per_m3=2500.0, youngs_modulus_Pa=2e6)
     + contact("glass", "glass", restitution=0.3, sliding=0.3)
     + contact("glass", "PU", restitution=0.3, sliding=0.3)
     + """
@@ -19,7 +19,7 @@ inclination_deg = 12.0
 
 [screen.frames.frame]
 [screen.frames.frame.drive]
-speed_rad_s = 125.66370614359172
+speed_rad_per_s = 125.66370614359172
 amplitude_m = [0.001, 0.0, 0.0005]
 run_up_s = 0.1
 
@@ -63,9 +63,9 @@ box_m = [[0.46, -0.05, -0.5], [0.7, 0.15, 0.1]]
 
 [bed.feeds.chute]
 material = "glass"
-rate_kg_s = 0.12
+rate_kg_per_s = 0.12
 box_m = [[0.02, 0.02, 0.05], [0.07, 0.08, 0.11]]
-velocity_m_s = [0.2, 0.0, -0.5]
+velocity_m_per_s = [0.2, 0.0, -0.5]
 sizes = [
   { smallest_m = 0.010, largest_m = 0.011, mass_fraction = 0.4 },
   { smallest_m = 0.030, largest_m = 0.031, mass_fraction = 0.6 },

@@ -87,12 +87,12 @@ def _machine(history: History, case: Case, cycles: int) -> None:
         for name, size in FRAMES_M.items():
             here, then = (moved(case, *size, t) for t in (time, time + quarter))
             turned = TURNED_RAD * np.sin(78.5 * time) * axes(case)[:, 1]
-            values = {"displacement_m": here, "velocity_m_s": 78.5 * then, "rotation_rad": turned}
+            values = {"displacement_m": here, "velocity_m_per_s": 78.5 * then, "rotation_rad": turned}
             history.add(f"frames/{name}", time, values)
         for name, probe in case.probes.items():
             size = FRAMES_M[probe.frame] if probe.frame else (0.0, PANEL_M)
             here, then = (moved(case, *size, t) for t in (time, time + quarter))
-            history.add(f"probes/{name}", time, {"position_m": here, "velocity_m_s": 78.5 * then})
+            history.add(f"probes/{name}", time, {"position_m": here, "velocity_m_per_s": 78.5 * then})
         for panel in single_panels(case):
             stretched = np.cos(78.5 * time) * (1 if panel.frames[1] == "driven" else -1)
             pull = (150.0 + PULL_N * stretched) * panel.rectangle.along
@@ -114,7 +114,7 @@ def _cycles(history: History, case: Case, cycles: int) -> None:
             along_m, normal_m = size
             half_m = np.abs(axes(case)) @ np.array([along_m, 0.0, normal_m])
             values = {"sync_points": 80.0, "least_m": -half_m, "mean_m": 0 * half_m}
-            values |= {"most_m": half_m, "farthest_m": max(size), "fastest_m_s": 78.5 * max(size)}
+            values |= {"most_m": half_m, "farthest_m": max(size), "fastest_m_per_s": 78.5 * max(size)}
             history.add(f"point_cycles/{name}", end_s, values)
         for panel in single_panels(case):
             least_m = panel.rectangle.span_m / panel.rectangle.length_m - 1.0
@@ -147,7 +147,7 @@ def _bed(history: History, case: Case, cycles: int) -> None:
     along = (np.arange(bins) + 0.5) * 0.638 / bins
     for i in range(10 * cycles + 1):
         mass = np.full(bins, BIN_KG)
-        values = {"along_m": along, "mass_kg": mass, "velocity_m_s": np.full(bins, VELOCITY_M_S)}
+        values = {"along_m": along, "mass_kg": mass, "velocity_m_per_s": np.full(bins, VELOCITY_M_S)}
         depth = np.full(bins, DEPTH_M) - 0.005 * np.arange(bins)
         history.add("profile", i * CYCLE_S / 10, values | {"depth_m": depth})
         values = {"mass_kg": bins * BIN_KG, "particles": 100.0}
@@ -158,11 +158,11 @@ def _bed(history: History, case: Case, cycles: int) -> None:
         history.add("held", i * CYCLE_S / 10, {"stickers": 7.0, "mass_kg": 0.001, "openings": 3.0})
 
 
-def _worn(rate_m_h: float, time_s: float) -> dict[str, Array | float]:
+def _worn(rate_m_per_h: float, time_s: float) -> dict[str, Array | float]:
     """All wear is done in the second half of each cycle."""
     cycle, phase = divmod(time_s / CYCLE_S + 1e-9, 1.0)
     worn_s = (cycle + max(2.0 * phase - 1.0, 0.0)) * CYCLE_S
-    depth_m = np.full(PATCHES, rate_m_h * worn_s / 3600.0)
+    depth_m = np.full(PATCHES, rate_m_per_h * worn_s / 3600.0)
     depth_m[WORN_ROW] *= 2.0
     mean_m = float(depth_m.mean())
     return {"worn_m3": 0.06 * mean_m, "mean_m": mean_m, "depth_m": depth_m}
@@ -187,14 +187,14 @@ def _events(path: Path, cycles: int) -> None:
             "id": ids[left],
             "time_s": (fed_s + FILLED * CYCLE_S)[left],
             "position_m": position[left],
-            "velocity_m_s": 0 * position[left],
+            "velocity_m_per_s": 0 * position[left],
             "diameter_m": SIZES_M[size][left],
             "exit": out[left],
         },
     }
     with h5py.File(path, "a") as history:
         for name, table in tables.items():
-            table["density_kg_m3"] = np.full(len(table["id"]), DENSITY)
+            table["density_kg_per_m3"] = np.full(len(table["id"]), DENSITY)
             for key, values in table.items():
                 history[f"{name}/{key}"] = values
         history["removed"].attrs["names"] = ["one", "two", "end"]
@@ -243,14 +243,7 @@ def _snapshots(place: Path, case: Case, particles: bool, cycles: int) -> None:
 
 
 def _summary(particles: bool, cycles: int) -> dict[str, object]:
-    parts = {
-        "particles": 6.0,
-        "panel": 3.0,
-        "frames": 0.5,
-        "mapping": 0.3,
-        "output": 0.1,
-        "rest": 0.1,
-    }
+    parts = {"particles": 6.0, "panel": 3.0, "frames": 0.5, "mapping": 0.3, "output": 0.1, "rest": 0.1}
     return {
         "status": "done",
         "doubts": [],

@@ -60,9 +60,9 @@ def test_the_manual_knows_every_key(found: dict[str, Any]) -> None:
 
 def test_flows(found: dict[str, Any]) -> None:
     screening = found["screening"]
-    assert value(screening["feed_kg_s"]) == pytest.approx(OUT_KG.sum() / CYCLE_S)
-    assert value(screening["undersize_kg_s"]) == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
-    assert value(screening["oversize_kg_s"]) == pytest.approx(OUT_KG[2].sum() / CYCLE_S)
+    assert value(screening["feed_kg_per_s"]) == pytest.approx(OUT_KG.sum() / CYCLE_S)
+    assert value(screening["undersize_kg_per_s"]) == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
+    assert value(screening["oversize_kg_per_s"]) == pytest.approx(OUT_KG[2].sum() / CYCLE_S)
     assert value(screening["hold_up_kg"]) == pytest.approx(FILLED * OUT_KG.sum())
     assert screening["lost_particles"] == 0
 
@@ -96,14 +96,14 @@ def test_transport(found: dict[str, Any]) -> None:
     assert value(transport["residence_s"]) == pytest.approx(FILLED * CYCLE_S)
     passing = transport["passing"]
     step = passing["along_m"][1] - passing["along_m"][0]
-    assert np.sum(passing["rate_kg_s_m"]) * step == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
-    assert np.flatnonzero(passing["rate_kg_s_m"]).tolist() == [1, 5]  # 0.1 and 0.4 of 0.638 m
+    assert np.sum(passing["rate_kg_per_s_m"]) * step == pytest.approx(OUT_KG[:2].sum() / CYCLE_S)
+    assert np.flatnonzero(passing["rate_kg_per_s_m"]).tolist() == [1, 5]  # 0.1 and 0.4 of 0.638 m
 
 
 def test_bed(found: dict[str, Any]) -> None:
     bed = found["bed"]
     assert value(bed["on_deck_kg"]) == pytest.approx(8 * BIN_KG)
-    assert value(bed["velocity_m_s"]) == pytest.approx(VELOCITY_M_S)
+    assert value(bed["velocity_m_per_s"]) == pytest.approx(VELOCITY_M_S)
     assert value(bed["largest_depth_m"]) == pytest.approx(DEPTH_M)
     assert bed["profile"]["depth_m"] == pytest.approx(DEPTH_M - 0.005 * np.arange(8))
     assert value(found["held"]["stickers"]) == 7.0
@@ -130,7 +130,7 @@ def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
         efficiency = group["screening/efficiency_percent"]
         assert efficiency[()] == found["screening"]["efficiency_percent"]["value"]
         assert (efficiency.attrs["unit"], efficiency.attrs["batches"]) == ("%", 20)
-        assert group["transport/passing/rate_kg_s_m"].attrs["unit"] == "kg/(s m)"
+        assert group["transport/passing/rate_kg_per_s_m"].attrs["unit"] == "kg/(s m)"
         assert group["screening/sections/2/exit"].asstr()[()] == "two"
         depth = group["bed/profile/depth_m"]
         assert depth[:] == pytest.approx(found["bed"]["profile"]["depth_m"])
@@ -184,14 +184,10 @@ def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
     assert seldom["failed"] == {}
 
 
-def test_rows_too_seldom_for_the_band_of_accelerations(
-    tmp_path: Path, found: dict[str, Any]
-) -> None:
+def test_rows_too_seldom_for_the_band_of_accelerations(tmp_path: Path, found: dict[str, Any]) -> None:
     """A row every millisecond reaches to 500 Hz, one every 2 ms does not, at sync points that are
     nearer to each other.  The orbits need no more."""
-    assert found["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(
-        39.25 * 40 / np.pi
-    )
+    assert found["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(39.25 * 40 / np.pi)
     fewer = results(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
     assert "too seldom for accelerations up to 500 Hz" in fewer["missing"]["panel acceleration"]
     assert fewer["motion"]["frames"]["driven"]["amplitude_m"][0] == pytest.approx(0.008)
@@ -207,7 +203,7 @@ def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, found: dict[s
         assert "of the machine's cycle of 0.08 s" in seldom["missing"]["bed"]
         assert seldom["screening"] == found["screening"]
     enough = results(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
-    assert enough["bed"]["velocity_m_s"]["value"] == pytest.approx(VELOCITY_M_S)
+    assert enough["bed"]["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
 
 
 def test_no_output_time_in_the_window(tmp_path: Path) -> None:
@@ -229,15 +225,15 @@ def test_times_at_which_a_bin_is_empty_count_as_no_depth(tmp_path: Path) -> None
     folder = folder_of(tmp_path / "half-empty")
     with h5py.File(folder / "history.h5", "a") as history:
         profile = history["profile"]
-        for name, empty in (("mass_kg", 0.0), ("depth_m", np.nan), ("velocity_m_s", np.nan)):
+        for name, empty in (("mass_kg", 0.0), ("depth_m", np.nan), ("velocity_m_per_s", np.nan)):
             values = profile[name][:]
             values[1::2] = empty
             profile[name][...] = values
     bed = results(folder)["bed"]
     assert bed["largest_depth_m"]["value"] == pytest.approx(DEPTH_M / 2)
     assert max(bed["profile"]["depth_m"]) == pytest.approx(DEPTH_M / 2)
-    assert bed["velocity_m_s"]["value"] == pytest.approx(VELOCITY_M_S)
-    assert bed["profile"]["velocity_m_s"] == pytest.approx([VELOCITY_M_S] * 8)
+    assert bed["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
+    assert bed["profile"]["velocity_m_per_s"] == pytest.approx([VELOCITY_M_S] * 8)
 
 
 def test_the_velocity_is_weighted_with_mass_over_time_too(tmp_path: Path) -> None:
@@ -245,13 +241,13 @@ def test_the_velocity_is_weighted_with_mass_over_time_too(tmp_path: Path) -> Non
     folder = folder_of(tmp_path / "thrown")
     with h5py.File(folder / "history.h5", "a") as history:
         profile = history["profile"]
-        for name, factor, shift in (("mass_kg", 1 / 9, 0.0), ("velocity_m_s", 1.0, 1.0)):
+        for name, factor, shift in (("mass_kg", 1 / 9, 0.0), ("velocity_m_per_s", 1.0, 1.0)):
             values = profile[name][:]
             values[1::2] = factor * values[1::2] + shift
             profile[name][...] = values
     bed = results(folder)["bed"]
-    assert value(bed["velocity_m_s"]) == pytest.approx(VELOCITY_M_S + 0.1)
-    assert bed["profile"]["velocity_m_s"] == pytest.approx([VELOCITY_M_S + 0.1] * 8)
+    assert value(bed["velocity_m_per_s"]) == pytest.approx(VELOCITY_M_S + 0.1)
+    assert bed["profile"]["velocity_m_per_s"] == pytest.approx([VELOCITY_M_S + 0.1] * 8)
 
 
 def test_a_part_that_fails_loses_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -273,14 +269,14 @@ def test_wear(found: dict[str, Any]) -> None:
     assert set(wear) == documented("### `results.wear`")
     for name, rate in WEAR_M_H.items():
         panel = wear["panels"][name]
-        mean = panel["mean_m_h"]
+        mean = panel["mean_m_per_h"]
         assert mean["value"] == pytest.approx(rate * 9 / 8, rel=1e-6)  # one row of eight is double
         assert mean["half_width"] < 1e-6 * rate
-        assert panel["largest_m_h"] == pytest.approx(2 * rate, rel=1e-6)
+        assert panel["largest_m_per_h"] == pytest.approx(2 * rate, rel=1e-6)
         assert panel["largest_at"] == [(WORN_ROW + 0.5) / 8, 0.125]  # the first of the row
         assert panel["worn_through_h"] == pytest.approx(0.004 / (2 * rate), rel=1e-6)
     profile = wear["profile"]
     assert np.diff(profile["along_m"]).min() > 0
-    deepest = int(np.argmax(profile["mean_m_h"]))
+    deepest = int(np.argmax(profile["mean_m_per_h"]))
     assert deepest == WORN_ROW
-    assert profile["mean_m_h"][8 + WORN_ROW] == pytest.approx(4e-6, rel=1e-6)
+    assert profile["mean_m_per_h"][8 + WORN_ROW] == pytest.approx(4e-6, rel=1e-6)

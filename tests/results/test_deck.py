@@ -70,7 +70,7 @@ def test_heights_are_normal_to_the_slope(slope_deg: float) -> None:
     foot = 0.25 * np.array([np.cos(turn), 0.0, -np.sin(turn)])
     seen = over(deck, line, np.tile(2.0 * normal, (len(line), 1)), (foot + 0.02 * normal)[None])
     assert seen.height_m == pytest.approx([0.02], rel=1e-12)
-    assert seen.rise_m_s == pytest.approx([2.0], rel=1e-12)
+    assert seen.rise_m_per_s == pytest.approx([2.0], rel=1e-12)
     assert seen.inside.all()
     # a point over the deck is taken to stand over the spot vertically below it
     assert seen.station_m == pytest.approx([0.25 + 0.02 * np.tan(turn)], rel=1e-9)
@@ -101,7 +101,7 @@ def test_mass_velocity_and_depth_by_bin() -> None:
     found = profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
     one_kg = np.pi / 6 * 0.004**3 * 1430.0
     assert found["mass_kg"] == pytest.approx([0, 20 * one_kg, 0, 0, 0, one_kg, 0, 0])
-    assert found["velocity_m_s"][[1, 5]] == pytest.approx([0.2, 0.5])
+    assert found["velocity_m_per_s"][[1, 5]] == pytest.approx([0.2, 0.5])
     assert found["depth_m"][[1, 5]] == pytest.approx([0.019 + 0.002, 0.004])
     assert np.isnan(found["depth_m"][[0, 2, 3, 4, 6, 7]]).all()
 
@@ -113,11 +113,11 @@ def test_velocity_is_along_the_slope() -> None:
     position = (0.1 * down + [0, 0, 0.005])[None]
     seen = over(deck, line, 0 * line, position)
     found = profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
-    assert np.nanmax(found["velocity_m_s"]) == pytest.approx(0.7, rel=1e-12)
+    assert np.nanmax(found["velocity_m_per_s"]) == pytest.approx(0.7, rel=1e-12)
 
 
 def shaken(
-    fastest_m_s: float, drift_m: float, height_m: Array, cycles: float = HELD_CYCLES + 1
+    fastest_m_per_s: float, drift_m: float, height_m: Array, cycles: float = HELD_CYCLES + 1
 ) -> dict[str, float]:
     """Two 4 mm spheres on a panel that moves as a whole by +-5 mm, one drifting along."""
     deck, line = deck_of(straight(0.0))
@@ -125,7 +125,7 @@ def shaken(
     found: dict[str, float] = {}
     for time in np.arange(0.0, cycles * CYCLE_S, CYCLE_S / 8):
         moved = np.array([0.005 * np.sin(2 * np.pi * time / CYCLE_S), 0.0, 0.0])
-        rise = np.tile([0.0, 0.0, fastest_m_s * np.cos(2 * np.pi * time / CYCLE_S)], (len(line), 1))
+        rise = np.tile([0.0, 0.0, fastest_m_per_s * np.cos(2 * np.pi * time / CYCLE_S)], (len(line), 1))
         position = np.array([[0.1, 0.05, 0.0], [0.2 + drift_m * time, 0.021, 0.0]])
         position[:, 2] = height_m
         seen = over(deck, line + moved, rise, position + moved)

@@ -62,9 +62,7 @@ def test_an_exact_logistic_curve_from_particles() -> None:
     edges = size_classes(diameter, None)
     number = np.histogram(diameter, edges)[0]
     mean_d = np.histogram(diameter, edges, weights=diameter)[0] / number
-    sent = partition(
-        *(np.histogram(diameter[part], edges)[0].astype(float) for part in (~over, over))
-    )
+    sent = partition(*(np.histogram(diameter[part], edges)[0].astype(float) for part in (~over, over)))
     d50, ep = cut_and_spread(mean_d, sent)
     assert d50 == pytest.approx(3.0, rel=0.02)
     assert ep == pytest.approx(width * np.log(3), rel=0.05)

@@ -38,7 +38,7 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
     """By hand from the event table."""
     with h5py.File(folder / "history.h5") as history:
         removed = {name: series[:] for name, series in history["removed"].items()}
-    mass = np.pi / 6 * removed["diameter_m"] ** 3 * removed["density_kg_m3"]
+    mass = np.pi / 6 * removed["diameter_m"] ** 3 * removed["density_kg_per_m3"]
     fine, passed = removed["diameter_m"] < 0.02, removed["exit"] == 0
     assert passed.sum() > 5
     recovery = 100 * mass[fine & passed].sum() / mass[fine].sum()
@@ -49,7 +49,7 @@ def test_the_small_pass_and_the_large_do_not(folder: Path, found: dict[str, Any]
     assert screening["efficiency_percent"]["value"] == pytest.approx(recovery)
     with h5py.File(folder / "history.h5") as history:
         fed = {name: series[:] for name, series in history["fed"].items()}
-    fed_kg = np.pi / 6 * fed["diameter_m"] ** 3 * fed["density_kg_m3"]
+    fed_kg = np.pi / 6 * fed["diameter_m"] ** 3 * fed["density_kg_per_m3"]
     of_all = 100 * mass[fine & passed].sum() / fed_kg[fed["diameter_m"] < 0.02].sum()
     assert of_all < recovery - 0.1
     assert screening["recovered_percent"]["value"] == pytest.approx(of_all)
@@ -62,10 +62,10 @@ def test_the_books_agree(folder: Path, found: dict[str, Any]) -> None:
     book = summary(folder)["material"]
     flows = found["screening"]["in_time"]
     assert flows["hold_up_kg"][-1] == pytest.approx(book["on_deck"]["mass_kg"], rel=1e-9)
-    fed_kg = np.sum(flows["feed_kg_s"]) * DURATION_S / len(flows["feed_kg_s"])
+    fed_kg = np.sum(flows["feed_kg_per_s"]) * DURATION_S / len(flows["feed_kg_per_s"])
     assert fed_kg == pytest.approx(book["fed"]["mass_kg"], rel=1e-9)
     gap = book["exits"]["gap"]["mass_kg"]
-    assert found["screening"]["undersize_kg_s"]["value"] == pytest.approx(gap / DURATION_S)
+    assert found["screening"]["undersize_kg_per_s"]["value"] == pytest.approx(gap / DURATION_S)
 
 
 @pytest.mark.process
@@ -87,10 +87,10 @@ def test_the_bed_along_the_deck(folder: Path, found: dict[str, Any]) -> None:
         assert (on_deck <= present * (1 + 1e-12)).all()
         assert on_deck.mean() > 0.4 * present.mean()
     passing = found["transport"]["passing"]
-    rate, along = np.array(passing["rate_kg_s_m"]), np.array(passing["along_m"])
+    rate, along = np.array(passing["rate_kg_per_s_m"]), np.array(passing["along_m"])
     assert 0.18 < rate @ along / rate.sum() < 0.28
-    assert found["transport"]["residence_velocity_m_s"]["value"] > 0.1
-    velocity = [v for v in found["bed"]["profile"]["velocity_m_s"] if v is not None]
+    assert found["transport"]["residence_velocity_m_per_s"]["value"] > 0.1
+    velocity = [v for v in found["bed"]["profile"]["velocity_m_per_s"] if v is not None]
     assert velocity[-1] > velocity[0] > 0.0
 
 

@@ -17,7 +17,7 @@ from orchestrator.output.results.compute import results
 from orchestrator.output.results.run_data import RunData, run_data
 from orchestrator.output.results.seen import checked, seen_scene
 from orchestrator.output.results.seen_bed import products
-from orchestrator.output.results.seen_forces import loss_factor, spring_N_m
+from orchestrator.output.results.seen_forces import loss_factor, spring_N_per_m
 from orchestrator.preflight.judgement.account import Entry, account, at_end
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Verdict
@@ -95,25 +95,25 @@ def test_power_and_torque_of_the_exciters_by_hand(data: RunData, figures: dict[s
 def test_bed_and_its_speed_by_hand(data: RunData, figures: dict[str, Any]) -> None:
     """Eight bins of 0.2 kg, at 0.3 m/s."""
     found = seen(data, figures).seen
-    assert found.bed_kg_m2 == pytest.approx(8 * 0.2 / DECK_M2, rel=1e-9)
-    assert found.transport_m_s == pytest.approx(0.3, rel=1e-9)
+    assert found.bed_kg_per_m2 == pytest.approx(8 * 0.2 / DECK_M2, rel=1e-9)
+    assert found.transport_m_per_s == pytest.approx(0.3, rel=1e-9)
 
 
 def test_panels_as_springs_by_hand(data: RunData, figures: dict[str, Any]) -> None:
     """50 N in phase with a stretch of 6 mm, of either panel."""
     found = seen(data, figures, panel="strip")
-    assert [one.stiffness_N_m for one in found.springs] == pytest.approx([50 / 0.006] * 2, rel=1e-6)
-    assert found.seen.panels_N_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
+    assert [one.stiffness_N_per_m for one in found.springs] == pytest.approx([50 / 0.006] * 2, rel=1e-6)
+    assert found.seen.panels_N_per_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
     then = shakings(found.plan, found.springs)
     assert stroke_m(found.shaken, found.springs[0]) == stroke_m(then, found.springs[0])
-    assert seen(data, figures, panel="rigid").seen.panels_N_m is None
+    assert seen(data, figures, panel="rigid").seen.panels_N_per_m is None
 
 
 def test_a_pull_out_of_phase_is_no_spring() -> None:
     time_s = np.arange(81) * CYCLE_S / 80
     pull_N, stretch_m = (150 + 50 * np.sin(78.5 * time_s), 0.006 * np.cos(78.5 * time_s))
-    assert spring_N_m(time_s, pull_N, stretch_m, 78.5) == pytest.approx(0.0, abs=1e-6)
-    assert spring_N_m(time_s, pull_N, 0.0 * stretch_m, 78.5) is None
+    assert spring_N_per_m(time_s, pull_N, stretch_m, 78.5) == pytest.approx(0.0, abs=1e-6)
+    assert spring_N_per_m(time_s, pull_N, 0.0 * stretch_m, 78.5) is None
 
 
 def test_loss_factor_at_the_frequencies_of_the_pull(data: RunData, figures: dict[str, Any]) -> None:
@@ -157,9 +157,7 @@ def test_products_by_hand(tmp_path: Path) -> None:
     assert "through end" in found.words
 
 
-def test_rotation_is_seen_only_where_frames_can_rotate(
-    data: RunData, figures: dict[str, Any]
-) -> None:
+def test_rotation_is_seen_only_where_frames_can_rotate(data: RunData, figures: dict[str, Any]) -> None:
     """Clamps reach to 0.319 m from the driving frame's centre; half a clamp would be too fine."""
     assert seen(data, figures).seen.rotation is None
     rotation = seen(data, figures, frames="exudyn").seen.rotation
@@ -188,8 +186,8 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunData, figures: dict
     assert friction is not None
     assert friction.number == "friction / weight, along the deck"
     assert friction.value == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
-    one_ball_kg_m2 = math.pi / 6 * 1430 * 0.02  # which is more than the bed on the mean
-    assert load.value == pytest.approx(one_ball_kg_m2 / 4.6, rel=1e-6)
+    one_ball_kg_per_m2 = math.pi / 6 * 1430 * 0.02  # which is more than the bed on the mean
+    assert load.value == pytest.approx(one_ball_kg_per_m2 / 4.6, rel=1e-6)
     assert after["variation-across"].after is None, "no run tells"
     (number, warning) = at_end(after)
     assert number.startswith("left out: large-deflection; by the run sag / thickness 0, threshold")
@@ -235,4 +233,4 @@ def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:
     with h5py.File(short / "history.h5") as history:
         data = run_data(short, history)
         found = seen_scene(scene(data.case), data, results(short)).seen
-    assert (found.frames_throw, found.bed_kg_m2, found.rotation) == (None, None, None)
+    assert (found.frames_throw, found.bed_kg_per_m2, found.rotation) == (None, None, None)

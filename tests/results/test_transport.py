@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orchestrator.output.results.events import LOST, Fed, Removed, per_cycle
-from orchestrator.output.results.transport import passing_kg_s_m, residence_s
+from orchestrator.output.results.transport import passing_kg_per_s_m, residence_s
 
 
 def removed(ids: list[int], time_s: list[float]) -> Removed:
@@ -23,11 +23,8 @@ def test_residence_goes_by_id() -> None:
 
 
 def test_passing_per_metre_and_second() -> None:
-    found = passing_kg_s_m(
-        np.array([0.05, 0.15, 0.17, -0.3]),
-        np.array([1.0, 2.0, 3.0, 4.0]),
-        np.array([0, 0.1, 0.3]),
-        2.0,
+    found = passing_kg_per_s_m(
+        np.array([0.05, 0.15, 0.17, -0.3]), np.array([1.0, 2.0, 3.0, 4.0]), np.array([0, 0.1, 0.3]), 2.0
     )
     assert found == pytest.approx([(1 + 4) / 0.1 / 2, (2 + 3) / 0.2 / 2])
 

@@ -63,11 +63,7 @@ def flipflow(*words: str, before: str = "", ranks: int = 1) -> subprocess.Comple
 
 
 def started(
-    *words: str,
-    before: str = "",
-    ranks: int = 1,
-    cwd: Path = ROOT,
-    said: TextIO | int = subprocess.PIPE,
+    *words: str, before: str = "", ranks: int = 1, cwd: Path = ROOT, said: TextIO | int = subprocess.PIPE
 ) -> subprocess.Popen[str]:
     """Starts and returns at once; what it says can be read at the end (64 kB at most), or is
     written to the file ``said``."""

@@ -47,9 +47,7 @@ def _history(run: Path) -> Saved:
 
 def _pictured(run: Path) -> Saved:
     shown = [*run.glob("*.pvd"), *run.glob("*/*.vtu")]
-    return {
-        str(file.relative_to(run)): np.frombuffer(file.read_bytes(), np.uint8) for file in shown
-    }
+    return {str(file.relative_to(run)): np.frombuffer(file.read_bytes(), np.uint8) for file in shown}
 
 
 def _summary(run: Path) -> Saved:

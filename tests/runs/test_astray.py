@@ -87,7 +87,7 @@ rate_kg_s = 0.4
 box_m = [[-0.52, -0.03, 0.0], [-0.48, 0.01, 0.03]]
 velocity_m_s = [0.0, 0.0, -1.0]
 sizes = [{ smallest_m = 0.018, largest_m = 0.020, mass_fraction = 1.0 }]
-[watch]
+[monitor]
 jam_s = 0.1
 """
 
@@ -105,15 +105,14 @@ def test_a_lost_particle_is_warned_of(tmp_path: Path) -> None:
     assert code == 0, said
     assert "WARNING: 1 particles left the domain elsewhere than through an exit" in said
     assert (
-        "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1"
-        in (folder / "run.log").read_text()
+        "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in (folder / "run.log").read_text()
     )
     assert summary(folder)["material"]["lost"]["number"] == 1
 
 
 @pytest.mark.process
 def test_a_lost_particle_stops_the_run_where_the_case_wants_it(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, STRAY, "duration_s=0.1", "watch.lost_particles=stop")
+    code, said, folder = run(tmp_path, STRAY, "duration_s=0.1", "monitor.lost_particles=stop")
     assert code == 4
     assert "particle 2 (20 mm) is lost: it left the domain at (-0.3, 0.1, -1" in said
     figures = summary(folder)
@@ -136,7 +135,7 @@ def test_a_particle_too_large_for_the_undersize_is_warned_of(tmp_path: Path) -> 
 
 @pytest.mark.process
 def test_a_particle_too_large_for_the_undersize_stops_the_run(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1", "watch.escaped_particles=stop")
+    code, said, folder = run(tmp_path, ESCAPED, "duration_s=0.1", "monitor.escaped_particles=stop")
     assert code == 4
     assert 'particle 2 (10.1 mm) came out through exit "below"' in said
     assert summary(folder)["material"]["escaped"]["number"] == 1
@@ -158,7 +157,7 @@ def test_a_jammed_feed_stops_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.process
 def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
-    code, said, folder = run(tmp_path, JAM, "watch.jammed_feed=warn")
+    code, said, folder = run(tmp_path, JAM, "monitor.jammed_feed=warn")
     assert code == 0, said
     assert (folder / "run.log").read_text().count('feed "chute" is jammed') == 1
 
@@ -191,7 +190,7 @@ def test_a_particle_that_goes_through_a_panel_stops_the_run(tmp_path: Path, solv
 @pytest.mark.process
 @pytest.mark.parametrize("solver", SOLVERS_OF_PARTICLES)
 def test_a_run_that_goes_on_after_that_is_doubtful(tmp_path: Path, solver: str) -> None:
-    sets = (*THROUGH, f"particles.solver={solver}", "watch.crossed_surface=warn")
+    sets = (*THROUGH, f"particles.solver={solver}", "monitor.crossed_surface=warn")
     done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
     assert done.returncode == 5, done.stderr
     assert "do not trust this run: Particles went through the surface 1 times" in done.stderr

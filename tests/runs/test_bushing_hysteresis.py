@@ -35,9 +35,7 @@ def test_the_loop_has_the_area_pi_c_w_x2(history: Path, name: str, damping_N_s_m
 
 
 @pytest.mark.parametrize(("name", "loss_factor"), [("table", 0.00436), ("rubber", 0.1)])
-def test_the_loop_is_as_wide_as_its_loss_factor(
-    history: Path, name: str, loss_factor: float
-) -> None:
+def test_the_loop_is_as_wide_as_its_loss_factor(history: Path, name: str, loss_factor: float) -> None:
     """Force at no deformation over force at full deformation is c w / k; within the 3 % that the
     deformation moves on from one sync point to the next, 2 pi / 200."""
     with h5py.File(history) as series:

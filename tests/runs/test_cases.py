@@ -105,7 +105,7 @@ def test_momentum_balances_to_rounding(case: Done) -> None:
 def test_the_watch_finds_nothing(case: Done) -> None:
     """No false alarm; most figures are far from their limits."""
     _, folder, _ = case
-    watch = summary(folder)["watch"]
+    watch = summary(folder)["monitor"]
     assert watch["shortened_intervals"] == 0
     assert {name: one for name, one in watch["figures"].items() if one["times"]} == {}
 
@@ -196,9 +196,7 @@ def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
     if isinstance(first[key], h5py.Dataset):
         one, two = first[key][:], second[key][:]
         if not key.startswith(("defect.", "created.")):  # small differences of large numbers
-            np.testing.assert_allclose(
-                two, one, rtol=0, atol=1e-10 * np.abs(one).max(), err_msg=key
-            )
+            np.testing.assert_allclose(two, one, rtol=0, atol=1e-10 * np.abs(one).max(), err_msg=key)
 
 
 def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
@@ -220,10 +218,7 @@ def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
 
 def test_a_mistake_in_the_results_is_said_and_has_its_exit_code(tmp_path: Path) -> None:
     """The rest of the results is made, and the report says what is not."""
-    broken = (
-        "import orchestrator.output.results.compute as compute\n"
-        "compute.bed_figures = lambda *_: [][0]\n"
-    )
+    broken = "import orchestrator.output.results.compute as compute\ncompute.bed_figures = lambda *_: [][0]\n"
     words = run_words("quickstart", tmp_path / "run", [*QUICK, "duration_s=0.1"])
     done = flipflow(*words, before=broken)
     assert done.returncode == 6, done.stderr

@@ -52,16 +52,7 @@ def _all_of(terminal: int) -> str:
 
 def test_help_names_every_exit_code_and_manual() -> None:
     said = flipflow("--help").stdout
-    for code in (
-        "0 done",
-        "1 a mistake",
-        "2 the case",
-        "3 a solver",
-        "4 a solver",
-        "129",
-        "130",
-        "143",
-    ):
+    for code in ("0 done", "1 a mistake", "2 the case", "3 a solver", "4 a solver", "129", "130", "143"):
         assert code in said
     for page in re.findall(r"docs/[\w-]+\.md", said):
         assert (ROOT / page).is_file()
@@ -95,9 +86,7 @@ def test_a_folder_s_name_commands_no_terminal(tmp_path: Path) -> None:
 def test_progress_on_a_terminal_that_draws_nothing_is_lines(tmp_path: Path) -> None:
     ours, theirs = pty.openpty()
     words = command(*run_words("quickstart", tmp_path / "run", SHORT), before=AT_ONCE)
-    run = subprocess.Popen(
-        words, cwd=ROOT, stderr=theirs, stdin=theirs, env=os.environ | {"TERM": "dumb"}
-    )
+    run = subprocess.Popen(words, cwd=ROOT, stderr=theirs, stdin=theirs, env=os.environ | {"TERM": "dumb"})
     os.close(theirs)
     shown = _all_of(ours)
     assert run.wait(timeout=HANG_S) == 0

@@ -36,11 +36,7 @@ def test_what_effects_leave_out_is_said_and_looked_at_after_the_run(tmp_path: Pa
     effects = json.loads((run / "summary.json").read_text())["effects"]
     sag = effects["large-deflection"]
     assert sag["left_out"] == "it needs panel-deformation, which is left out"
-    assert (sag["before"]["matters"], sag["after"]["matters"], sag["crossed"]) == (
-        True,
-        True,
-        False,
-    )
+    assert (sag["before"]["matters"], sag["after"]["matters"], sag["crossed"]) == (True, True, False)
     assert effects["frame-dynamics"]["present"]
     assert not effects["panel-deformation"]["present"]
 

@@ -106,9 +106,7 @@ def test_a_nan_in_liggghts(tmp_path: Path) -> None:
     failed(folder, done, "particles (liggghts) failed between t = 0.0002 s and 0.0003 s")
 
 
-@pytest.mark.parametrize(
-    ("what", "why"), [(TOO_MUCH, "Unable to allocate 8.00 PiB"), (NOTHING_LEFT, "")]
-)
+@pytest.mark.parametrize(("what", "why"), [(TOO_MUCH, "Unable to allocate 8.00 PiB"), (NOTHING_LEFT, "")])
 def test_out_of_memory(tmp_path: Path, what: str, why: str) -> None:
     """More than there is at once, and bit by bit until nothing is left of ``ulimit -v``."""
     folder = tmp_path / "run"
@@ -127,19 +125,14 @@ def test_liggghts_loses_a_particle(tmp_path: Path) -> None:
     assert str(folder / "log.liggghts") in done.stderr
 
 
-FAR_TOO_LONG = [
-    *QUICK,
-    "coupling.sync_interval_s=5e-3",
-    "output.interval_s=0.01",
-    "duration_s=0.3",
-]
+FAR_TOO_LONG = [*QUICK, "coupling.sync_interval_s=5e-3", "output.interval_s=0.01", "duration_s=0.3"]
 
 
 def test_particles_that_outrun_their_step(tmp_path: Path) -> None:
     """A sync interval that is far too long, where the watch does not shorten it
     (``test_watched.py``): the run comes to its end, and says that it is doubtful and why."""
     folder = tmp_path / "run"
-    done = flipflow(*run_words("quickstart", folder, [*FAR_TOO_LONG, "watch.created_energy=warn"]))
+    done = flipflow(*run_words("quickstart", folder, [*FAR_TOO_LONG, "monitor.created_energy=warn"]))
     assert done.returncode == 5, done.stderr
     doubts = left_usable(folder, "doubtful")["doubts"]
     assert any("energy" in doubt for doubt in doubts), doubts
@@ -154,7 +147,7 @@ def test_a_frame_too_light_for_its_panels(tmp_path: Path) -> None:
     Methods in Applied Mechanics and Engineering 194, 2005, 4506-4527); where the watch only warns,
     the net below it holds."""
     folder = tmp_path / "run"
-    watch = ["watch.created_energy=warn", "watch.growing_modes=warn"]
+    watch = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
     sets = [*QUICK, "screen.frames.driven.mass_kg=0.1", *watch]
     done = flipflow(*run_words("empty-machine", folder, sets))
     failed(folder, done, "became unstable at t = ", "a point moves at ", "(limit 300 m/s)")

@@ -23,16 +23,7 @@ from tests.runs.outside import HANG_S, ROOT, left_usable
 EVIL_NAME = "x$(touch owned)`touch owned`;\"'${y}\nshell touch owned"
 # what libraries look for in the folder that a program is started in
 PYTHON = "open('owned', 'a').close(); raise SystemExit(9)"
-MODULES = (
-    "orchestrator",
-    "adapters",
-    "numpy",
-    "h5py",
-    "matplotlib",
-    "pyvista",
-    "vtk",
-    "sitecustomize",
-)
+MODULES = ("orchestrator", "adapters", "numpy", "h5py", "matplotlib", "pyvista", "vtk", "sitecustomize")
 FILES = {
     ".petscrc": "-log_view :owned",
     "petscrc": "-log_view :owned",

@@ -58,9 +58,9 @@ def test_the_keys_of_the_summary(folder: Path) -> None:
     for one in said["effects"].values():
         assert set(one) == documented("### each of `effects`")
     assert set(said["material"]) == documented("### `material`")
-    assert set(said["watch"]) == documented("### `watch`")
-    for figure in said["watch"]["figures"].values():
-        assert set(figure) == documented("### each of `watch.figures`")
+    assert set(said["monitor"]) == documented("### `monitor`")
+    for figure in said["monitor"]["figures"].values():
+        assert set(figure) == documented("### each of `monitor.figures`")
     assert set(said["wall_by_part_s"]) == documented("### `wall_by_part_s`")
     assert set(said["energy_ledger_J"]) <= LEDGER
     assert set(said["probes"]) == {"driving", "driven", "driven-end", "middle-1", "middle-2"}

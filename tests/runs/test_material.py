@@ -50,9 +50,7 @@ pictures = false
 
 
 def case(folder: Path) -> Path:
-    text = CASE.replace(
-        "[[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]", "[[-1.0, -0.5, -0.4], [1.0, 0.5, 0.5]]"
-    )
+    text = CASE.replace("[[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]", "[[-1.0, -0.5, -0.4], [1.0, 0.5, 0.5]]")
     return written(folder, text.replace("duration_s = 0.1", "duration_s = 0.2") + BED)
 
 
@@ -102,9 +100,7 @@ def checked(folder: Path) -> dict[str, Any]:
     ],
 )
 def test_every_particle_is_accounted_for(tmp_path: Path, solver: str, ranks: int) -> None:
-    words = run_words(
-        str(case(tmp_path / "case")), tmp_path / "run", [f"particles.solver={solver}"]
-    )
+    words = run_words(str(case(tmp_path / "case")), tmp_path / "run", [f"particles.solver={solver}"])
     done = flipflow(*words, ranks=ranks)
     assert done.returncode == 5, done.stderr
     assert any("left" in doubt for doubt in summary(tmp_path / "run")["doubts"])

@@ -100,12 +100,7 @@ def test_a_run_imports_only_what_it_calls_for(tmp_path: Path, case: str, sets: l
         ("ball-on-panel", ["particles.solver=liggghts"], (DOLFINX, EXUDYN, "petsc4py", "ufl")),
         (
             "quickstart",
-            [
-                "particles.solver=liggghts",
-                "frames.solver=exudyn",
-                "panel.solver=sheet",
-                f"effects={FEW}",
-            ],
+            ["particles.solver=liggghts", "frames.solver=exudyn", "panel.solver=sheet", f"effects={FEW}"],
             (DOLFINX, EXUDYN, "petsc4py", "ufl", "gmsh"),
         ),
     ],

@@ -29,10 +29,7 @@ from tests.runs.outside import (
     wait_until,
 )
 
-pytestmark = [
-    pytest.mark.solver,
-    needs_mpirun,
-]
+pytestmark = [pytest.mark.solver, needs_mpirun]
 SHORT = [*QUICK, "duration_s=0.02"]
 # broken on one rank only: at the third interval, of the panel that this rank owns
 ONE_RANK_FAILS = """

@@ -27,12 +27,8 @@ from tests.runs.outside import (
 )
 from tests.runs.same_run import run_differences
 
-pytestmark = [
-    pytest.mark.solver,
-    pytest.mark.slow,
-    needs_mpirun,
-]
-OFTEN = "save.every_s=0.0006"
+pytestmark = [pytest.mark.solver, pytest.mark.slow, needs_mpirun]
+OFTEN = "checkpoint.every_s=0.0006"
 # 20 pieces of coal in LIGGGHTS, a panel on each rank; 60 sync intervals
 CASE = [*QUICK, "particles.solver=liggghts", "bed.blocks.coal.count=20"]
 CASE += ["duration_s=0.006", "output.interval_s=0.0015"]
@@ -95,12 +91,7 @@ def goes_on(folder: Path, whole: Path) -> str:
     [("SIGINT", "SIGTERM", 1), ("SIGTERM", "SIGTERM", 1), ("SIGUSR1", "SIGUSR1", 138)],
 )
 def test_mpirun_told_to_stop(
-    tmp_path: Path,
-    whole: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    sent: str,
-    heard: str,
-    code: int,
+    tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch, sent: str, heard: str, code: int
 ) -> None:
     """Open MPI ends its processes by SIGTERM and, a second later (here five: a busy machine may
     need them), by SIGKILL, and exits with 1; SIGUSR1 it passes on, and then exits as they do."""

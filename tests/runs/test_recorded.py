@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.process]
 SERIES = ("panel.cells=[12, 1]", "output.series_s=5e-4", "output.interval_s=0.01", *QUICK)
 EMPTY = (*SERIES, "duration_s=0.5")
 # thrown, but not felt: what a recorded panel leaves out is left out of both
-THROWN = (*SERIES, "coupling.sync_interval_s=2e-4", "hand_over.particle_load=false")
+THROWN = (*SERIES, "coupling.sync_interval_s=2e-4", "exchange.particle_load=false")
 
 
 def both(case: str, place: Path, sets: tuple[str, ...]) -> tuple[Path, Path]:

@@ -19,8 +19,8 @@ from orchestrator.output.saves import files
 from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
 from tests.runs.same_run import run_differences
 
-UNSAVED = ["save.every_s=0", "save.wall_min=0"]  # but at the end
-OFTEN = ["save.every_s=0.0003"]
+UNSAVED = ["checkpoint.every_s=0", "checkpoint.wall_min=0"]  # but at the end
+OFTEN = ["checkpoint.every_s=0.0003"]
 # 30 pieces of coal fall onto two panels from 1 ms on; 120 sync intervals
 FEW = ["bed.blocks.coal.count=30", "duration_s=0.012", "output.interval_s=0.003"]
 QUICKSTART = ["quickstart", *QUICK, *FEW]
@@ -62,7 +62,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same, saved at 0.0077 s and at its end."""
     folder = tmp_path_factory.mktemp("saved") / "run"
-    return run(folder, QUICKSTART, ["save.every_s=0.0077"])
+    return run(folder, QUICKSTART, ["checkpoint.every_s=0.0077"])
 
 
 @pytest.fixture
@@ -86,14 +86,12 @@ def test_it_is_the_run_that_never_stopped(whole: Path, stopped: Path) -> None:
 @pytest.mark.solver
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "case",
-    [STICKY, FED, REPEATED, DEAR, ROBIN],
-    ids=["sticky", "fed", "repeated", "dear", "robin"],
+    "case", [STICKY, FED, REPEATED, DEAR, ROBIN], ids=["sticky", "fed", "repeated", "dear", "robin"]
 )
 def test_so_it_is_with_other_physics_and_solvers(tmp_path: Path, case: list[str]) -> None:
     whole = run(tmp_path / "whole", case, UNSAVED)
     part_s = "0.0071" if QUICKSTART[0] in case else "0.031"
-    stopped = run(tmp_path / "stopped", case, [f"save.every_s={part_s}"])
+    stopped = run(tmp_path / "stopped", case, [f"checkpoint.every_s={part_s}"])
     shutil.rmtree(saves(stopped)[-1])
     assert resume(stopped, []) == launch.DONE
     assert run_differences(whole, stopped) == []
@@ -106,9 +104,7 @@ def test_a_finished_run_may_go_on_to_a_later_end(whole: Path, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("torn", ["cut", "changed", "half"])
-def test_a_torn_save_is_left_for_the_one_before(
-    whole: Path, saved: Path, tmp_path: Path, torn: str
-) -> None:
+def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_path: Path, torn: str) -> None:
     folder = Path(shutil.copytree(saved, tmp_path / "torn"))
     last = saves(folder)[-1]
     arrays, about = last / "rank-0.npz", last / "save.json"
@@ -212,9 +208,7 @@ def test_what_is_no_run_or_was_not_saved_is_refused(
 
 @pytest.mark.process
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
-def test_told_to_stop_it_saves_and_says_how_to_go_on(
-    whole: Path, tmp_path: Path, name: str
-) -> None:
+def test_told_to_stop_it_saves_and_says_how_to_go_on(whole: Path, tmp_path: Path, name: str) -> None:
     folder, number = tmp_path / "run", getattr(signal, name)
     stopping = started(*run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNSAVED]))
     wait_until(lambda: (folder / "particles" / "particles_00001.vtu").exists())

@@ -52,16 +52,12 @@ def test_what_rows_must_tell_is_refused(runs: dict[str, dict[str, Any]]) -> None
         assert "output.series_s" in seldom["missing"][part]
 
 
-def test_effects_are_judged_by_the_same_shapes_or_not_at_all(
-    runs: dict[str, dict[str, Any]],
-) -> None:
+def test_effects_are_judged_by_the_same_shapes_or_not_at_all(runs: dict[str, dict[str, Any]]) -> None:
     """Seen at one phase only, a panel that snaps through has no travel."""
     often, unseen, seldom = (runs[name]["effects"] for name in ("often", "unseen", "seldom"))
     judged = [name for name, effect in often.items() if effect["after"] is not None]
     assert judged
-    assert {name: unseen[name]["after"] for name in judged} == {
-        name: often[name]["after"] for name in judged
-    }
+    assert {name: unseen[name]["after"] for name in judged} == {name: often[name]["after"] for name in judged}
     assert {name: seldom[name]["after"] for name in judged} == dict.fromkeys(judged)
 
 

@@ -22,7 +22,7 @@ from orchestrator.studies.points import Vary
 from orchestrator.studies.quantities import Sweep, Unknown, amplitude
 from tests.runs.outside import ROOT, summary
 
-ONLY_WARN = ["watch.created_energy=warn", "watch.growing_modes=warn"]
+ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
 PLAIN = "coupling.scheme=particles-first"
 # a case, its --set overlays, and whether its coupling is right
 SCENES: dict[str, tuple[str, list[str], bool]] = {
@@ -142,7 +142,7 @@ def test_what_does_no_harm(key: str, harmless: dict[str, Any]) -> None:
 
 def test_a_case_may_set_its_own_limit() -> None:
     figures = {"created_in_total": {"limit": 0.005}}
-    (doubt,) = trust.doubts(GOOD | {"watch": {"figures": figures}})
+    (doubt,) = trust.doubts(GOOD | {"monitor": {"figures": figures}})
     assert "more than 0.5 %" in doubt
 
 

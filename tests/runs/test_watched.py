@@ -20,14 +20,14 @@ from tests.runs.test_failed import FAR_TOO_LONG
 from tests.runs.test_resumed import QUICKSTART, UNSAVED, run, saves
 
 # 30 pieces of coal fall faster and faster: too fast for this at 6 ms, the second output time
-FAST = "watch.largest_step_share=4.5e-4"
-UNEASY = [FAST, "watch.long_steps=shorten", "watch.calm_s=0.0018"]
+FAST = "monitor.largest_step_share=4.5e-4"
+UNEASY = [FAST, "monitor.long_steps=shorten", "monitor.calm_s=0.0018"]
 
 
 def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: Path) -> None:
     whole = run(tmp_path / "whole", QUICKSTART, [*UNSAVED, FAST])
     folder = tmp_path / "run"
-    sets = [*QUICKSTART[1:], FAST, "watch.long_steps=stop", "save.every_s=0.0011"]
+    sets = [*QUICKSTART[1:], FAST, "monitor.long_steps=stop", "checkpoint.every_s=0.0011"]
     done = flipflow(*run_words(QUICKSTART[0], folder, sets))
     assert done.returncode == 4, done.stderr
     said_plainly(done)
@@ -38,7 +38,7 @@ def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: P
     assert saves(folder)[-1].name == f"{60:012d}"  # that of the stop is there, too
     words = shlex.split(command.removeprefix("to go on from there: flipflow "))
     assert words == ["resume", str(folder), "--save", "55"]
-    gone_on = flipflow(*words, "--set", "watch.long_steps=warn")
+    gone_on = flipflow(*words, "--set", "monitor.long_steps=warn")
     assert gone_on.returncode == 0, gone_on.stderr
     assert run_differences(whole, folder) == []
 
@@ -47,22 +47,22 @@ def test_stopped_before_anything_was_saved_it_can_go_on_from_where_it_stopped(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder, (name, *sets) = tmp_path / "run", QUICKSTART
-    words = [*sets, *UNSAVED, FAST, "watch.long_steps=stop"]
+    words = [*sets, *UNSAVED, FAST, "monitor.long_steps=stop"]
     code = launch.run(Path("cases") / name, "draft", folder, words)
     assert code == launch.FAILED
     said = capsys.readouterr().err.replace("\n", " ")
     assert f"nothing was saved before; state at t = 0.006 s: {saves(folder)[0]}" in said
-    assert resume(folder, ["watch.long_steps=warn"]) == launch.DONE
+    assert resume(folder, ["monitor.long_steps=warn"]) == launch.DONE
     assert summary(folder)["status"] == "done"
 
 
 def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
     whole = run(tmp_path / "whole", QUICKSTART, [*UNSAVED, *UNEASY])
-    folder = run(tmp_path / "run", QUICKSTART, ["save.every_s=0.0077", *UNEASY])
+    folder = run(tmp_path / "run", QUICKSTART, ["checkpoint.every_s=0.0077", *UNEASY])
     shutil.rmtree(saves(folder)[-1])
     assert resume(folder, []) == launch.DONE
     assert run_differences(whole, folder) == []
-    watched = summary(whole)["watch"]
+    watched = summary(whole)["monitor"]
     # from 6 ms in halves, from 7.8 ms whole, from 9 ms on in halves again, and twice as long
     assert watched["shortened_intervals"] == 18 + 30
     assert watched["shortest_interval_s"] == 1e-4 / 2
@@ -74,7 +74,7 @@ def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
 
 def test_the_save_from_before_stays(tmp_path: Path) -> None:
     """While intervals are shortened, later saves are not trusted."""
-    sets = ["save.every_s=0.0011", *UNEASY, "watch.calm_s=1.0"]
+    sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     names = [save.name for save in saves(run(tmp_path / "run", QUICKSTART, sets))]
     assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
     assert len(names) == 3
@@ -84,7 +84,7 @@ def test_the_save_from_before_stays(tmp_path: Path) -> None:
 def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
     """It is not trusted to the end: what it saves after it was resumed must neither take the place
     of the last good save nor forget which one that is."""
-    sets = ["save.every_s=0.0011", *UNEASY, "watch.calm_s=1.0"]
+    sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     folder = run(tmp_path / "run", QUICKSTART, sets)
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
     names = [int(save.name) for save in saves(folder)]
@@ -94,9 +94,7 @@ def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
     assert (newest.sync_points, newest.good) == (145, 55)
 
 
-def test_a_save_that_is_not_there_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_save_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = run(tmp_path / "run", QUICKSTART, ["duration_s=0.003"])
     assert resume(folder, [], 7) == launch.WRONG
     assert "has no whole save of sync point 7" in capsys.readouterr().err
@@ -110,7 +108,7 @@ def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path
     code = launch.run(Path("cases/quickstart"), "draft", folder, FAR_TOO_LONG)
     assert code == trust.EXIT_CODES[trust.DOUBTFUL]
     said = summary(folder)
-    assert said["watch"]["shortest_interval_s"] < 5e-3 / 4
+    assert said["monitor"]["shortest_interval_s"] < 5e-3 / 4
     terms_J = said["energy_ledger_J"]
     assert abs(terms_J["created.particles-panel"]) < 0.02 * terms_J["supplied.frames.exciter"]
     assert abs(share_created(said)) > 0.05
@@ -124,7 +122,7 @@ def test_two_ranks_shorten_together(tmp_path: Path) -> None:
     for folder, ranks in ((alone, 1), (both, 2)):
         done = flipflow(*run_words(QUICKSTART[0], folder, [*QUICKSTART[1:], *UNEASY]), ranks=ranks)
         assert done.returncode == 0, done.stderr
-    one, two = (summary(folder)["watch"] for folder in (alone, both))
+    one, two = (summary(folder)["monitor"] for folder in (alone, both))
     assert one["shortened_intervals"] == two["shortened_intervals"] > 0
     with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
         for name in ("position_m", "velocity_m_s"):

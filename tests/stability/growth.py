@@ -60,30 +60,20 @@ class Line:
             seen_m = point(sphere.seen, 0.0).position_m
             advancing.memory.restore({"seen_m": seen_m, "share": np.ones(3)})
         state = advancing.advance(solvers, Interval(0, interval_s), state)
-        h, a = interval_s, state.clamps_acceleration_m_s2[0, 0]
+        h, a = interval_s, state.clamps_acceleration_m_per_s2[0, 0]
         clamp = plate.clamp
         return np.array(
             [
-                *(
-                    sphere.x,
-                    h * sphere.v,
-                    plate.x,
-                    h * plate.v,
-                    state.load.force_N[0, 0],
-                    sphere.seen,
-                ),
+                *(sphere.x, h * sphere.v, plate.x, h * plate.v, state.load.force_N[0, 0], sphere.seen),
                 *(frame.x, h * frame.v, h * h * a),
-                *(clamp.position_m[0, 0], h * clamp.velocity_m_s[0, 0]),
+                *(clamp.position_m[0, 0], h * clamp.velocity_m_per_s[0, 0]),
                 state.panel.reaction.force_N[0, 0],
             ]
         )
 
 
 def limit_s(
-    radius: Callable[[float], float],
-    guess_s: float,
-    farthest: float = 10.0,
-    neutral: float = NEUTRAL,
+    radius: Callable[[float], float], guess_s: float, farthest: float = 10.0, neutral: float = NEUTRAL
 ) -> float:
     """The shortest interval at which deviations grow, by a scan in steps of 4 % from a third of
     ``guess_s`` to ``farthest`` times it, and bisection; infinite if none does."""

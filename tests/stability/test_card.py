@@ -35,15 +35,15 @@ def test_one_ball_on_a_strip_by_hand(tmp_path: Path) -> None:
     """Ball of 20 mm, 1430 kg/m3, E = 10 MPa; the panel's small-strain values; the speed of the
     panel's middle.  The ball is alone, so a whole row of the strip carries it."""
     case = loaded(tmp_path, STRIP).case
-    found, speed_m_s = settled_card(case), scene(case).impact_m_s
+    found, speed_m_per_s = settled_card(case), scene(case).impact_m_per_s
     mass_kg, radius_m = math.pi / 6 * 0.02**3 * 1430, 0.01
     modulus_Pa = 1 / ((1 - 0.3**2) / 1e7 + (1 - 0.49825**2) / 20.963e6)
-    depth_m = (15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * modulus_Pa)) ** 0.4
+    depth_m = (15 * mass_kg * speed_m_per_s**2 / (16 * math.sqrt(radius_m) * modulus_Pa)) ** 0.4
     stiffness = 2 * modulus_Pa * math.sqrt(radius_m * depth_m)
     row_kg = 1150 * 0.004 * 0.2 * 0.3 / 22
     assert f"{stiffness:.3g} N/m" in by_name(found)["light points"].why
     assert f"on {1e3 * row_kg:.3g} g" in by_name(found)["light points"].why
-    duration_s = 2.87 * (mass_kg**2 / (radius_m * modulus_Pa**2 * speed_m_s)) ** 0.2
+    duration_s = 2.87 * (mass_kg**2 / (radius_m * modulus_Pa**2 * speed_m_per_s)) ** 0.2
     accurate = found.accurate
     assert accurate is not None
     assert accurate.interval_s == pytest.approx(duration_s / 10, rel=1e-3)
@@ -60,9 +60,9 @@ def test_many_side_by_side_share_the_panel(tmp_path: Path) -> None:
 
 
 def test_what_is_not_handed_over_sets_no_bound(tmp_path: Path) -> None:
-    unloaded = settled_card(loaded(tmp_path, [*STRIP, "hand_over.particle_load=false"]).case)
+    unloaded = settled_card(loaded(tmp_path, [*STRIP, "exchange.particle_load=false"]).case)
     assert "light points" not in by_name(unloaded)
-    unpushed = settled_card(loaded(tmp_path, [*STRIP, "hand_over.panel_reaction=false"]).case)
+    unpushed = settled_card(loaded(tmp_path, [*STRIP, "exchange.panel_reaction=false"]).case)
     assert "extrapolated clamps" not in by_name(unpushed)
     still = settled_card(loaded(tmp_path, ["panel.solver=rigid", "frames.solver=prescribed"]).case)
     assert [bound.kind for bound in still.bounds] == ["accuracy"]
@@ -92,9 +92,7 @@ def test_auto_takes_the_plain_scheme_where_it_is_safe(tmp_path: Path) -> None:
 
     def at(interval_s: float, *sets: str) -> Card:
         interval = f"coupling.sync_interval_s={interval_s!r}"
-        return settled_card(
-            loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case
-        )
+        return settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
 
     plain_s, robin_s = (
         settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
@@ -153,14 +151,14 @@ RIGID = ["panel.solver=rigid", "coupling.scheme=particles-first"]
 WALL = [
     "screen.surfaces.wall={corner_m=[0, 0, 0.3], edges_m=[[0.1, 0, 0], [0, 0.1, 0]], "
     'frame="driving", material="steel"}',
-    "materials.steel={density_kg_m3=7800, youngs_modulus_Pa=2e11, poisson_ratio=0.3}",
+    "materials.steel={density_kg_per_m3=7800, youngs_modulus_Pa=2e11, poisson_ratio=0.3}",
     'contacts=[{between=["coal", "PU"], restitution=0.34, sliding_friction=0.47, '
     'rolling_friction=0}, {between=["coal", "coal"], restitution=0.13, sliding_friction=0.36, '
     'rolling_friction=0}, {between=["coal", "steel"], restitution=0.5, sliding_friction=0.4, '
     "rolling_friction=0}]",
 ]
 DRIVEN = CASE[: CASE.index("[screen.frames.driving]")] + (
-    "[screen.frames.driving.drive]\nspeed_rad_s = 60.0\namplitude_m = [0.0, 0.0, 0.002]\n"
+    "[screen.frames.driving.drive]\nspeed_rad_per_s = 60.0\namplitude_m = [0.0, 0.0, 0.002]\n"
     "run_up_s = 0.1\n" + CASE[CASE.index("[screen.panels.deck]") :]
 )
 PU, STEEL = (1 - 0.49825**2) / 20.963e6, (1 - 0.3**2) / 2e11  # (1 - nu^2) / E
@@ -177,11 +175,11 @@ def test_a_surface_on_a_free_frame_is_off_by_what_it_speeds_up_by(tmp_path: Path
     """A tenth of the ball's overlap is a H^2 / 2, at the frame's acceleration; on the chord of
     aitken, a H^2 / 8.  A wall of steel counts as a panel does, for that and for impacts."""
     case = loaded(tmp_path, RIGID).case
-    acceleration_m_s2 = scene(case).frames_throw * 9.81
-    assert acceleration_m_s2 > 1.0
+    acceleration_m_per_s2 = scene(case).frames_throw * 9.81
+    assert acceleration_m_per_s2 > 1.0
 
     def allowed_s(overlap_m: float) -> float:
-        return math.sqrt(2 * 0.1 * overlap_m / acceleration_m_s2)
+        return math.sqrt(2 * 0.1 * overlap_m / acceleration_m_per_s2)
 
     panel = by_name(settled_card(case))
     wall = by_name(settled_card(loaded(tmp_path, [*RIGID, *WALL]).case))
@@ -208,7 +206,7 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
     limit_s = (384 * 0.1 * lying_m(PU) / (0.002 * 60.0**4)) ** 0.25
     assert found["driven surface"].interval_s == pytest.approx(limit_s, rel=1e-3)
     assert {"moving surface", "shortest impact"} <= set(bounds(*STRIP))
-    assert not bounds(*RIGID, "hand_over.frame_motion=false")
+    assert not bounds(*RIGID, "exchange.frame_motion=false")
 
 
 def test_in_a_designers_words(tmp_path: Path) -> None:
@@ -269,7 +267,7 @@ def test_light_corners_are_unstable(tmp_path: Path, overrides: list[str], stable
     where the card sees no danger, above 10 % where it does; then the run says that it is
     doubtful."""
     short = ["duration_s=0.15", "output.pictures=false", "output.interval_s=0.05"]
-    short += ["watch.created_energy=warn", "watch.growing_modes=warn"]
+    short += ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
     code = run(CASES / "ball-on-panel", "default", tmp_path / "run", [*overrides, *short])
     assert code == trust.EXIT_CODES[trust.DONE if stable else trust.DOUBTFUL]
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
@@ -288,5 +286,5 @@ def test_the_watch_shortens_what_the_card_warns_of(tmp_path: Path) -> None:
     assert run(CASES / "ball-on-panel", "default", tmp_path / "run", sets) == 0
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert abs(summary["energy_ledger_J"]["created.particles-panel"]) < 0.02 * 4.7e-3
-    assert summary["watch"]["shortest_interval_s"] < 1.2e-5  # the card's safe interval
-    assert 0 < summary["watch"]["shortened_share"] < 0.3
+    assert summary["monitor"]["shortest_interval_s"] < 1.2e-5  # the card's safe interval
+    assert 0 < summary["monitor"]["shortened_share"] < 0.3

@@ -24,19 +24,19 @@ from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.effects.verdicts import BARE
 from tests.stability.growth import FRAME, Line, limit_s
 
-STIFFNESS_N_m, FRAME_KG, GROUND_KG = 3.0, 2.0, 1e12
+STIFFNESS_N_per_m, FRAME_KG, GROUND_KG = 3.0, 2.0, 1e12
 NO_SPHERE = Sphere(1.0, 0.0, 1.0, 0.0, 1)
 
 
-def spring_to_the_ground(damping_N_s_m: float) -> Line:
+def spring_to_the_ground(damping_N_s_per_m: float) -> Line:
     """A frame on a panel without inertia, whose other end stands still."""
-    frame = FreeFrame(FRAME_KG, damping_N_s_m=damping_N_s_m)
-    return Line(NO_SPHERE, HungPlate(GROUND_KG, STIFFNESS_N_m), frame)
+    frame = FreeFrame(FRAME_KG, damping_N_s_per_m=damping_N_s_per_m)
+    return Line(NO_SPHERE, HungPlate(GROUND_KG, STIFFNESS_N_per_m), frame)
 
 
 def test_extrapolated_clamps_on_a_spring() -> None:
     """The formula is exact for one frame."""
-    predicted_s = extrapolated_clamps_s(np.eye(1) * FRAME_KG, np.eye(1) * STIFFNESS_N_m)
+    predicted_s = extrapolated_clamps_s(np.eye(1) * FRAME_KG, np.eye(1) * STIFFNESS_N_per_m)
     line = spring_to_the_ground(0.0)
     found_s = limit_s(lambda h: line.radius("particles-first", h, FRAME), predicted_s)
     assert found_s == pytest.approx(predicted_s, rel=0.01)
@@ -45,12 +45,10 @@ def test_extrapolated_clamps_on_a_spring() -> None:
 @pytest.mark.parametrize("damping", [0.02, 0.2])
 def test_a_late_reaction_needs_a_damper(damping: float) -> None:
     """To first order in the interval."""
-    shapes, stiffness = np.eye(1), np.eye(1) * STIFFNESS_N_m
+    shapes, stiffness = np.eye(1), np.eye(1) * STIFFNESS_N_per_m
     predicted_s = late_reaction_s(shapes, stiffness, np.eye(1) * damping)
     line = spring_to_the_ground(damping)
-    found_s = limit_s(
-        lambda h: line.radius("serial-staggered", h, FRAME), predicted_s, neutral=1e-9
-    )
+    found_s = limit_s(lambda h: line.radius("serial-staggered", h, FRAME), predicted_s, neutral=1e-9)
     assert found_s == pytest.approx(predicted_s, rel=0.02)
 
 
@@ -67,7 +65,7 @@ def swings_up(folder: Path, scheme: str, frame_kg: float, interval_s: float) -> 
     sets = [*RIGID, f"coupling.scheme={scheme}", f"screen.frames.driving.mass_kg={frame_kg!r}"]
     with opened(load(folder, None, [*sets, f"coupling.sync_interval_s={interval_s!r}"])) as run:
         try:
-            fastest = np.abs(run.advance(400).clamps.velocity_m_s).max()
+            fastest = np.abs(run.advance(400).clamps.velocity_m_per_s).max()
         except (SolverFailed, BrokenRecord):
             return True
     return bool(fastest > 10.0)

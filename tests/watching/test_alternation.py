@@ -21,11 +21,11 @@ STROKE = np.linspace(0.0, 1.0, POINTS)[:, None] * np.array([1.0, 0.0, 0.5])  # m
 TURN = 78.5 * 5e-5  # of the machine, in a sync interval
 
 
-def worst(velocities_m_s: Iterable[Array]) -> float:
-    steps = iter(velocities_m_s)
+def worst(velocities_m_per_s: Iterable[Array]) -> float:
+    steps = iter(velocities_m_per_s)
     watched, found = Alternation(next(steps), LOUD), 0.0
-    for velocity_m_s in steps:
-        watched.add(velocity_m_s)
+    for velocity_m_per_s in steps:
+        watched.add(velocity_m_per_s)
         found = max(found, watched.share())
     return found
 
@@ -89,28 +89,26 @@ def test_it_is_restored() -> None:
     assert watched.share() > LOUD
 
 
-def held_down(damping_N_s_m: float, v: float) -> tuple[Sphere, HungPlate, FreeFrame]:
+def held_down(damping_N_s_per_m: float, v: float) -> tuple[Sphere, HungPlate, FreeFrame]:
     """A heavy sphere that stays on a free plate of 1 kg, which has the speed v."""
-    sphere = Sphere(1e6, 1.0, 0.0, 0.0, 20, damping_N_s_m, stays=True)
+    sphere = Sphere(1e6, 1.0, 0.0, 0.0, 20, damping_N_s_per_m, stays=True)
     return sphere, HungPlate(1.0, 0.0, 20, v=v), FreeFrame(1e6)
 
 
-@pytest.mark.parametrize("damping_N_s_m", [0.0, 0.3, 3.0])
+@pytest.mark.parametrize("damping_N_s_per_m", [0.0, 0.3, 3.0])
 @pytest.mark.parametrize(("of_the_limit", "found"), [(1.1, True), (0.9, False)])
-def test_the_real_limit_of_a_light_point(
-    damping_N_s_m: float, of_the_limit: float, found: bool
-) -> None:
+def test_the_real_limit_of_a_light_point(damping_N_s_per_m: float, of_the_limit: float, found: bool) -> None:
     """Found by bisection of the real loop: beyond it the watch sees the mode, below it does not."""
-    predicted_s = light_point_s(1.0, damping_N_s_m, 1.0, 0.0)
-    line = Line(*held_down(damping_N_s_m, 0.0))
+    predicted_s = light_point_s(1.0, damping_N_s_per_m, 1.0, 0.0)
+    line = Line(*held_down(damping_N_s_per_m, 0.0))
     limit = limit_s(lambda h: line.radius("particles-first", h, CONTACT), predicted_s)
     interval_s = of_the_limit * limit
-    solvers = members(*held_down(damping_N_s_m, 1e-3))
+    solvers = members(*held_down(damping_N_s_per_m, 1e-3))
     state, advance = initial(solvers), scheme("particles-first").advance
-    watched, share = Alternation(state.panel.surface.velocity_m_s, LOUD), 0.0
+    watched, share = Alternation(state.panel.surface.velocity_m_per_s, LOUD), 0.0
     for index in range(60):
         interval = Interval(index, interval_s)
         state = advance(solvers, interval, state)
-        watched.add(state.panel.surface.velocity_m_s)
+        watched.add(state.panel.surface.velocity_m_per_s)
         share = max(share, watched.share())
     assert (share > LOUD) is found

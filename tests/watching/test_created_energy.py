@@ -27,7 +27,7 @@ def energy_J(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> float:
         sphere.mass_kg * sphere.v**2
         + plate.mass_kg * plate.v**2
         + frame.mass_kg * frame.v**2
-        + plate.stiffness_N_m * hanger_m**2
+        + plate.stiffness_N_per_m * hanger_m**2
     )
 
 
@@ -91,10 +91,7 @@ def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
             clamps.add(interval)
         said = run.energy_J("created")
     # off by 9e-5, 9e-5, 3e-7 and 1e-8 of what went through contacts, and by 5e-7 at most at clamps
-    for work, interface, off in (
-        (contacts, "particles-panel", 2e-4),
-        (clamps, "panel-frames", 1e-6),
-    ):
+    for work, interface, off in ((contacts, "particles-panel", 2e-4), (clamps, "panel-frames", 1e-6)):
         balance = work.balance
         ledger_J = said[f"created.{interface}"]
         assert balance.created_J == pytest.approx(ledger_J, rel=0, abs=off * balance.through_J)

@@ -18,14 +18,14 @@ from orchestrator.run.watching.guard import Stopped
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.watching.machines import guarded, on_a_line
 
-STIFFNESS_N_m, DAMPING_N_s_m = 1e5, 20.0
-LIMIT_s = light_point_s(STIFFNESS_N_m, DAMPING_N_s_m, 1.0 / 0.8, 0.0)  # 0.8 of it is counted
+STIFFNESS_N_per_m, DAMPING_N_s_per_m = 1e5, 20.0
+LIMIT_s = light_point_s(STIFFNESS_N_per_m, DAMPING_N_s_per_m, 1.0 / 0.8, 0.0)  # 0.8 of it is counted
 LONG_s, INTERVALS = 0.0062, 200
-STAYS = "watch.calm_s=100.0"  # short to the end
+STAYS = "monitor.calm_s=100.0"  # short to the end
 CREATED, GROWING = "created_energy", "growing_modes"
 ALONE = {
-    CREATED: ["watch.growing_modes=warn", "watch.largest_growing_share=1.0"],
-    GROWING: ["watch.created_energy=warn", "watch.largest_created_share=1.0"],
+    CREATED: ["monitor.growing_modes=warn", "monitor.largest_growing_share=1.0"],
+    GROWING: ["monitor.created_energy=warn", "monitor.largest_created_share=1.0"],
 }
 
 
@@ -33,7 +33,7 @@ def pressed() -> tuple[HungPlate, Machine]:
     """A plate of 1 kg that something heavy holds by a contact's spring and damper, on a soft spring
     to a heavy frame; it starts at rest 0.1 mm out of its place."""
     plate = HungPlate(1.0, 100.0, 20, x=1e-4)
-    sphere = Sphere(1e9, STIFFNESS_N_m, 0.0, 0.0, 20, DAMPING_N_s_m, stays=True)
+    sphere = Sphere(1e9, STIFFNESS_N_per_m, 0.0, 0.0, 20, DAMPING_N_s_per_m, stays=True)
     return plate, on_a_line(sphere, plate, FreeFrame(1e9), "particles-first")
 
 
@@ -42,9 +42,7 @@ def test_the_interval_is_beyond_the_limit_and_its_half_is_not() -> None:
 
 
 @pytest.mark.parametrize("then", ["created_energy", "growing_modes"])
-def test_what_would_grow_without_end_is_shortened_and_ends_as_a_fine_run(
-    tmp_path: Path, then: str
-) -> None:
+def test_what_would_grow_without_end_is_shortened_and_ends_as_a_fine_run(tmp_path: Path, then: str) -> None:
     """Each of the two alone finds it.  A fine run is still at its end; without the watch the plate
     is ten million times as far from there as at the start."""
     free, machine = pressed()
@@ -71,7 +69,7 @@ def test_a_quiet_run_is_left_alone(tmp_path: Path) -> None:
 
 def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     _, machine = pressed()
-    sets = ["watch.created_energy=warn", "watch.growing_modes=warn"]
+    sets = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
     with caplog.at_level(logging.INFO, "flipflow"):
         guard = guarded(tmp_path, machine, LONG_s, INTERVALS, sets)
     assert caplog.text.count("a mode of the interface grows") == 1
@@ -84,7 +82,7 @@ def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> No
 def test_stop_stops_before_it_is_too_late(tmp_path: Path) -> None:
     plate, machine = pressed()
     with pytest.raises(Stopped, match=r"stopped by the watch at t = .* s: a mode of the int") as at:
-        guarded(tmp_path, machine, LONG_s, INTERVALS, [*ALONE[GROWING], "watch.growing_modes=stop"])
+        guarded(tmp_path, machine, LONG_s, INTERVALS, [*ALONE[GROWING], "monitor.growing_modes=stop"])
     assert at.value.state.panel.surface.position_m[0, 0] == plate.x
     assert abs(plate.x) < 0.01
 
@@ -126,9 +124,9 @@ def test_calm_again_it_goes_on_in_whole_intervals(tmp_path: Path) -> None:
     def lets_go(_: object) -> None:
         done.append(1)
         if len(done) == 40:
-            sphere._particles.stiffness_N_m = sphere._particles.damping_N_s_m = 0.0  # type: ignore[attr-defined]
+            sphere._particles.stiffness_N_per_m = sphere._particles.damping_N_s_per_m = 0.0  # type: ignore[attr-defined]
 
-    guard = guarded(tmp_path, machine, LONG_s, 200, ["watch.calm_s=0.21"], lets_go)
+    guard = guarded(tmp_path, machine, LONG_s, 200, ["monitor.calm_s=0.21"], lets_go)
     assert guard.pace.parts == 1
     assert guard.pace.trusted
     assert 30 <= guard.pace.divided < 180

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from orchestrator.case.tables.numerics import Watch
+from orchestrator.case.tables.numerics import MonitorSettings
 from orchestrator.coupling.machine import PanelPoints
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
@@ -21,38 +21,27 @@ STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)
 FLAT_m = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0.1, 0.1, 0]], dtype=float)
 EDGES = Edges.of(FLAT_m[:, :2], np.array([[0, 1, 2], [1, 3, 2]]))
-PANEL = PanelPoints(
-    "deck",
-    slice(4),
-    slice(0),
-    NONE,
-    NONE,
-    NONE,
-    NONE,
-    NONE,
-    EDGES.points,
-    EDGES.length_m,
-)
+PANEL = PanelPoints("deck", slice(4), slice(0), NONE, NONE, NONE, NONE, NONE, EDGES.points, EDGES.length_m)
 UNTOUCHED = Penetrations(FLAT_m, (), ())
 BALLS = ParticleSnapshot(
     id=np.array([3, 8]),
     position_m=np.zeros((2, 3)),
-    velocity_m_s=np.array([[0, 0, -1.0], [2.0, 0, 0]]),
-    spin_rad_s=np.zeros((2, 3)),
+    velocity_m_per_s=np.array([[0, 0, -1.0], [2.0, 0, 0]]),
+    spin_rad_per_s=np.zeros((2, 3)),
     diameter_m=np.array([0.01, 0.004]),
-    density_kg_m3=np.ones(2),
+    density_kg_per_m3=np.ones(2),
     material=np.zeros(2, dtype=np.int64),
 )
 
 
-def state(position_m: np.ndarray = FLAT_m, speed_m_s: float = 1.0) -> State:
-    surface = Motion(position_m, np.full_like(position_m, speed_m_s / np.sqrt(3)))
+def state(position_m: np.ndarray = FLAT_m, speed_m_per_s: float = 1.0) -> State:
+    surface = Motion(position_m, np.full_like(position_m, speed_m_per_s / np.sqrt(3)))
     clamps = Motion(np.empty((0, 3)), np.empty((0, 3)))
     return State(clamps, np.empty((0, 3)), PanelState(surface, Load.zero(0)), Load.zero(4))
 
 
 def alarms(now: State, balls: ParticleSnapshot, overlap: float) -> list[str]:
-    figures = Figures(Watch())
+    figures = Figures(MonitorSettings())
     overlaps = Overlaps(0.0, 0.0, 0.001, overlap / 2)
     OutputWatch([PANEL], UNTOUCHED, STEP_s).look(figures, 0.5, now, (balls, overlaps))
     return [alarm.what for alarm in figures.alarms()]
@@ -72,7 +61,7 @@ def test_stretch_is_the_largest_over_the_stress_free_lengths() -> None:
 
 
 @pytest.mark.parametrize(
-    ("position_m", "speed_m_s", "fastest_m_s", "overlap", "said"),
+    ("position_m", "speed_m_per_s", "fastest_m_per_s", "overlap", "said"),
     [
         (FLAT_m, 1.0, 2.0, 0.01, None),
         (1.29 * FLAT_m, 1.0, 2.0, 0.19, None),
@@ -83,17 +72,17 @@ def test_stretch_is_the_largest_over_the_stress_free_lengths() -> None:
     ],
 )
 def test_each_is_found_alone(
-    position_m: np.ndarray, speed_m_s: float, fastest_m_s: float, overlap: float, said: str | None
+    position_m: np.ndarray, speed_m_per_s: float, fastest_m_per_s: float, overlap: float, said: str | None
 ) -> None:
     """A step of 0.01 ms; the smaller ball has a radius of 2 mm, a tenth of which is 20 m/s."""
-    velocity_m_s = np.array([[0, 0, -1.0], [fastest_m_s, 0, 0]])
-    found = alarms(state(position_m, speed_m_s), replace(BALLS, velocity_m_s=velocity_m_s), overlap)
+    velocity_m_per_s = np.array([[0, 0, -1.0], [fastest_m_per_s, 0, 0]])
+    found = alarms(
+        state(position_m, speed_m_per_s), replace(BALLS, velocity_m_per_s=velocity_m_per_s), overlap
+    )
     assert len(found) == (said is not None)
     assert all(f"t = 0.5 s: {said}" in what for what in found)
 
 
 def test_no_particles_is_no_trouble() -> None:
-    nobody = ParticleSnapshot(
-        **{name: values[:0] for name, values in vars(BALLS).items()},
-    )
+    nobody = ParticleSnapshot(**{name: values[:0] for name, values in vars(BALLS).items()})
     assert alarms(state(), nobody, 0.0) == []

@@ -55,9 +55,7 @@ def run(name: str, length_s: float, parts: list[int]) -> tuple[State, list[State
     solvers, pace, recorded = members(*line()), Pace(length_s, 64, 1), []
     state, chosen = initial(solvers), scheme(name)
     for index, pace.parts in enumerate(parts):
-        state, seen = pace.advance(
-            chosen, solvers, Interval(index, length_s), state, lambda part: None
-        )
+        state, seen = pace.advance(chosen, solvers, Interval(index, length_s), state, lambda part: None)
         recorded.append(seen)
     return state, recorded, pace
 

@@ -23,27 +23,27 @@ class Driving:
     and the angular velocity (3,) in the world."""
 
     center_m: Array
-    velocity_m_s: Array
+    velocity_m_per_s: Array
     rotation: Rotation
-    spin_rad_s: Array
+    spin_rad_per_s: Array
 
     def carried(self, arm_m: Array) -> tuple[Array, Array]:
         """Position and velocity of points ``arm_m`` (n, 3) away from the centre as drawn."""
         arm_m = self.rotation.apply(arm_m)
-        spin_rad_s = np.broadcast_to(self.spin_rad_s, arm_m.shape)
-        return self.center_m + arm_m, self.velocity_m_s + cross(spin_rad_s, arm_m)
+        spin_rad_per_s = np.broadcast_to(self.spin_rad_per_s, arm_m.shape)
+        return self.center_m + arm_m, self.velocity_m_per_s + cross(spin_rad_per_s, arm_m)
 
 
 def driving(drive: Drive, time_s: float) -> Driving:
     """The motion that the drive prescribes."""
     when_s = np.array([time_s])
-    shift_m, shift_m_s = shifted(drive, when_s)
-    turn_rad, turn_rad_s = turned(drive, when_s)
+    shift_m, shift_m_per_s = shifted(drive, when_s)
+    turn_rad, turn_rad_per_s = turned(drive, when_s)
     return Driving(
         drive.center_m + shift_m[0],
-        shift_m_s[0],
+        shift_m_per_s[0],
         Rotation.from_rotvec(turn_rad[0]),
-        angular_velocity(turn_rad[0], turn_rad_s[0]),
+        angular_velocity(turn_rad[0], turn_rad_per_s[0]),
     )
 
 
@@ -64,10 +64,10 @@ class DrivenPoints:
     def at(self, time_s: float) -> Motion:
         """Exact."""
         position_m = self._points_m.copy()
-        velocity_m_s = np.zeros_like(position_m)
+        velocity_m_per_s = np.zeros_like(position_m)
         for drive, points in self._driven:
-            position_m[points], velocity_m_s[points] = moved(drive, self._points_m[points], time_s)
-        return Motion(position_m, velocity_m_s)
+            position_m[points], velocity_m_per_s[points] = moved(drive, self._points_m[points], time_s)
+        return Motion(position_m, velocity_m_per_s)
 
     def ahead(self, interval: Interval) -> Known | None:
         """At the interval's end, of the points on driven bodies and on the ground; None without
@@ -87,9 +87,9 @@ def turned(drive: Drive, time_s: Array) -> tuple[Array, Array]:
     return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
 
 
-def angular_velocity(turn_rad: Array, rate_rad_s: Array) -> Array:
+def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
     """World angular velocity (3,) of a body turned by the rotation vector ``turn_rad`` that
-    changes at ``rate_rad_s``: the left Jacobian of the exponential map times the rate
+    changes at ``rate_rad_per_s``: the left Jacobian of the exponential map times the rate
     (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, 2012, ch. 10)."""
     square = float(turn_rad @ turn_rad)
     angle = math.sqrt(square)
@@ -99,18 +99,16 @@ def angular_velocity(turn_rad: Array, rate_rad_s: Array) -> Array:
         one_minus_cos = 2 * math.sin(angle / 2) ** 2 / square
         one_minus_sinc = (1 - math.sin(angle) / angle) / square
     turn = turn_rad[None]
-    across = cross(turn, rate_rad_s[None])
-    return np.asarray(
-        rate_rad_s + (one_minus_cos * across + one_minus_sinc * cross(turn, across))[0]
-    )
+    across = cross(turn, rate_rad_per_s[None])
+    return np.asarray(rate_rad_per_s + (one_minus_cos * across + one_minus_sinc * cross(turn, across))[0])
 
 
 def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
     """Value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
     ramp, ramp_1_s = (one[:, None] for one in _ramp(drive.run_up_s, time_s))
-    angle = drive.speed_rad_s * time_s[:, None] + phase_rad
+    angle = drive.speed_rad_per_s * time_s[:, None] + phase_rad
     value = ramp * size * np.sin(angle)
-    rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_s * np.cos(angle))
+    rate = size * (ramp_1_s * np.sin(angle) + ramp * drive.speed_rad_per_s * np.cos(angle))
     return value, rate
 
 

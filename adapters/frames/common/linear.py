@@ -27,22 +27,22 @@ SPACE = (0, 1, 2, 3, 4, 5)
 @dataclass(frozen=True)
 class LinearMachine:
     """``stretch`` (3 bushings, coordinates): elongations along the spring axes per coordinate;
-    ``stiffness_N_m``, ``damping_N_s_m`` (3 bushings,); ``mass`` (coordinates, coordinates)."""
+    ``stiffness_N_per_m``, ``damping_N_s_per_m`` (3 bushings,); ``mass`` (coordinates, coordinates)."""
 
     stretch: Array
-    stiffness_N_m: Array
-    damping_N_s_m: Array
+    stiffness_N_per_m: Array
+    damping_N_s_per_m: Array
     mass: Array
 
     @property
     def stiffness(self) -> Array:
-        return np.asarray(self.stretch.T @ (self.stiffness_N_m[:, None] * self.stretch))
+        return np.asarray(self.stretch.T @ (self.stiffness_N_per_m[:, None] * self.stretch))
 
     @property
     def damping(self) -> Array:
-        return np.asarray(self.stretch.T @ (self.damping_N_s_m[:, None] * self.stretch))
+        return np.asarray(self.stretch.T @ (self.damping_N_s_per_m[:, None] * self.stretch))
 
-    def fastest_rad_s(self) -> float:
+    def fastest_rad_per_s(self) -> float:
         """Highest undamped natural frequency, 0 without bushings or without free bodies."""
         if not len(self.mass):
             return 0.0
@@ -84,8 +84,8 @@ def linearised(plan: FramesPlan, coordinates: tuple[int, ...]) -> LinearMachine:
     moving = (each * free(plan)[:, None] + np.arange(each)).ravel()
     return LinearMachine(
         stretch.reshape(-1, each * len(plan.bodies))[:, moving],
-        np.array([bushing.stiffness_N_m for bushing in plan.bushings]).reshape(-1),
-        np.array([bushing.damping_N_s_m for bushing in plan.bushings]).reshape(-1),
+        np.array([bushing.stiffness_N_per_m for bushing in plan.bushings]).reshape(-1),
+        np.array([bushing.damping_N_s_per_m for bushing in plan.bushings]).reshape(-1),
         scipy.linalg.block_diag(*blocks)[np.ix_(moving, moving)],
     )
 
@@ -99,14 +99,14 @@ def resting_load(plan: FramesPlan) -> Array:
         points = carrier == number
         arms_m = plan.points_m[points] - body.center_of_mass_m
         force_N = plan.reaction_N[points]
-        load[number, :3] = body.mass_kg * plan.gravity_m_s2 + force_N.sum(axis=0)
+        load[number, :3] = body.mass_kg * plan.gravity_m_per_s2 + force_N.sum(axis=0)
         load[number, 3:] = np.cross(arms_m, force_N).sum(axis=0)
     return load[free(plan)]
 
 
 def in_play_N(plan: FramesPlan) -> float:
     """The sum of the sizes of all forces that ``resting_load`` adds up."""
-    weight_N = sum(body.mass_kg for body in plan.bodies) * np.linalg.norm(plan.gravity_m_s2)
+    weight_N = sum(body.mass_kg for body in plan.bodies) * np.linalg.norm(plan.gravity_m_per_s2)
     return float(weight_N + np.linalg.norm(plan.reaction_N, axis=1).sum())
 
 
@@ -158,9 +158,9 @@ def free_first(plan: FramesPlan) -> FramesPlan:
     return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
 
 
-def rates_rad_s(plan: FramesPlan) -> list[float]:
+def rates_rad_per_s(plan: FramesPlan) -> list[float]:
     """How fast what shakes the bodies changes: speeds of exciters and drives, and their run-ups."""
-    speeds = [one.speed_rad_s for one in plan.exciters] + [one.speed_rad_s for one in plan.drives]
+    speeds = [one.speed_rad_per_s for one in plan.exciters] + [one.speed_rad_per_s for one in plan.drives]
     run_ups_s = [one.run_up_s for one in plan.exciters] + [one.run_up_s for one in plan.drives]
     return speeds + [math.pi / run_up_s for run_up_s in run_ups_s if run_up_s > 0]
 

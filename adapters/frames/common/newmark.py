@@ -20,7 +20,7 @@ from orchestrator.ports.plans import FramesPlan, SolverFailed
 
 def settings(plan: FramesPlan) -> Any:
     """A machine at rest has no larger residual than the rounding of all its bushings' forces."""
-    stiffness_N_m = sum(float(bushing.stiffness_N_m.sum()) for bushing in plan.bushings)
+    stiffness_N_per_m = sum(float(bushing.stiffness_N_per_m.sum()) for bushing in plan.bushings)
     chosen = exudyn.SimulationSettings()
     chosen.solution.file.write = False
     time = chosen.timeIntegration
@@ -28,7 +28,7 @@ def settings(plan: FramesPlan) -> Any:
     time.adaptiveStep = False
     time.generalizedAlpha.useNewmark = True
     time.newton.relativeTolerance = 1e-13
-    time.newton.absoluteTolerance = max(1e-10, 1e-15 * stiffness_N_m)
+    time.newton.absoluteTolerance = max(1e-10, 1e-15 * stiffness_N_per_m)
     return chosen
 
 
@@ -68,8 +68,8 @@ def restore(system: Any, solver: Any, saved: Saved) -> None:
 
 def largest_step_s(plan: FramesPlan, machine: LinearMachine) -> float:
     """``plan.step_s`` or, without, 0.05 over the fastest rate, and no longer than the interval."""
-    speeds = [exciter.speed_rad_s for exciter in plan.exciters]
-    speeds += [drive.speed_rad_s for drive in plan.drives]
-    fastest = max([machine.fastest_rad_s(), *speeds])
+    speeds = [exciter.speed_rad_per_s for exciter in plan.exciters]
+    speeds += [drive.speed_rad_per_s for drive in plan.drives]
+    fastest = max([machine.fastest_rad_per_s(), *speeds])
     own_s = 0.05 / fastest if fastest > 0 else math.inf
     return plan.step_s if plan.step_s > 0 else min(own_s, plan.sync_interval_s)

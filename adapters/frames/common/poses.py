@@ -12,14 +12,14 @@ from orchestrator.ports import Array, Indices
 @dataclass(frozen=True)
 class Poses:
     """Bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the
-    body number -1 means it.  ``center_m``, ``velocity_m_s``, ``spin_rad_s`` (bodies + 1, 3),
+    body number -1 means it.  ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3),
     ``rotation`` (bodies + 1, 3, 3), all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps
     the rates of the rotation angles to angular velocities."""
 
     center_m: Array
     rotation: Array
-    velocity_m_s: Array
-    spin_rad_s: Array
+    velocity_m_per_s: Array
+    spin_rad_per_s: Array
     spin_per_rate: Array
 
     @staticmethod
@@ -27,13 +27,13 @@ class Poses:
         """From (bodies, 6) each of displacements and Tait-Bryan angles (rotation Rx Ry Rz), and
         their rates; ``drawn_m`` (bodies, 3) are the centres at t = 0."""
         bodies = len(drawn_m)
-        center_m, velocity_m_s, spin_rad_s = np.zeros((3, bodies + 1, 3))
+        center_m, velocity_m_per_s, spin_rad_per_s = np.zeros((3, bodies + 1, 3))
         center_m[:-1] = drawn_m + coordinates[:, :3]
-        velocity_m_s[:-1] = rates[:, :3]
+        velocity_m_per_s[:-1] = rates[:, :3]
         rotation, spin_per_rate = turning(coordinates[:, 3:])
-        spin_rad_s[:-1] = turned(spin_per_rate, rates[:, 3:])
+        spin_rad_per_s[:-1] = turned(spin_per_rate, rates[:, 3:])
         rotation = np.concatenate([rotation, np.eye(3)[None]])
-        return Poses(center_m, rotation, velocity_m_s, spin_rad_s, spin_per_rate)
+        return Poses(center_m, rotation, velocity_m_per_s, spin_rad_per_s, spin_per_rate)
 
 
 def turning(angles_rad: Array) -> tuple[Array, Array]:
@@ -66,8 +66,8 @@ class Attached:
         """Positions and velocities (n, 3)."""
         arm_m = turned(poses.rotation[self.body], self.arm_m)
         position_m = poses.center_m[self.body] + arm_m
-        velocity_m_s = poses.velocity_m_s[self.body] + cross(poses.spin_rad_s[self.body], arm_m)
-        return position_m, velocity_m_s
+        velocity_m_per_s = poses.velocity_m_per_s[self.body] + cross(poses.spin_rad_per_s[self.body], arm_m)
+        return position_m, velocity_m_per_s
 
 
 def turned(rotation: Array, vector: Array) -> Array:

@@ -33,7 +33,7 @@ class Unbalance:
 
     def _turning(self, time_s: Array) -> tuple[Array, Array, Array]:
         """Angle in rad, speed in rad/s, angular acceleration in rad/s^2."""
-        full, run_up_s = self._exciter.speed_rad_s, self._exciter.run_up_s
+        full, run_up_s = self._exciter.speed_rad_per_s, self._exciter.run_up_s
         phase, since_s = self._exciter.phase_rad, time_s - self._exciter.start_s
         if since_s[0] >= run_up_s:  # full speed
             still = np.zeros_like(since_s)

@@ -73,9 +73,7 @@ class ExudynFrames:
         if plan.drawn_at_rest:
             sag = machine.sag(linear.resting_load(plan).ravel(), linear.in_play_N(plan))
         sag_m = (machine.stretch @ sag).reshape(-1, 3)
-        self._carried = Attached.at(
-            plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m
-        )
+        self._carried = Attached.at(plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m)
         self._onto_bodies = linear.onto_bodies(plan, self._carried.body)
         self._shafts = shafts(plan, self._drawn_m)
         steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
@@ -118,11 +116,7 @@ class ExudynFrames:
     def save(self) -> Saved:
         system = newmark.save(self._bodies.system, self._solver)
         turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return taken(self, *_STATE) | {
-            "system": system,
-            "books": self._books.save(),
-            "shafts": turning,
-        }
+        return taken(self, *_STATE) | {"system": system, "books": self._books.save(), "shafts": turning}
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_STATE)
@@ -154,7 +148,7 @@ class ExudynFrames:
         in the middle of the interval."""
         body, poses, now = self._carried.body, self._instant.poses, self._points
         arm_m = now.position_m - poses.center_m[body]
-        arm_m += length_s / 2 * (now.velocity_m_s - poses.velocity_m_s[body])
+        arm_m += length_s / 2 * (now.velocity_m_per_s - poses.velocity_m_per_s[body])
         moment_N_m = cross(arm_m, reaction.force_N)
         return np.asarray(self._onto_bodies @ np.hstack([reaction.force_N, moment_N_m]))
 

@@ -31,7 +31,7 @@ class Books:
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         self._driven, free = linear.driven(plan), linear.free(plan)
         self._drives = [PushesOnDriven(int(n), forces, carried) for n in self._driven]
-        self._free_weight_N = self._mass_kg[free].sum() * plan.gravity_m_s2
+        self._free_weight_N = self._mass_kg[free].sum() * plan.gravity_m_per_s2
         first, second = forces.bodies
         self._pulls_on_free = 1.0 * np.isin(first, free) - np.isin(second, free)
         self._not_free = ~np.isin(carried.body, free)
@@ -73,10 +73,10 @@ class Books:
             supplied_J["motor"] = sum(shaft.motor_J for shaft in shafts)
             stored_J["shaft"] = sum(shaft.stored_J(now.poses) for shaft in shafts)
             lost_J["shaft_bearing"] = sum(shaft.lost_J for shaft in shafts)
-        speeded_m_s = (now.poses.velocity_m_s - self._start.velocity_m_s)[self._driven]
+        speeded_m_per_s = (now.poses.velocity_m_per_s - self._start.velocity_m_per_s)[self._driven]
         return Account(
-            self._mass_kg @ now.poses.velocity_m_s[:-1],
-            self._outside_N_s + self._mass_kg[self._driven] @ speeded_m_s,
+            self._mass_kg @ now.poses.velocity_m_per_s[:-1],
+            self._outside_N_s + self._mass_kg[self._driven] @ speeded_m_per_s,
             stored_J={
                 "kinetic": float(kinetic_J.sum()),
                 "bushing_elastic": self._forces.elastic_J(now),
@@ -99,15 +99,15 @@ class Books:
 
     def _kinetic_J(self, poses: Poses) -> Array:
         """(bodies,)"""
-        velocity_m_s, spin_rad_s = poses.velocity_m_s[:-1], poses.spin_rad_s[:-1]
-        body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_s)
+        velocity_m_per_s, spin_rad_per_s = poses.velocity_m_per_s[:-1], poses.spin_rad_per_s[:-1]
+        body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
         turning_J = np.sum(body_spin * turned(self._inertia_kg_m2, body_spin), axis=1) / 2
-        return np.asarray(self._mass_kg * (velocity_m_s**2).sum(axis=1) / 2 + turning_J)
+        return np.asarray(self._mass_kg * (velocity_m_per_s**2).sum(axis=1) / 2 + turning_J)
 
     def _gravitational_J(self, poses: Poses) -> Array:
         """(bodies,), zero as drawn."""
         risen_m = poses.center_m[:-1] - self._drawn_m
-        return np.asarray(-self._mass_kg * (risen_m @ self._plan.gravity_m_s2))
+        return np.asarray(-self._mass_kg * (risen_m @ self._plan.gravity_m_per_s2))
 
 
 class PushesOnDriven:
@@ -126,7 +126,7 @@ class PushesOnDriven:
         work_J = np.sum(mean_N[first] * (after.from_m - before.from_m)[first])
         work_J -= np.sum(mean_N[second] * (after.to_m - before.to_m)[second])
         couple_N_m = before.couple_N_m[self._body] + after.couple_N_m[self._body]
-        spins = before.poses.spin_rad_s[self._body] + after.poses.spin_rad_s[self._body]
+        spins = before.poses.spin_rad_per_s[self._body] + after.poses.spin_rad_per_s[self._body]
         self.work_J += float(work_J + step_s / 4 * (couple_N_m @ spins))
 
     def interval(self, force_N: Array, moved_m: Array) -> None:

@@ -42,12 +42,12 @@ class Driven:
         """Displacement of the centre of mass with Tait-Bryan angles, and their rates: (6,) each,
         as ``Poses.of`` reads them."""
         now = driving(self._drive, time_s)
-        position_m, velocity_m_s = now.carried((self._drawn_m - self._drive.center_m)[None])
+        position_m, velocity_m_per_s = now.carried((self._drawn_m - self._drive.center_m)[None])
         angles_rad = now.rotation.as_euler("XYZ")
         axes = turning(angles_rad[None])[1][0]
-        rates_rad_s = np.linalg.solve(axes, now.spin_rad_s)
+        rates_rad_per_s = np.linalg.solve(axes, now.spin_rad_per_s)
         place = np.concatenate([position_m[0] - self._drawn_m, angles_rad])
-        return place, np.concatenate([velocity_m_s[0], rates_rad_s])
+        return place, np.concatenate([velocity_m_per_s[0], rates_rad_per_s])
 
     def steer(self, data: Any, step_s: float, end_s: float) -> None:
         """Put the body, in Exudyn's system data, where the coming step starts for it."""

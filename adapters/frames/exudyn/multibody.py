@@ -58,7 +58,7 @@ def assembled(plan: FramesPlan, sag_m: Array) -> Multibody:
         ends = [marker(n, bushing.position_m, bushing.axes) for n in numbers]
         _add_bushing(system, bushing, ends, stretched_m)
     for body, center in zip(plan.bodies, centers, strict=True):
-        weight_N = body.mass_kg * plan.gravity_m_s2
+        weight_N = body.mass_kg * plan.gravity_m_per_s2
         system.AddLoad(items.LoadForceVector(markerNumber=center, loadVector=weight_N))
     excited = linear.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
     multibody = Multibody(
@@ -84,21 +84,16 @@ def _node(system: Any, body: Body) -> int:
 def _body(system: Any, node: int, body: Body) -> int:
     i = body.inertia_kg_m2
     inertia = [i[0, 0], i[1, 1], i[2, 2], i[1, 2], i[0, 2], i[0, 1]]
-    return int(
-        system.AddObject(items.ObjectRigidBody(nodeNumber=node, mass=body.mass_kg, inertia=inertia))
-    )
+    return int(system.AddObject(items.ObjectRigidBody(nodeNumber=node, mass=body.mass_kg, inertia=inertia)))
 
 
 def _add_bushing(system: Any, bushing: Bushing, markers: list[int], stretched_m: Array) -> None:
     stiffness, damping = np.zeros((2, 6, 6))
-    np.fill_diagonal(stiffness[:3, :3], bushing.stiffness_N_m)
-    np.fill_diagonal(damping[:3, :3], bushing.damping_N_s_m)
+    np.fill_diagonal(stiffness[:3, :3], bushing.stiffness_N_per_m)
+    np.fill_diagonal(damping[:3, :3], bushing.damping_N_s_per_m)
     system.AddObject(
         items.ObjectConnectorRigidBodySpringDamper(
-            markerNumbers=markers,
-            stiffness=stiffness,
-            damping=damping,
-            offset=[*-stretched_m, 0.0, 0.0, 0.0],
+            markerNumbers=markers, stiffness=stiffness, damping=damping, offset=[*-stretched_m, 0.0, 0.0, 0.0]
         )
     )
 

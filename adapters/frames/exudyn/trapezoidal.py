@@ -20,14 +20,14 @@ from orchestrator.ports.plans import FramesPlan
 
 @dataclass(frozen=True)
 class Instant:
-    """``stretch_m``, ``stretch_m_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3)
+    """``stretch_m``, ``stretch_m_per_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3)
     on the first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m``
     (bodies, 3) what a stretched bushing adds to its first body; ``exciter_N``, ``exciter_m``
     (exciters, 3) force and place."""
 
     poses: Poses
     stretch_m: Array
-    stretch_m_s: Array
+    stretch_m_per_s: Array
     pull_N: Array
     from_m: Array
     to_m: Array
@@ -43,15 +43,13 @@ class Forces:
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
-        first, second = (
-            linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
-        )
+        first, second = (linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1))
         self.bodies = first, second
         self._ends = Attached.at(place_m, first, drawn_m), Attached.at(place_m, second, drawn_m)
         self._axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
         self._sag_m = sag_m
-        self.stiffness_N_m = np.array([b.stiffness_N_m for b in plan.bushings]).reshape(-1, 3)
-        self.damping_N_s_m = np.array([b.damping_N_s_m for b in plan.bushings]).reshape(-1, 3)
+        self.stiffness_N_per_m = np.array([b.stiffness_N_per_m for b in plan.bushings]).reshape(-1, 3)
+        self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in plan.bushings]).reshape(-1, 3)
         self._onto_first = linear.onto_bodies(plan, first)
         self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
         excited = linear.numbers(plan, tuple(e.body for e in plan.exciters))
@@ -64,17 +62,17 @@ class Forces:
         return np.array([exciter.force_N(when)[0] for exciter in self._exciters]).reshape(-1, 3)
 
     def at(self, poses: Poses, exciter_N: Array) -> Instant:
-        (from_m, from_m_s), (to_m, to_m_s) = (end.motion(poses) for end in self._ends)
+        (from_m, from_m_per_s), (to_m, to_m_per_s) = (end.motion(poses) for end in self._ends)
         axes = self._axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
         stretch_m = turned(axes, to_m - from_m) + self._sag_m
-        stretch_m_s = turned(axes, to_m_s - from_m_s)
-        pull_N = self.stiffness_N_m * stretch_m + self.damping_N_s_m * stretch_m_s
+        stretch_m_per_s = turned(axes, to_m_per_s - from_m_per_s)
+        pull_N = self.stiffness_N_per_m * stretch_m + self.damping_N_s_per_m * stretch_m_per_s
         pull_N = turned(axes.transpose(0, 2, 1), pull_N)
         couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
             poses,
             stretch_m,
-            stretch_m_s,
+            stretch_m_per_s,
             pull_N,
             from_m,
             to_m,
@@ -84,9 +82,9 @@ class Forces:
         )
 
     def elastic_J(self, now: Instant) -> float:
-        return float(np.sum(self.stiffness_N_m * now.stretch_m**2)) / 2
+        return float(np.sum(self.stiffness_N_per_m * now.stretch_m**2)) / 2
 
     def lost_J(self, before: Instant, after: Instant) -> float:
-        mean_m_s = (before.stretch_m_s + after.stretch_m_s) / 2
+        mean_m_per_s = (before.stretch_m_per_s + after.stretch_m_per_s) / 2
         moved_m = after.stretch_m - before.stretch_m
-        return float(np.sum(self.damping_N_s_m * mean_m_s * moved_m))
+        return float(np.sum(self.damping_N_s_per_m * mean_m_per_s * moved_m))

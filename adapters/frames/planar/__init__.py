@@ -111,11 +111,7 @@ class PlanarFrames:
     def save(self) -> Saved:
         ratio = np.array(self._rounds.ratio)
         turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return taken(self, *_STATE) | {
-            "ratio": ratio,
-            "books": self._books.save(),
-            "shafts": turning,
-        }
+        return taken(self, *_STATE) | {"ratio": ratio, "books": self._books.save(), "shafts": turning}
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_STATE)
@@ -152,7 +148,7 @@ class PlanarFrames:
         x, v = self._freedoms()
         time_s = start_s + self._gauss.node_s
         coordinates = self._driven_at(time_s)
-        ahead = np.exp(1j * self._poses.spin_rad_s * self._gauss.node_s[:, None])
+        ahead = np.exp(1j * self._poses.spin_rad_per_s * self._gauss.node_s[:, None])
         expected = wrench(given, self._poses.turn * ahead)[:, self._free].reshape(len(time_s), -1)
         load = expected + self._onward @ self._added
         self._rounds.begin()
@@ -222,6 +218,6 @@ class PlanarFrames:
 
 
 def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
-    fastest_rad_s = max([machine.fastest_rad_s(), *linear.rates_rad_s(plan)])
-    limit_s = LARGEST_STEP / fastest_rad_s if fastest_rad_s > 0 else plan.sync_interval_s
+    fastest_rad_per_s = max([machine.fastest_rad_per_s(), *linear.rates_rad_per_s(plan)])
+    limit_s = LARGEST_STEP / fastest_rad_per_s if fastest_rad_per_s > 0 else plan.sync_interval_s
     return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s

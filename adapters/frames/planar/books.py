@@ -41,7 +41,7 @@ class Books:
         self._start = start
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2[1, 1] for body in plan.bodies])
-        self._gravity_m_s2 = in_plane(plan.gravity_m_s2)
+        self._gravity_m_per_s2 = in_plane(plan.gravity_m_per_s2)
         self._driven = linear.driven(plan)
         self._into_outside = np.ones((len(carrier), 3))
         self._into_outside[np.isin(carrier, linear.free(plan))] = [0.0, 1.0, 0.0]
@@ -76,8 +76,8 @@ class Books:
             supplied_J["motor"] = sum(shaft.motor_J for shaft in shafts)
             stored_J["shaft"] = sum(shaft.stored_J(now.rate[0]) for shaft in shafts)
             lost_J["shaft_bearing"] = sum(shaft.lost_J for shaft in shafts)
-        momentum = self._mass_kg * now.velocity_m_s[0]
-        gained = momentum - self._mass_kg * self._start.velocity_m_s[0]
+        momentum = self._mass_kg * now.velocity_m_per_s[0]
+        gained = momentum - self._mass_kg * self._start.velocity_m_per_s[0]
         return Account(
             in_space(momentum.sum()),
             self._outside_N_s + in_space(gained[self._driven].sum()),
@@ -99,9 +99,9 @@ class Books:
 
     def _kinetic_J(self, now: Poses) -> Array:
         """(bodies,)"""
-        moving = self._mass_kg * np.abs(now.velocity_m_s[0]) ** 2
-        return np.asarray(moving + self._inertia_kg_m2 * now.spin_rad_s[0] ** 2) / 2
+        moving = self._mass_kg * np.abs(now.velocity_m_per_s[0]) ** 2
+        return np.asarray(moving + self._inertia_kg_m2 * now.spin_rad_per_s[0] ** 2) / 2
 
     def _gravitational_J(self, now: Poses) -> Array:
         """(bodies,), zero as drawn."""
-        return -self._mass_kg * power(self._gravity_m_s2, now.moved_m[0])
+        return -self._mass_kg * power(self._gravity_m_per_s2, now.moved_m[0])

@@ -33,9 +33,9 @@ class PlanarDrive:
     def coordinates(self, time_s: Array) -> tuple[Array, Array]:
         """Displacement of the centre of mass up and along, and angle; and their rates: (times,
         3) each."""
-        shift_m, shift_m_s = (in_plane(one) for one in shifted(self._drive, time_s))
-        angle_rad, spin_rad_s = (one[:, 1] for one in turned(self._drive, time_s))
+        shift_m, shift_m_per_s = (in_plane(one) for one in shifted(self._drive, time_s))
+        angle_rad, spin_rad_per_s = (one[:, 1] for one in turned(self._drive, time_s))
         moved_m = shift_m + np.expm1(1j * angle_rad) * self._arm_m
-        velocity_m_s = shift_m_s + 1j * spin_rad_s * np.exp(1j * angle_rad) * self._arm_m
+        velocity_m_per_s = shift_m_per_s + 1j * spin_rad_per_s * np.exp(1j * angle_rad) * self._arm_m
         place = np.stack([moved_m.real, moved_m.imag, angle_rad], axis=1)
-        return place, np.stack([velocity_m_s.real, velocity_m_s.imag, spin_rad_s], axis=1)
+        return place, np.stack([velocity_m_per_s.real, velocity_m_per_s.imag, spin_rad_per_s], axis=1)

@@ -21,7 +21,7 @@ class Pulls:
     ``couple_N_m`` (times, bodies)."""
 
     stretch_m: Complex
-    stretch_m_s: Complex
+    stretch_m_per_s: Complex
     elongation_m: Complex
     drag_N: Complex
     pull_N: Complex
@@ -35,9 +35,7 @@ class Bushings:
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
         axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
-        first, second = (
-            linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
-        )
+        first, second = (linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1))
         self._stretching = carrying(second, place_m, drawn_m) - carrying(first, place_m, drawn_m)
         self._first = linear.onto_bodies(plan, first)
         self._on_ground = np.asarray(first < 0, dtype=np.float64)
@@ -45,7 +43,7 @@ class Bushings:
         self._preload_m = in_plane((back @ sag_m[:, :, None])[:, :, 0])
         stiffness, damping = (
             np.array([getattr(b, of) for b in plan.bushings]).reshape(-1, 3, 1)
-            for of in ("stiffness_N_m", "damping_N_s_m")
+            for of in ("stiffness_N_per_m", "damping_N_s_per_m")
         )
         self._stiffness = Symmetric.of(back @ (stiffness * axes))
         self._damping = Symmetric.of(back @ (damping * axes))
@@ -54,25 +52,25 @@ class Bushings:
         """The spring axes turn with the first body, which therefore gets the couple stretch x
         pull besides: no moment is lost between the ends."""
         turn = poses.turn @ self._first + self._on_ground
-        stretch_m, stretch_m_s = poses.place @ self._stretching, poses.rate @ self._stretching
+        stretch_m, stretch_m_per_s = poses.place @ self._stretching, poses.rate @ self._stretching
         back = turn.conj()
         elongation_m = back * stretch_m + self._preload_m
-        drag_N = turn * self._damping.times(back * stretch_m_s)
+        drag_N = turn * self._damping.times(back * stretch_m_per_s)
         pull_N = turn * self._stiffness.times(elongation_m) + drag_N
         force = -pull_N @ self._stretching.conj().T
         couple_N_m = (stretch_m.conj() * pull_N).imag @ self._first.T
-        return Pulls(stretch_m, stretch_m_s, elongation_m, drag_N, pull_N, force, couple_N_m)
+        return Pulls(stretch_m, stretch_m_per_s, elongation_m, drag_N, pull_N, force, couple_N_m)
 
     def lost_W(self, poses: Poses, pulls: Pulls) -> Array:
         """(times,): damping forces times the elongations' rates along the turning axes."""
-        turning_m_s = 1j * (poses.spin_rad_s @ self._first) * pulls.stretch_m
-        return np.asarray(power(pulls.drag_N, pulls.stretch_m_s - turning_m_s).sum(axis=1))
+        turning_m_per_s = 1j * (poses.spin_rad_per_s @ self._first) * pulls.stretch_m
+        return np.asarray(power(pulls.drag_N, pulls.stretch_m_per_s - turning_m_per_s).sum(axis=1))
 
     def work_W(self, poses: Poses, pulls: Pulls, body: int) -> Array:
         """(times,): what they do on one body."""
         both = [body, body + poses.turn.shape[1]]
         pushed_W = power(pulls.force[:, both], poses.rate[:, both]).sum(axis=1)
-        return np.asarray(pushed_W + pulls.couple_N_m[:, body] * poses.spin_rad_s[:, body])
+        return np.asarray(pushed_W + pulls.couple_N_m[:, body] * poses.spin_rad_per_s[:, body])
 
     def elastic_J(self, pulls: Pulls) -> float:
         """At one time."""
@@ -93,7 +91,7 @@ class Forces:
         place_m = np.array([e.position_m for e in exciters]).reshape(-1, 3)
         self._excited = carrying(excited, place_m, drawn_m)
         mass_kg = np.array([body.mass_kg for body in plan.bodies])
-        self._weight = np.concatenate([mass_kg * in_plane(plan.gravity_m_s2), 0 * mass_kg])
+        self._weight = np.concatenate([mass_kg * in_plane(plan.gravity_m_per_s2), 0 * mass_kg])
         self._onto_bodies = carried.conj().T
 
     def exciter_N(self, time_s: Array) -> Complex:

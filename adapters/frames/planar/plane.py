@@ -67,23 +67,23 @@ class Symmetric:
 @dataclass(frozen=True)
 class Poses:
     """Bodies at several times: natural coordinates ``place`` and their ``rate`` (times, 2
-    bodies), displacements first; ``turn`` = exp(i angle) and ``spin_rad_s`` (times, bodies)."""
+    bodies), displacements first; ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies)."""
 
     place: Complex
     rate: Complex
     turn: Complex
-    spin_rad_s: Array
+    spin_rad_per_s: Array
 
     @staticmethod
     def of(place: Array, rate: Array) -> Poses:
         """From (times, bodies, 3) each: displacement up and along, angle; and their rates."""
-        turned, spin_rad_s = np.expm1(1j * place[..., 2]), rate[..., 2]
+        turned, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
         turn = 1 + turned
         return Poses(
             np.concatenate([place[..., 0] + 1j * place[..., 1], turned], axis=1),
-            np.concatenate([rate[..., 0] + 1j * rate[..., 1], 1j * spin_rad_s * turn], axis=1),
+            np.concatenate([rate[..., 0] + 1j * rate[..., 1], 1j * spin_rad_per_s * turn], axis=1),
             turn,
-            spin_rad_s,
+            spin_rad_per_s,
         )
 
     @property
@@ -91,15 +91,15 @@ class Poses:
         """Of the centres of mass, (times, bodies)."""
         return self.place[:, : self.turn.shape[1]]
 
-    def acceleration(self, body_m_s2: Complex, spin_rad_s2: Array) -> Complex:
+    def acceleration(self, body_m_per_s2: Complex, spin_rad_per_s2: Array) -> Complex:
         """Of the natural coordinates, (times, 2 bodies), from that of the centres of mass and of
         the angles, (times, bodies) each."""
         return np.concatenate(
-            [body_m_s2, (1j * spin_rad_s2 - self.spin_rad_s**2) * self.turn], axis=1
+            [body_m_per_s2, (1j * spin_rad_per_s2 - self.spin_rad_per_s**2) * self.turn], axis=1
         )
 
     @property
-    def velocity_m_s(self) -> Complex:
+    def velocity_m_per_s(self) -> Complex:
         return self.rate[:, : self.turn.shape[1]]
 
 

@@ -15,21 +15,21 @@ import numpy as np
 
 from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Gauss
-from adapters.frames.common.motor import synchronous_rad_s, torque_N_m
+from adapters.frames.common.motor import synchronous_rad_per_s, torque_N_m
 from adapters.frames.planar.plane import Complex, carrying, in_plane, power
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.plans import Exciter, FramesPlan, Motor
 from orchestrator.ports.state import put_back, taken
 
-_STATE = ("angle_rad", "speed_rad_s", "_felt_m_s2", "_growth_rad_s2", "motor_J", "lost_J")
+_STATE = ("angle_rad", "speed_rad_per_s", "_felt_m_per_s2", "_growth_rad_per_s2", "motor_J", "lost_J")
 
 
 @dataclass(frozen=True)
 class Turning:
     """At the nodes of a step, (nodes,) each."""
 
-    speed_rad_s: Array
-    growth_rad_s2: Array
+    speed_rad_per_s: Array
+    growth_rad_per_s2: Array
     torque_N_m: Array
 
 
@@ -40,68 +40,64 @@ def shafts(plan: FramesPlan, drawn_m: Array) -> list[Shaft]:
         if exciter.motor is not None:
             body = linear.numbers(plan, (exciter.body,))
             at = carrying(body, exciter.position_m[None], drawn_m)[:, 0]
-            found.append(Shaft(exciter, exciter.motor, at, plan.gravity_m_s2))
+            found.append(Shaft(exciter, exciter.motor, at, plan.gravity_m_per_s2))
     return found
 
 
 class Shaft:
-    """``angle_rad``, ``speed_rad_s`` at the last step's end; ``motor_J``, ``lost_J`` since t = 0.
+    """``angle_rad``, ``speed_rad_per_s`` at the last step's end; ``motor_J``, ``lost_J`` since t = 0.
 
     ``at`` (2 bodies,): its place's displacement per natural coordinate.  In each round of the
     frames' iteration, ``force`` and then ``feel``; ``end`` when the step is accepted.
     """
 
-    def __init__(self, exciter: Exciter, motor: Motor, at: Complex, gravity_m_s2: Array) -> None:
+    def __init__(self, exciter: Exciter, motor: Motor, at: Complex, gravity_m_per_s2: Array) -> None:
         if abs(exciter.axis[1]) < 1 - 1e-12:
             raise ValueError("a motor's shaft must lie across, along y, where frames are planar")
         self._exciter, self._motor = exciter, motor
         self._sense, self._start = np.sign(exciter.axis[1]), complex(in_plane(exciter.start))
-        self._gravity_m_s2 = complex(in_plane(gravity_m_s2))
-        self.angle_rad, self.speed_rad_s = exciter.phase_rad, 0.0
+        self._gravity_m_per_s2 = complex(in_plane(gravity_m_per_s2))
+        self.angle_rad, self.speed_rad_per_s = exciter.phase_rad, 0.0
         self._at = at
-        self._felt_m_s2 = np.zeros(STAGES, dtype=np.complex128)
-        self._growth_rad_s2 = np.zeros(STAGES)
+        self._felt_m_per_s2 = np.zeros(STAGES, dtype=np.complex128)
+        self._growth_rad_per_s2 = np.zeros(STAGES)
         self.motor_J = self.lost_J = 0.0
 
     def force(self, gauss: Gauss, start_s: float) -> Complex:
         """On the natural coordinates, (nodes, 2 bodies)."""
         time_s = start_s + gauss.node_s
-        speed = self.speed_rad_s + gauss.integral_s @ self._growth_rad_s2
+        speed = self.speed_rad_per_s + gauss.integral_s @ self._growth_rad_per_s2
         radial = self._radial(self.angle_rad + gauss.integral_s @ speed)
-        torque = torque_N_m(
-            self._motor, synchronous_rad_s(self._exciter, self._motor, time_s) - speed
-        )
+        torque = torque_N_m(self._motor, synchronous_rad_per_s(self._exciter, self._motor, time_s) - speed)
         torque *= time_s >= self._exciter.start_s
         size, motor = self._exciter.mass_moment_kg_m, self._motor
-        swung = power(1j * self._sense * radial, self._felt_m_s2 - self._gravity_m_s2)
+        swung = power(1j * self._sense * radial, self._felt_m_per_s2 - self._gravity_m_per_s2)
         growth = (torque - motor.bearing_N_m_s * speed - size * swung) / motor.inertia_kg_m2
         growth *= time_s >= self._exciter.start_s  # until then a brake holds it
-        self._growth_rad_s2, self._turning = growth, Turning(speed, growth, torque)
+        self._growth_rad_per_s2, self._turning = growth, Turning(speed, growth, torque)
         force_N = size * (speed**2 - 1j * self._sense * growth) * radial
         return np.outer(force_N, self._at.conj())
 
     def feel(self, acceleration: Complex) -> None:
         """Of the natural coordinates, (nodes, 2 bodies)."""
-        self._felt_m_s2 = acceleration @ self._at
+        self._felt_m_per_s2 = acceleration @ self._at
 
     def end(self, gauss: Gauss) -> None:
         """Accept the step."""
         weight_s, turning = gauss.weight_s, self._turning
-        self.angle_rad += float(weight_s @ turning.speed_rad_s)
-        self.speed_rad_s += float(weight_s @ turning.growth_rad_s2)
-        self.motor_J += float(weight_s @ (turning.torque_N_m * turning.speed_rad_s))
-        self.lost_J += self._motor.bearing_N_m_s * float(weight_s @ turning.speed_rad_s**2)
+        self.angle_rad += float(weight_s @ turning.speed_rad_per_s)
+        self.speed_rad_per_s += float(weight_s @ turning.growth_rad_per_s2)
+        self.motor_J += float(weight_s @ (turning.torque_N_m * turning.speed_rad_per_s))
+        self.lost_J += self._motor.bearing_N_m_s * float(weight_s @ turning.speed_rad_per_s**2)
 
     def stored_J(self, rate: Complex) -> float:
         """Its own and the unbalance's, beyond what the unbalance's mass has as part of its body,
         with the natural coordinates at this rate (2 bodies,); zero at rest at t = 0."""
-        velocity_m_s = complex(rate @ self._at)
-        radial, first = (
-            complex(self._radial(a)) for a in (self.angle_rad, self._exciter.phase_rad)
-        )
-        moved = (1j * self._sense * radial * self.speed_rad_s).conjugate() * velocity_m_s
-        risen = (radial - first).conjugate() * self._gravity_m_s2
-        own_J = self._motor.inertia_kg_m2 * self.speed_rad_s**2 / 2
+        velocity_m_per_s = complex(rate @ self._at)
+        radial, first = (complex(self._radial(a)) for a in (self.angle_rad, self._exciter.phase_rad))
+        moved = (1j * self._sense * radial * self.speed_rad_per_s).conjugate() * velocity_m_per_s
+        risen = (radial - first).conjugate() * self._gravity_m_per_s2
+        own_J = self._motor.inertia_kg_m2 * self.speed_rad_per_s**2 / 2
         return float(own_J + self._exciter.mass_moment_kg_m * (moved - risen).real)
 
     def save(self) -> Saved:

@@ -36,10 +36,10 @@ def interpolation(rows_m: Array, width_m: float, coordinates_m: Array) -> csr_ar
     return csr_array((shapes.ravel(), points.ravel(), starts), shape=(len(s), 2 * len(rows_m)))
 
 
-def half_row_mass_kg(rows_m: Array, mass_per_length_kg_m: float | Array) -> Array:
+def half_row_mass_kg(rows_m: Array, mass_per_length_kg_per_m: float | Array) -> Array:
     """Lumped mass (points,): each cell gives equal parts to its four corners.  The mass per
     length is one number or one of each cell."""
-    cell = mass_per_length_kg_m * np.diff(rows_m)
+    cell = mass_per_length_kg_per_m * np.diff(rows_m)
     row = np.zeros(len(rows_m))
     row[:-1] += cell / 2
     row[1:] += cell / 2

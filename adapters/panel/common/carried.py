@@ -9,17 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.ports import (
-    Account,
-    Array,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    PanelState,
-    Saved,
-    counted,
-)
+from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import put_back, taken
 

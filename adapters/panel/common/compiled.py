@@ -149,9 +149,7 @@ def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
         elif waited_s > SAID_AFTER_S and not said:
             said = True
             print(
-                f"waiting for {holder}: it compiles a panel's form ({lock.name})",
-                file=sys.stderr,
-                flush=True,
+                f"waiting for {holder}: it compiles a panel's form ({lock.name})", file=sys.stderr, flush=True
             )
         time.sleep(0.05)
     return False

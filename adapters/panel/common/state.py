@@ -19,7 +19,7 @@ class State:
     """
 
     position_m: Array
-    velocity_m_s: Array
+    velocity_m_per_s: Array
     internal_N: Array
     filtered_N: Array = field(init=False)
 
@@ -28,7 +28,7 @@ class State:
 
     def moved(self) -> list[Array]:
         """What an explicit step changes, in the order of the fields."""
-        return [self.position_m, self.velocity_m_s, self.internal_N]
+        return [self.position_m, self.velocity_m_per_s, self.internal_N]
 
     def save(self) -> Saved:
         return taken(self, *vars(self))

@@ -30,13 +30,11 @@ PENALTY = 4.0
 Moment = Callable[[Any], Any]  # of a curvature, both 2 x 2 and symmetric
 
 
-def plate(stiffness_N_m: float, poisson_ratio: float) -> Moment:
-    """An isotropic plate of stiffness D = ``stiffness_N_m`` (in N m)."""
+def plate(stiffness_N_per_m: float, poisson_ratio: float) -> Moment:
+    """An isotropic plate of stiffness D = ``stiffness_N_per_m`` (in N m)."""
 
     def moment(k: Any) -> Any:
-        return stiffness_N_m * (
-            (1 - poisson_ratio) * k + poisson_ratio * ufl.tr(k) * ufl.Identity(2)
-        )
+        return stiffness_N_per_m * ((1 - poisson_ratio) * k + poisson_ratio * ufl.tr(k) * ufl.Identity(2))
 
     return moment
 
@@ -61,10 +59,10 @@ def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
 
     across = ufl.dot(ufl.transpose(ufl.Jacobian(mesh)), normal)
     cell_m = ufl.sqrt(ufl.dot(across, across))
-    stiff_N_m = ufl.dot(normal, ufl.dot(law(ufl.outer(normal, normal)), normal))
+    stiff_N_per_m = ufl.dot(normal, ufl.dot(law(ufl.outer(normal, normal)), normal))
     cells = ufl.inner(law(curvature(trial)), curvature(test))
     facets = (
-        PENALTY * ufl.avg(stiff_N_m / cell_m) * slope_jump(trial) * slope_jump(test)
+        PENALTY * ufl.avg(stiff_N_per_m / cell_m) * slope_jump(trial) * slope_jump(test)
         - mean_moment(trial) * slope_jump(test)
         - mean_moment(test) * slope_jump(trial)
     )
@@ -86,9 +84,7 @@ class Product:
 
     def __init__(self, matrix: csr_matrix) -> None:
         self._right = np.zeros((matrix.shape[1], 3), order="F")
-        self._dense = PETSc.Mat().createDense(
-            self._right.shape, array=self._right, comm=PETSc.COMM_SELF
-        )
+        self._dense = PETSc.Mat().createDense(self._right.shape, array=self._right, comm=PETSc.COMM_SELF)
         self._sparse = PETSc.Mat().createAIJ(
             matrix.shape, csr=(matrix.indptr, matrix.indices, matrix.data), comm=PETSc.COMM_SELF
         )
@@ -115,9 +111,7 @@ class Bending:
     good while rotations within a relaxation time are small.
     """
 
-    def __init__(
-        self, matrix: csr_matrix, flat_m: Array, branches: tuple[tuple[float, float], ...]
-    ) -> None:
+    def __init__(self, matrix: csr_matrix, flat_m: Array, branches: tuple[tuple[float, float], ...]) -> None:
         self.matrix = matrix
         self._multiply = Product(matrix)
         self.flat_m = flat_m
@@ -143,8 +137,7 @@ class Bending:
     def end_step(self, position_m: Array) -> None:
         """Accept ``position_m``, for which ``add_force`` was called last."""
         self.branches.end(
-            (position_m - self._position_m).reshape(-1),
-            (self._trial_N - self._elastic_N).reshape(-1),
+            (position_m - self._position_m).reshape(-1), (self._trial_N - self._elastic_N).reshape(-1)
         )
         self._position_m[:] = position_m
         self._elastic_N[:] = self._trial_N

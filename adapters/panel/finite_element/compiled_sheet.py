@@ -43,9 +43,7 @@ class CompiledSheet:
     ``state`` and ``memory`` are all that changes; the compiled code works on these very arrays.
     """
 
-    def __init__(
-        self, plan: PanelPlan, structure: Structure, surface: Surface[Grid], step_s: float
-    ) -> None:
+    def __init__(self, plan: PanelPlan, structure: Structure, surface: Surface[Grid], step_s: float) -> None:
         nodes, bending = surface.nodes, structure.bending
         assert bending is not None  # every sheet bends
         branches = plan.material.branches
@@ -77,9 +75,9 @@ class CompiledSheet:
         path, impulse_N_s = action.held, np.zeros((len(self.held), 3))
         work_J = self._kernel.advance(
             path.start.position_m,
-            path.start.velocity_m_s,
+            path.start.velocity_m_per_s,
             path.end.position_m,
-            path.end.velocity_m_s,
+            path.end.velocity_m_per_s,
             action.outside_N,
             path.length_s,
             interval.steps(self._step_s),
@@ -142,18 +140,18 @@ def _cells(plan: PanelPlan, structure: Structure, grid: Grid) -> dict[str, Any]:
     solid, rest = np.ones(count), np.empty((0, 6))
     holes = openings(plan, flat)
     if holes:
-        stiffness_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m
+        stiffness_N_per_m = plan.material.youngs_modulus_Pa * plan.thickness_m
         cells = _cell_numbers(grid, holes.share.function_space.tabulate_dof_coordinates())
         share = holes.share.x.array[cells]
-        factor, stiffer = holes.split(stiffness_N_m)
+        factor, stiffer = holes.split(stiffness_N_per_m)
         solid = 1.0 - (1.0 - factor) * share
         rest = np.outer(share, stiffer[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]])
-        strain = holes.strain_entries(stiffness_N_m)[cells]
+        strain = holes.strain_entries(stiffness_N_per_m)[cells]
     return {
         "along_m": np.diff(grid.s_m),
         "across_m": np.diff(grid.y_m),
-        "c10_N_m": plan.material.c10_Pa * plan.thickness_m,
-        "c01_N_m": plan.material.c01_Pa * plan.thickness_m,
+        "c10_N_per_m": plan.material.c10_Pa * plan.thickness_m,
+        "c01_N_per_m": plan.material.c01_Pa * plan.thickness_m,
         "solid": solid,
         "rest": rest,
         "strain": strain,

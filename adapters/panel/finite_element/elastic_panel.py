@@ -74,7 +74,7 @@ class ElasticPanel:
         self._integrator = integrator
         self._grid = grid
         self._surface = surface
-        self._weight_N = body.mass_kg[:, None] * plan.gravity_m_s2
+        self._weight_N = body.mass_kg[:, None] * plan.gravity_m_per_s2
         self._held_kg = body.mass_kg[body.held, None]
         self._all_weight_N = self._weight_N.sum(axis=0)
         self._state = state
@@ -104,7 +104,7 @@ class ElasticPanel:
         counted(f"panel {self._plan.name}: load", load, len(self._initial.surface))
         outside = self._weight_N.copy()
         outside[self._surface] += load.force_N
-        started_m, started_m_s = state.position_m.copy(), state.velocity_m_s.take(held, axis=0)
+        started_m, started_m_per_s = (state.position_m.copy(), state.velocity_m_per_s.take(held, axis=0))
         action = Action(Path(self._clamps, clamps, interval.length_s), outside)
         on_held = self._integrator.advance(state, action, interval)
         self._check(interval)
@@ -112,10 +112,10 @@ class ElasticPanel:
         moved = state.position_m - started_m
         self._impulse_N_s += interval.length_s * self._all_weight_N
         self._load_J += float(np.vdot(load.force_N, moved[self._surface]))
-        ended_m_s, on_clamps_N = state.velocity_m_s.take(held, axis=0), outside.take(held, axis=0)
-        gained_N_s = self._held_kg * (ended_m_s - started_m_s)
+        ended_m_per_s, on_clamps_N = (state.velocity_m_per_s.take(held, axis=0), outside.take(held, axis=0))
+        gained_N_s = self._held_kg * (ended_m_per_s - started_m_per_s)
         self._clamps_J += (
-            0.5 * float(np.vdot(gained_N_s, ended_m_s + started_m_s))
+            0.5 * float(np.vdot(gained_N_s, ended_m_per_s + started_m_per_s))
             + on_held.work_J
             - float(np.vdot(on_clamps_N, moved.take(held, axis=0)))
         )
@@ -130,11 +130,11 @@ class ElasticPanel:
     def account(self) -> Account:
         state, mass = self._state, self._body.mass_kg[:, None]
         stored = self._body.stored_J() | {
-            "kinetic": 0.5 * float((mass * state.velocity_m_s**2).sum()),
+            "kinetic": 0.5 * float((mass * state.velocity_m_per_s**2).sum()),
             "gravitational": -float(np.vdot(self._weight_N, state.position_m)),
         }
         return Account(
-            momentum_kg_m_s=(mass * state.velocity_m_s).sum(axis=0),
+            momentum_kg_m_per_s=(mass * state.velocity_m_per_s).sum(axis=0),
             outside_impulse_N_s=self._impulse_N_s.copy(),
             stored_J=stored,
             lost_J={"panel_damping": self._body.lost_J()},
@@ -158,18 +158,18 @@ class ElasticPanel:
     def _surface_motion(self) -> Motion:
         state = self._state
         return Motion(
-            np.array(state.position_m[self._surface]), np.array(state.velocity_m_s[self._surface])
+            np.array(state.position_m[self._surface]), np.array(state.velocity_m_per_s[self._surface])
         )
 
     def _check(self, interval: Interval) -> None:
         """Free nodes do not outrun elastic waves in the material unless the solution blew up."""
         material = self._plan.material
-        limit_m_s = (material.youngs_modulus_Pa / material.density_kg_m3) ** 0.5
-        fastest_m_s = np.abs(self._state.velocity_m_s).max()
-        if not fastest_m_s < limit_m_s:
+        limit_m_per_s = (material.youngs_modulus_Pa / material.density_kg_per_m3) ** 0.5
+        fastest_m_per_s = np.abs(self._state.velocity_m_per_s).max()
+        if not fastest_m_per_s < limit_m_per_s:
             raise SolverFailed(
                 f"panel {self._plan.name}, t = {interval.end_s} s: unstable, a node moves at "
-                f"{fastest_m_s:.3g} m/s (elastic waves: {limit_m_s:.3g} m/s); take a smaller step"
+                f"{fastest_m_per_s:.3g} m/s (elastic waves: {limit_m_per_s:.3g} m/s); take a smaller step"
             )
 
 

@@ -27,7 +27,7 @@ class Explicit:
         body, held = self._structure, self._structure.held
         steps = interval.steps(self._largest_step_s)
         step_s = interval.length_s / steps
-        x, v = state.position_m, state.velocity_m_s
+        x, v = state.position_m, state.velocity_m_per_s
         kick = (0.5 * step_s) * body.mobility_1_kg
         on_held = HeldForce.none(len(held))
         for step in range(1, steps + 1):
@@ -40,7 +40,7 @@ class Explicit:
             state.internal_N = body.force_N(x)
             body.end_step()
             v += kick * (action.outside_N - state.internal_N)
-            v[held] = action.held.velocity_m_s(fraction)
+            v[held] = action.held.velocity_m_per_s(fraction)
             on_held.add(step_s, 0.5 * (before_N + state.internal_N[held]), x[held] - before_m)
         return on_held
 

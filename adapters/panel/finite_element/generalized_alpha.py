@@ -42,9 +42,7 @@ class NotConverged(Exception):
 class GeneralizedAlpha:
     """Whole steps of at most ``largest_step_s`` that fill each sync interval."""
 
-    def __init__(
-        self, structure: Structure, tangent: Tangent, largest_step_s: float, name: str
-    ) -> None:
+    def __init__(self, structure: Structure, tangent: Tangent, largest_step_s: float, name: str) -> None:
         self._structure = structure
         self._tangent = tangent
         self._largest_step_s = largest_step_s
@@ -82,13 +80,7 @@ class GeneralizedAlpha:
         self._tangent.close()
 
     def _cover(
-        self,
-        state: State,
-        action: Action,
-        start: float,
-        end: float,
-        on_held: HeldForce,
-        halvings: int,
+        self, state: State, action: Action, start: float, end: float, on_held: HeldForce, halvings: int
     ) -> None:
         """One step from fraction ``start`` to ``end`` of the interval; where it does not converge
         two of half the length, each of which may be halved ``halvings - 1`` times."""
@@ -101,34 +93,30 @@ class GeneralizedAlpha:
             self._cover(state, action, start, middle, on_held, halvings - 1)
             self._cover(state, action, middle, end, on_held, halvings - 1)
 
-    def _step(
-        self, state: State, action: Action, start: float, end: float, on_held: HeldForce
-    ) -> None:
+    def _step(self, state: State, action: Action, start: float, end: float, on_held: HeldForce) -> None:
         body, held = self._structure, self._structure.held
         outside_N, step_s = action.outside_N, (end - start) * action.held.length_s
         before = body.mobility_1_kg * (outside_N - state.filtered_N)  # acceleration
-        trial = state.position_m + step_s * state.velocity_m_s + 0.5 * step_s**2 * before
+        trial = state.position_m + step_s * state.velocity_m_per_s + 0.5 * step_s**2 * before
         trial[held] = action.held.position_m(end)
         body.begin_step(step_s)
         internal = self._solve(state, outside_N, before, trial, step_s)
         body.end_step()
-        filtered = (
-            (1 - ALPHA_F) * internal + ALPHA_F * state.internal_N - ALPHA_M * state.filtered_N
-        ) / (1 - ALPHA_M)
+        filtered = ((1 - ALPHA_F) * internal + ALPHA_F * state.internal_N - ALPHA_M * state.filtered_N) / (
+            1 - ALPHA_M
+        )
         after = body.mobility_1_kg * (outside_N - filtered)
         mean_N = (1 - GAMMA) * state.filtered_N[held] + GAMMA * filtered[held]
         on_held.add(step_s, mean_N, trial[held] - state.position_m[held])
-        state.velocity_m_s += step_s * ((1 - GAMMA) * before + GAMMA * after)
-        state.velocity_m_s[held] = action.held.velocity_m_s(end)
+        state.velocity_m_per_s += step_s * ((1 - GAMMA) * before + GAMMA * after)
+        state.velocity_m_per_s[held] = action.held.velocity_m_per_s(end)
         state.position_m[:] = trial
         state.internal_N, state.filtered_N = internal, filtered
 
-    def _solve(
-        self, state: State, outside_N: Array, before: Array, trial: Array, step_s: float
-    ) -> Array:
+    def _solve(self, state: State, outside_N: Array, before: Array, trial: Array, step_s: float) -> Array:
         """Newton's iteration on ``trial`` (changed in place); the internal force at its end."""
         body, free, mass = self._structure, self._structure.free, self._mass_kg
-        drift = state.position_m + step_s * state.velocity_m_s
+        drift = state.position_m + step_s * state.velocity_m_per_s
         drift += (0.5 - BETA) * step_s**2 * before
         known = outside_N - ALPHA_F * state.internal_N - ALPHA_M * mass * before
         inertia = (1 - ALPHA_M) / (BETA * step_s**2)

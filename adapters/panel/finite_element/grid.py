@@ -39,8 +39,7 @@ def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices
     if outside.any() or not np.isfinite(value_m).all():
         worst = value_m[outside | ~np.isfinite(value_m)][0]
         raise ValueError(
-            f"material coordinate {worst} m lies outside the panel's "
-            f"{breaks_m[0]} ... {breaks_m[-1]} m"
+            f"material coordinate {worst} m lies outside the panel's {breaks_m[0]} ... {breaks_m[-1]} m"
         )
     cell = np.clip(np.searchsorted(breaks_m, value_m, side="right") - 1, 0, len(breaks_m) - 2)
     t = (value_m - breaks_m[cell]) / (breaks_m[cell + 1] - breaks_m[cell])

@@ -39,9 +39,7 @@ def _limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
     if plan.integrator == "implicit":
         return COARSEST_STEP_S, USUAL_STEP_S
     if plan.integrator != "explicit":
-        raise ValueError(
-            f"panel {plan.name}: integrator {plan.integrator!r}: take 'explicit' or 'implicit'"
-        )
+        raise ValueError(f"panel {plan.name}: integrator {plan.integrator!r}: take 'explicit' or 'implicit'")
     stiffening = 1.0 + sum(ratio for ratio, _ in plan.material.branches)
-    critical_s = 2.0 / (tangent.highest_frequency_rad_s() * stiffening**0.5)
+    critical_s = 2.0 / (tangent.highest_frequency_rad_per_s() * stiffening**0.5)
     return STABLE_SHARE * critical_s, USUAL_SHARE * critical_s

@@ -41,20 +41,14 @@ class ViscousStrain:
         mesh = law.position.function_space.mesh
         cell = mesh.ufl_cell()
         size = law.strain.ufl_shape[0]
-        points = ufl.VectorElement(
-            "Quadrature", cell, degree=law.degree, quad_scheme="default", dim=size
-        )
-        self._measure = ufl.dx(
-            metadata={"quadrature_degree": law.degree, "quadrature_rule": "default"}
-        )
+        points = ufl.VectorElement("Quadrature", cell, degree=law.degree, quad_scheme="default", dim=size)
+        self._measure = ufl.dx(metadata={"quadrature_degree": law.degree, "quadrature_rule": "default"})
         self._strain = law.strain
         self._history = fem.Function(function_space(mesh, points))
         self._share = fem.Constant(mesh, 0.0)
         reference, weights = make_quadrature(string_to_type(cell.cellname()), law.degree)
         self._evaluate = expression(law.strain, reference)
-        self._cells = np.arange(
-            mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32
-        )
+        self._cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
         volume = expression(abs(ufl.JacobianDeterminant(mesh)), reference).eval(self._cells)
         self._weight = np.repeat((volume * weights).reshape(-1), size)
         self._now = np.zeros((len(self._cells), len(weights) * size))

@@ -69,6 +69,6 @@ def _at_rest(structure: Structure, resting_m: Array) -> State:
 
 def _resting_m(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Array:
     """Positions (nodes, 3) at rest, left in the structure's field."""
-    start_m = first_guess_m(plan.rectangle, plan.gravity_m_s2, structure.material_m)
-    weight_N = structure.mass_kg[:, None] * plan.gravity_m_s2
+    start_m = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
+    weight_N = structure.mass_kg[:, None] * plan.gravity_m_per_s2
     return settle(structure, tangent, start_m, weight_N, plan.name)

@@ -28,7 +28,7 @@ ITERATIONS = 400
 STEEPEST_RAD = 2.0
 
 
-def first_guess_m(rectangle: Rectangle, gravity_m_s2: Array, material_m: Array) -> Array:
+def first_guess_m(rectangle: Rectangle, gravity_m_per_s2: Array, material_m: Array) -> Array:
     """World positions (n, 3) of material points (n, 3): s, y, and height over the mid-surface.
 
     A taut panel is straight between its clamps.  A slack one is unstretched with the slope angle
@@ -38,7 +38,7 @@ def first_guess_m(rectangle: Rectangle, gravity_m_s2: Array, material_m: Array) 
     straight = rectangle.mounted(material_m[:, :2]) + np.outer(height, rectangle.normal)
     if rectangle.span_m >= rectangle.length_m:
         return np.asarray(straight)
-    side = 1.0 if gravity_m_s2 @ rectangle.normal > 0.0 else -1.0
+    side = 1.0 if gravity_m_per_s2 @ rectangle.normal > 0.0 else -1.0
     fine = np.linspace(0.0, rectangle.length_m, 4001)
     angle = side * _angle_rad(rectangle.length_m, rectangle.span_m, fine)
     turn = np.interp(s, fine, angle)
@@ -67,9 +67,7 @@ def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:
     return angle
 
 
-def settle(
-    structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array, name: str
-) -> Array:
+def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array, name: str) -> Array:
     """Positions (nodes, 3) at which ``weight_N`` and the internal force balance, from
     ``start_m``; SolverFailed with ``name`` if they cannot be found.
 

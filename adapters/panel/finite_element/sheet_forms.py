@@ -44,9 +44,7 @@ def flat_mesh(grid: Grid) -> Any:
 def _membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
     """Energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
     trace, det = ufl.tr(C), ufl.det(C)
-    return thickness_m * (
-        material.c10_Pa * (trace + 1 / det - 3) + material.c01_Pa * (det + trace / det - 3)
-    )
+    return thickness_m * (material.c10_Pa * (trace + 1 / det - 3) + material.c01_Pa * (det + trace / det - 3))
 
 
 def strain_entries(material: Hyperelastic, thickness_m: float) -> tuple[float, ...]:
@@ -81,12 +79,12 @@ def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
     material_m = space.tabulate_dof_coordinates()
     nodes = grid.numbers_of(material_m)
     held = nodes[~np.isnan(plan.rectangle.end(grid.nodes_m()))]
-    areal_mass_kg_m2 = plan.material.density_kg_m3 * plan.thickness_m
+    areal_mass_kg_per_m2 = plan.material.density_kg_per_m3 * plan.thickness_m
     if holes:
-        areal_mass_kg_m2 = holes.areal_mass_kg_m2(areal_mass_kg_m2)
+        areal_mass_kg_per_m2 = holes.areal_mass_kg_per_m2(areal_mass_kg_per_m2)
     membrane = law(plan, fem.Function(space), holes)
     bent = bending(plan, scalars, material_m, holes)
-    return Structure(membrane, areal_mass_kg_m2, held, bent), Surface(grid, nodes)
+    return Structure(membrane, areal_mass_kg_per_m2, held, bent), Surface(grid, nodes)
 
 
 def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
@@ -106,9 +104,9 @@ def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
     energy = _membrane_energy(plan.material, plan.thickness_m, C)
     entries: Any = strain_entries(plan.material, plan.thickness_m)
     if holes:
-        stiffness_N_m = plan.material.youngs_modulus_Pa * plan.thickness_m
-        energy = holes.membrane_energy(energy, stiffness_N_m, C)
-        entries = holes.strain_field(stiffness_N_m)
+        stiffness_N_per_m = plan.material.youngs_modulus_Pa * plan.thickness_m
+        energy = holes.membrane_energy(energy, stiffness_N_per_m, C)
+        entries = holes.strain_field(stiffness_N_per_m)
     return Law(
         position,
         {"membrane": energy * measure},
@@ -118,9 +116,7 @@ def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
     )
 
 
-def bending(
-    plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None
-) -> Bending:
+def bending(plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None) -> Bending:
     """Plate bending stiffness  E t^3 / (12 (1 - nu^2))  where there are no openings."""
     rectangle, material = plan.rectangle, plan.material
     beam_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / 12

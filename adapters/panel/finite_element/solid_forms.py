@@ -51,9 +51,7 @@ def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGR
     C, J = ufl.transpose(gradient) * gradient, ufl.det(gradient)
     first = ufl.tr(C)
     second = 0.5 * (first**2 - ufl.inner(C, C))
-    isochoric = material.c10_Pa * (J ** (-2 / 3) * first - 3) + material.c01_Pa * (
-        J ** (-4 / 3) * second - 3
-    )
+    isochoric = material.c10_Pa * (J ** (-2 / 3) * first - 3) + material.c01_Pa * (J ** (-4 / 3) * second - 3)
     volumetric = 0.5 * material.bulk_modulus_Pa * (J - 1) ** 2
     energy = {
         "isochoric": isochoric * ufl.dx(metadata={"quadrature_degree": ISOCHORIC_DEGREE}),
@@ -99,5 +97,5 @@ def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
     material_m = space.tabulate_dof_coordinates()
     middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
     held = held_nodes(plan, material_m, middle)
-    structure = Structure(law(plan, fem.Function(space)), plan.material.density_kg_m3, held)
+    structure = Structure(law(plan, fem.Function(space)), plan.material.density_kg_per_m3, held)
     return structure, Surface(grid, middle[grid.numbers_of(material_m[middle])])

@@ -49,12 +49,12 @@ def size(plan: PanelPlan) -> MeshSize:
     """What ``solid_grid`` makes of the plan.  ValueError as there."""
     grid = solid_grid(plan)
     nodes = LAYERS * len(grid.nodes_m())
-    areal_kg_m2 = plan.material.density_kg_m3 * plan.thickness_m
+    areal_kg_per_m2 = plan.material.density_kg_per_m3 * plan.thickness_m
     return MeshSize(
         cells=int((grid.hole_of_cell() < 0).sum()),
         nodes=nodes,
         memory_GiB=GIB_PER_NODE * nodes,
-        lightest_kg=MIDDLE_LAYER * areal_kg_m2 * float(grid.node_areas_m2().min()),
+        lightest_kg=MIDDLE_LAYER * areal_kg_per_m2 * float(grid.node_areas_m2().min()),
     )
 
 

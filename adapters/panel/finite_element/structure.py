@@ -58,9 +58,7 @@ class Structure:
         self.mobility_1_kg[self.free, 0] = 1.0 / self.mass_kg[self.free]
         self.material = Material(law)
         self.bending = bending
-        self._memories: list[Memory] = [
-            part for part in (self.material.viscous, bending) if part is not None
-        ]
+        self._memories: list[Memory] = [part for part in (self.material.viscous, bending) if part is not None]
         self._position_m = law.position.x.array.reshape(-1, 3)  # a view into the field
 
     def rest(self, position_m: Array) -> None:

@@ -95,7 +95,7 @@ class Tangent:
         moved: Array = self._left.array.reshape(-1, 3).copy()
         return moved
 
-    def highest_frequency_rad_s(self) -> float:
+    def highest_frequency_rad_per_s(self) -> float:
         """The highest angular frequency of small free vibrations about the present positions
         (Lanczos iteration on the stiffness scaled with the diagonal mass)."""
         self._sum(0.0, 1.0)

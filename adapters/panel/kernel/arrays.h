@@ -38,10 +38,10 @@ std::vector<typename Array::value_type> copied(const Array &array) {
 }
 
 // The path of held points in arrays of `size` numbers.
-inline HeldPath path_of(const Doubles &start_m, const Doubles &start_m_s, const Doubles &end_m,
-             const Doubles &end_m_s, double length_s, py::ssize_t size) {
-  return {of(start_m, size, "start_m"), of(start_m_s, size, "start_m_s"), of(end_m, size, "end_m"),
-          of(end_m_s, size, "end_m_s"), length_s};
+inline HeldPath path_of(const Doubles &start_m, const Doubles &start_m_per_s, const Doubles &end_m,
+             const Doubles &end_m_per_s, double length_s, py::ssize_t size) {
+  return {of(start_m, size, "start_m"), of(start_m_per_s, size, "start_m_per_s"), of(end_m, size, "end_m"),
+          of(end_m_per_s, size, "end_m_per_s"), length_s};
 }
 
 }  // namespace flipflow

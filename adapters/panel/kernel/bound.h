@@ -18,11 +18,11 @@ class Bound {
   void rest() { body_.rest(state_); }
 
   // In steps to the end of an interval; returns the work on the held points in J.
-  double advance(const Doubles &start_m, const Doubles &start_m_s, const Doubles &end_m,
-                 const Doubles &end_m_s, const Doubles &outside_N, double length_s, int steps,
+  double advance(const Doubles &start_m, const Doubles &start_m_per_s, const Doubles &end_m,
+                 const Doubles &end_m_per_s, const Doubles &outside_N, double length_s, int steps,
                  Doubles impulse_N_s) {
     const py::ssize_t held = 3 * body_.held();
-    const HeldPath path = path_of(start_m, start_m_s, end_m, end_m_s, length_s, held);
+    const HeldPath path = path_of(start_m, start_m_per_s, end_m, end_m_per_s, length_s, held);
     const double *force_N = of(outside_N, body_.size(), "outside_N");
     double *impulse = into(impulse_N_s, held, "impulse_N_s");
     py::gil_scoped_release others_may_run;
@@ -40,8 +40,8 @@ template <class BoundBody>
 void add_motion(py::class_<BoundBody> &bound) {
   bound.def("rest", &BoundBody::rest)
       .def("advance", &BoundBody::advance, py::arg("start_m").noconvert(),
-           py::arg("start_m_s").noconvert(), py::arg("end_m").noconvert(),
-           py::arg("end_m_s").noconvert(), py::arg("outside_N").noconvert(), py::arg("length_s"),
+           py::arg("start_m_per_s").noconvert(), py::arg("end_m").noconvert(),
+           py::arg("end_m_per_s").noconvert(), py::arg("outside_N").noconvert(), py::arg("length_s"),
            py::arg("steps"), py::arg("impulse_N_s").noconvert());
 }
 

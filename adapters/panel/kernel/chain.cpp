@@ -12,7 +12,7 @@ Chain::Chain(ChainForce force, ChainRows rows, Branches branches)
       branches_(std::move(branches)),
       before_m_(size()),
       before_N_(size()),
-      start_m_s_(size()),
+      start_m_per_s_(size()),
       impulse_N_s_(size()),
       acting_(size()),
       moved_across_(held()) {}
@@ -28,7 +28,7 @@ double Chain::advance(const ChainState &state, const HeldPath &path, const doubl
                       int steps, double *impulse_N_s) {
   const double step_s = path.length_s / steps;
   branches_.set_step(step_s);
-  std::copy_n(state.velocity_m_s, size(), start_m_s_.begin());
+  std::copy_n(state.velocity_m_per_s, size(), start_m_per_s_.begin());
   std::fill(impulse_N_s_.begin(), impulse_N_s_.end(), 0.0);
   double done_J = 0.0;
   for (int step = 1; step <= steps; ++step) {
@@ -47,9 +47,9 @@ double Chain::advance(const ChainState &state, const HeldPath &path, const doubl
   }
   set_end_velocity(state, path);
   for (int i = 0; i < size(); ++i)
-    impulse_N_s_[i] -= rows_.mass_kg[i / 3] * (state.velocity_m_s[i] - start_m_s_[i]);
+    impulse_N_s_[i] -= rows_.mass_kg[i / 3] * (state.velocity_m_per_s[i] - start_m_per_s_[i]);
   onto_held(impulse_N_s_.data(), impulse_N_s);
-  return done_J - imposed_J(state.velocity_m_s) + imposed_J(start_m_s_.data());
+  return done_J - imposed_J(state.velocity_m_per_s) + imposed_J(start_m_per_s_.data());
 }
 
 StepWork Chain::find_force(const ChainState &state) {
@@ -61,7 +61,7 @@ StepWork Chain::find_force(const ChainState &state) {
 void Chain::kick(const ChainState &state, double half_step_s, const double *outside_N) const {
   for (const int row : rows_.free)
     for (int i = 3 * row; i < 3 * row + 3; ++i)
-      state.velocity_m_s[i] +=
+      state.velocity_m_per_s[i] +=
           half_step_s / rows_.mass_kg[row] * (outside_N[i] + state.internal_N[i]);
 }
 
@@ -75,7 +75,7 @@ void Chain::move(const ChainState &state, const HeldPath &path, double fraction,
   }
   for (const int row : rows_.free) {
     add(spread(row), across, state.position_m + 3 * row);
-    add_normal_part(step_s, state.velocity_m_s + 3 * row, across, state.position_m + 3 * row);
+    add_normal_part(step_s, state.velocity_m_per_s + 3 * row, across, state.position_m + 3 * row);
   }
 }
 
@@ -83,12 +83,12 @@ void Chain::move(const ChainState &state, const HeldPath &path, double fraction,
 void Chain::set_end_velocity(const ChainState &state, const HeldPath &path) {
   const double *across = rows_.across.data();
   for (int k = 0; k < held(); ++k) {
-    moved_across_[k] = dot(path.end_m_s + 3 * k, across);
-    std::copy_n(path.end_m_s + 3 * k, 3, state.velocity_m_s + 3 * rows_.held[k]);
+    moved_across_[k] = dot(path.end_m_per_s + 3 * k, across);
+    std::copy_n(path.end_m_per_s + 3 * k, 3, state.velocity_m_per_s + 3 * rows_.held[k]);
   }
   for (const int row : rows_.free) {
-    double *velocity_m_s = state.velocity_m_s + 3 * row;
-    add(spread(row) - dot(velocity_m_s, across), across, velocity_m_s);
+    double *velocity_m_per_s = state.velocity_m_per_s + 3 * row;
+    add(spread(row) - dot(velocity_m_per_s, across), across, velocity_m_per_s);
   }
 }
 
@@ -124,9 +124,9 @@ double Chain::work_J(const double *force_N, const double *moved_m) const {
 }
 
 // Kinetic energy of imposed motion.
-double Chain::imposed_J(const double *velocity_m_s) {
-  for (int i = 0; i < size(); ++i) acting_[i] = 0.5 * rows_.mass_kg[i / 3] * velocity_m_s[i];
-  return work_J(acting_.data(), velocity_m_s);
+double Chain::imposed_J(const double *velocity_m_per_s) {
+  for (int i = 0; i < size(); ++i) acting_[i] = 0.5 * rows_.mass_kg[i / 3] * velocity_m_per_s[i];
+  return work_J(acting_.data(), velocity_m_per_s);
 }
 
 }  // namespace flipflow

@@ -21,7 +21,7 @@ struct ChainRows {
 // All that changes while a chain moves; arrays that Python owns.  (rows, 3) each; the others as in
 // chain_force.h; `energy_J` (branches), `lost_J` (1) since the start.
 struct ChainState {
-  double *position_m, *velocity_m_s, *internal_N;
+  double *position_m, *velocity_m_per_s, *internal_N;
   double *strain, *stress, *energy_J, *lost_J;
 };
 
@@ -53,12 +53,12 @@ class Chain {
   double spread(int row) const;
   void onto_held(const double *rows, double *held) const;
   double work_J(const double *force_N, const double *moved_m) const;
-  double imposed_J(const double *velocity_m_s);
+  double imposed_J(const double *velocity_m_per_s);
 
   ChainForce force_;
   ChainRows rows_;
   Branches branches_;
-  std::vector<double> before_m_, before_N_, start_m_s_, impulse_N_s_, acting_;  // (rows, 3)
+  std::vector<double> before_m_, before_N_, start_m_per_s_, impulse_N_s_, acting_;  // (rows, 3)
   std::vector<double> moved_across_;                                            // (held)
 };
 

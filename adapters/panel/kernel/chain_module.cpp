@@ -10,7 +10,7 @@ ChainState state_of(const Chain &chain, std::vector<Doubles> &arrays) {
     return into(arrays.at(k), wanted, name);
   };
   return {at(0, size, "position_m"),
-          at(1, size, "velocity_m_s"),
+          at(1, size, "velocity_m_per_s"),
           at(2, size, "internal_N"),
           at(3, chain.strains(), "strain"),
           at(4, chain.strains() * branches, "stress"),

@@ -19,8 +19,8 @@ auto *const step_here = fitting(step_v4, step_v3, step_any);
 
 Membrane::Membrane(const CellGrid &grid, const MembraneLaw &law)
     : groups_((grid.cells() + kLanes - 1) / kLanes),
-      c10_N_m_(law.c10_N_m),
-      c01_N_m_(law.c01_N_m),
+      c10_N_per_m_(law.c10_N_per_m),
+      c01_N_per_m_(law.c01_N_per_m),
       nodes_across_(grid.nodes_across()),
       perforated_(!law.rest.empty()) {
   const int across = static_cast<int>(grid.across_m.size());
@@ -40,7 +40,7 @@ Membrane::Membrane(const CellGrid &grid, const MembraneLaw &law)
 }
 
 MembranePass Membrane::pass() const {
-  return {groups_.data(), groups(), nodes_across_, c10_N_m_, c01_N_m_, perforated_};
+  return {groups_.data(), groups(), nodes_across_, c10_N_per_m_, c01_N_per_m_, perforated_};
 }
 
 StepWork Membrane::step(const Branches &branches, const double *position_m, double *strain,

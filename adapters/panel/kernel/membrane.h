@@ -21,7 +21,7 @@ struct CellGrid {
 // strain (C - 1/C) / 4, if any cell has it; `strain` (cells, 5) makes the scaled strain of the
 // branches from E: (s0 E11 + s1 E22, s2 E11 + s3 E22, s4 2 E12).
 struct MembraneLaw {
-  double c10_N_m, c01_N_m;
+  double c10_N_per_m, c01_N_per_m;
   std::vector<double> solid, rest, strain;
 };
 
@@ -37,7 +37,7 @@ struct alignas(kLanes * sizeof(double)) CellGroup {
 struct MembranePass {
   const CellGroup *group;
   int groups, nodes_across;
-  double c10_N_m, c01_N_m;
+  double c10_N_per_m, c01_N_per_m;
   bool perforated;
   const Branches *branches = nullptr;
   const double *position_m = nullptr;
@@ -63,7 +63,7 @@ class Membrane {
   MembranePass pass() const;
 
   std::vector<CellGroup> groups_;
-  double c10_N_m_, c01_N_m_;
+  double c10_N_per_m_, c01_N_per_m_;
   int nodes_across_;
   bool perforated_;
 };

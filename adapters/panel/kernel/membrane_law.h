@@ -22,16 +22,16 @@ FLIPFLOW_INLINE Symmetric<V> inverse(const Symmetric<V> &C) {
 
 // Energy per area, and twice its derivative with respect to C.
 template <class V>
-FLIPFLOW_INLINE V solid_energy(double c10_N_m, double c01_N_m, const Symmetric<V> &C) {
+FLIPFLOW_INLINE V solid_energy(double c10_N_per_m, double c01_N_per_m, const Symmetric<V> &C) {
   const V trace = C.a11 + C.a22, d = det(C);
-  return c10_N_m * (trace + 1.0 / d - 3.0) + c01_N_m * (d + trace / d - 3.0);
+  return c10_N_per_m * (trace + 1.0 / d - 3.0) + c01_N_per_m * (d + trace / d - 3.0);
 }
 
 template <class V>
-FLIPFLOW_INLINE Symmetric<V> solid_stress(double c10_N_m, double c01_N_m, const Symmetric<V> &C) {
+FLIPFLOW_INLINE Symmetric<V> solid_stress(double c10_N_per_m, double c01_N_per_m, const Symmetric<V> &C) {
   const V trace = C.a11 + C.a22, d = det(C), per_d = 1.0 / d;
-  const V by_trace = 2.0 * (c10_N_m + c01_N_m * per_d);
-  const V by_det = 2.0 * (c01_N_m - (c10_N_m + c01_N_m * trace) * (per_d * per_d));
+  const V by_trace = 2.0 * (c10_N_per_m + c01_N_per_m * per_d);
+  const V by_det = 2.0 * (c01_N_per_m - (c10_N_per_m + c01_N_per_m * trace) * (per_d * per_d));
   return {by_trace + by_det * C.a22, by_trace + by_det * C.a11, -by_det * C.a12};
 }
 

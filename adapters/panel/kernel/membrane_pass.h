@@ -97,7 +97,7 @@ FLIPFLOW_INLINE Symmetric<V> overstress(const MembranePass &pass, const Cells<V>
 template <class V, bool perforated>
 FLIPFLOW_INLINE Symmetric<V> elastic_stress(const MembranePass &pass, const Cells<V> &cells,
                                             const Symmetric<V> &C) {
-  Symmetric<V> S = solid_stress(pass.c10_N_m, pass.c01_N_m, C);
+  Symmetric<V> S = solid_stress(pass.c10_N_per_m, pass.c01_N_per_m, C);
   if (!perforated) return S;
   V rest[6];
   for (int k = 0; k < 6; ++k) rest[k] = cells.get(cells.group.rest[k]);
@@ -158,7 +158,7 @@ FLIPFLOW_INLINE double energy_all(const MembranePass &pass) {
     for (int k = 0; k < 6; ++k) rest[k] = cells.get(cells.group.rest[k]);
     for (int point = 0; point < 9; ++point) {
       const Symmetric<V> C = metric(cells, point);
-      V density = cells.get(cells.group.solid) * solid_energy(pass.c10_N_m, pass.c01_N_m, C);
+      V density = cells.get(cells.group.solid) * solid_energy(pass.c10_N_per_m, pass.c01_N_per_m, C);
       if (pass.perforated) density += rest_energy(rest, C);
       total += area_of(cells, point) * density;
     }

@@ -11,14 +11,14 @@ namespace {
 // Half a step of force on the free nodes.
 FLIPFLOW_CLONES
 void kick(int size, double half_step_s, const double *mobility_1_kg, const double *outside_N,
-          const double *internal_N, double *velocity_m_s) {
+          const double *internal_N, double *velocity_m_per_s) {
   for (int i = 0; i < size; ++i)
-    velocity_m_s[i] += half_step_s * mobility_1_kg[i] * (outside_N[i] - internal_N[i]);
+    velocity_m_per_s[i] += half_step_s * mobility_1_kg[i] * (outside_N[i] - internal_N[i]);
 }
 
 FLIPFLOW_CLONES
-void drift(int size, double step_s, const double *velocity_m_s, double *position_m) {
-  for (int i = 0; i < size; ++i) position_m[i] += step_s * velocity_m_s[i];
+void drift(int size, double step_s, const double *velocity_m_per_s, double *position_m) {
+  for (int i = 0; i < size; ++i) position_m[i] += step_s * velocity_m_per_s[i];
 }
 
 }  // namespace
@@ -51,13 +51,13 @@ double Sheet::advance(const SheetState &state, const HeldPath &path, const doubl
   for (int step = 1; step <= steps; ++step) {
     std::copy_n(state.position_m, size(), before_m_.begin());
     std::copy_n(state.internal_N, size(), before_N_.begin());
-    kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_s);
-    drift(size(), step_s, state.velocity_m_s, state.position_m);
+    kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_per_s);
+    drift(size(), step_s, state.velocity_m_per_s, state.position_m);
     place_held(state, path, static_cast<double>(step) / steps);
     const Works works = find_force(state);
     state.lost_J[0] += branches_.book(works.stretching, state.energy_J);
     state.lost_J[0] += branches_.book(works.bending, state.energy_J + branches());
-    kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_s);
+    kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_per_s);
     work_J += collect(state, step_s, impulse_N_s);
   }
   return work_J;
@@ -76,7 +76,7 @@ void Sheet::place_held(const SheetState &state, const HeldPath &path, double fra
     for (int c = 0; c < 3; ++c) {
       const int node = 3 * held_[k] + c;
       state.position_m[node] = path.position_m(3 * k + c, fraction);
-      state.velocity_m_s[node] = path.velocity_m_s(3 * k + c, fraction);
+      state.velocity_m_per_s[node] = path.velocity_m_per_s(3 * k + c, fraction);
     }
 }
 

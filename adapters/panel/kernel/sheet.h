@@ -13,7 +13,7 @@ namespace flipflow {
 // parts' strains, elastic forces and stresses as in membrane.h and bending.h; `energy_J` (2,
 // branches) of the membrane's and of bending's branches, `lost_J` (1) since the start.
 struct SheetState {
-  double *position_m, *velocity_m_s, *internal_N;
+  double *position_m, *velocity_m_per_s, *internal_N;
   double *strain, *strain_stress, *elastic_N, *bending_stress_N;
   double *energy_J, *lost_J;
 };

@@ -35,17 +35,17 @@ class Perforated:
     solid_share: float
     share: Any
 
-    def areal_mass_kg_m2(self, solid_kg_m2: float) -> Any:
-        return solid_kg_m2 * (1.0 - (1.0 - self.solid_share) * self.share)
+    def areal_mass_kg_per_m2(self, solid_kg_per_m2: float) -> Any:
+        return solid_kg_per_m2 * (1.0 - (1.0 - self.solid_share) * self.share)
 
-    def membrane_energy(self, solid: Any, stiffness_N_m: float, C: Any) -> Any:
-        """Energy per area in J/m2 from that of the ``solid`` sheet, and E t = ``stiffness_N_m``.
+    def membrane_energy(self, solid: Any, stiffness_N_per_m: float, C: Any) -> Any:
+        """Energy per area in J/m2 from that of the ``solid`` sheet, and E t = ``stiffness_N_per_m``.
 
         The solid law to the greatest factor that leaves the rest of the cell's stiffness
         positive, and that rest on the strain (C - 1/C) / 4, which agrees with the logarithmic
         one to second order (Bazant, J. Eng. Mater. Technol. 120 (1998) 131-136).
         """
-        factor, rest = self.split(stiffness_N_m)
+        factor, rest = self.split(stiffness_N_per_m)
         flat = self.share.function_space.mesh
         share_of_solid, stiffer = fem.Constant(flat, factor), fem.Constant(flat, rest)
         H = (C - ufl.inv(C)) / 4
@@ -53,20 +53,20 @@ class Perforated:
         soft = share_of_solid * solid + 0.5 * ufl.inner(h, stiffer * h)
         return (1.0 - self.share) * solid + self.share * soft
 
-    def split(self, stiffness_N_m: float) -> tuple[float, Array]:
+    def split(self, stiffness_N_per_m: float) -> tuple[float, Array]:
         """The factor of the solid law, and the stiffness (3, 3) on top of it, in N/m."""
         factor = float(eigh(self.cell.membrane, SOLID, eigvals_only=True)[0])
-        return factor, stiffness_N_m * (self.cell.membrane - factor * SOLID)
+        return factor, stiffness_N_per_m * (self.cell.membrane - factor * SOLID)
 
-    def strain_entries(self, stiffness_N_m: float) -> Array:
+    def strain_entries(self, stiffness_N_per_m: float) -> Array:
         """(cells, 5) of the ``sheet_forms.scaled_strain`` whose half square is the small-strain
         energy per area."""
         shares = self.share.x.array
-        return np.array([_root(stiffness_N_m * self._membrane(share)) for share in shares])
+        return np.array([_root(stiffness_N_per_m * self._membrane(share)) for share in shares])
 
-    def strain_field(self, stiffness_N_m: float) -> Any:
+    def strain_field(self, stiffness_N_per_m: float) -> Any:
         """``strain_entries`` as a field, constant in each cell."""
-        table = self.strain_entries(stiffness_N_m)
+        table = self.strain_entries(stiffness_N_per_m)
         flat = self.share.function_space.mesh
         element = ufl.VectorElement("DG", flat.ufl_cell(), 0, dim=table.shape[1])
         field = fem.Function(function_space(flat, element))
@@ -80,9 +80,7 @@ class Perforated:
         law = solid + self.share * fem.Constant(flat, plate_N_m * (self.cell.bending - SOLID))
 
         def moment(curvature: Any) -> Any:
-            m = law * ufl.as_vector(
-                [curvature[0, 0], curvature[1, 1], curvature[0, 1] + curvature[1, 0]]
-            )
+            m = law * ufl.as_vector([curvature[0, 0], curvature[1, 1], curvature[0, 1] + curvature[1, 0]])
             return ufl.as_matrix([[m[0], m[2]], [m[2], m[1]]])
 
         return moment

@@ -27,9 +27,9 @@ from orchestrator.ports.geometry import Apertures
 POISSON_RATIO = 0.5
 SHEAR_CORRECTION = 5 / 6
 # plane stress of unit modulus, for strains (11, 22, 2 x 12)
-SOLID = np.array(
-    [[1, POISSON_RATIO, 0], [POISSON_RATIO, 1, 0], [0, 0, (1 - POISSON_RATIO) / 2]]
-) / (1 - POISSON_RATIO**2)
+SOLID = np.array([[1, POISSON_RATIO, 0], [POISSON_RATIO, 1, 0], [0, 0, (1 - POISSON_RATIO) / 2]]) / (
+    1 - POISSON_RATIO**2
+)
 
 
 @dataclass(frozen=True)

@@ -66,9 +66,7 @@ def _outlines(apertures: Apertures) -> list[Array]:
 
 def _polygon(model: Any, outline: Array) -> int:
     points = [model.addPoint(s, y, 0.0) for s, y in outline]
-    lines = [
-        model.addLine(one, two) for one, two in zip(points, [*points[1:], points[0]], strict=True)
-    ]
+    lines = [model.addLine(one, two) for one, two in zip(points, [*points[1:], points[0]], strict=True)]
     return int(model.addPlaneSurface([model.addCurveLoop(lines)]))
 
 

@@ -20,18 +20,7 @@ from adapters.panel.common import bilinear
 from adapters.panel.perforation.strip import left
 from adapters.panel.strip.at_rest import first_guess_m, settled
 from adapters.panel.strip.chain import Chain, chain
-from orchestrator.ports import (
-    Account,
-    Array,
-    Inertia,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    PanelState,
-    Saved,
-    counted,
-)
+from orchestrator.ports import Account, Array, Inertia, Known, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
@@ -70,13 +59,12 @@ def largest_step_s(plan: PanelPlan) -> float:
     mass_kg = row_mass_kg(plan, links)
     free = np.flatnonzero(links.held < 0)
     joined = np.diff(np.eye(len(mass_kg))[links.springs], axis=0)
-    axial_N_m = plan.material.youngs_modulus_Pa * links.area_m2 / links.rest_m
-    axial = joined.T @ (axial_N_m[:, None] * joined)
+    axial_N_per_m = plan.material.youngs_modulus_Pa * links.area_m2 / links.rest_m
+    axial = joined.T @ (axial_N_per_m[:, None] * joined)
     bending = links.curvature_1_m2.T @ (links.bending_N_m3[:, None] * links.curvature_1_m2)
     scale = np.sqrt(np.outer(mass_kg, mass_kg))
     square = sum(
-        float(np.linalg.eigvalsh((matrix / scale)[np.ix_(free, free)])[-1])
-        for matrix in (axial, bending)
+        float(np.linalg.eigvalsh((matrix / scale)[np.ix_(free, free)])[-1]) for matrix in (axial, bending)
     )
     return 2 / math.sqrt(square * (1 + sum(ratio for ratio, _ in plan.material.branches)))
 
@@ -85,7 +73,7 @@ def row_mass_kg(plan: PanelPlan, links: Chain) -> Array:
     """Lumped mass (r,) of the rows."""
     area_m2 = plan.rectangle.width_m * plan.thickness_m
     solid = left(plan, links.rows_m[:-1], links.rows_m[1:]).mass
-    per_length = plan.material.density_kg_m3 * area_m2 * solid
+    per_length = plan.material.density_kg_per_m3 * area_m2 * solid
     return 2 * bilinear.half_row_mass_kg(links.rows_m, per_length)[::2]
 
 
@@ -99,9 +87,9 @@ class Strip:
         self._across = plan.rectangle.across
         self._step_s = plan.step_s if plan.step_s > 0 else MARGIN * largest_step_s(plan)
         self._mass_kg = row_mass_kg(plan, links)
-        self._gravity_m_s2 = plan.gravity_m_s2
-        self._weight_N = np.outer(self._mass_kg, plan.gravity_m_s2)
-        guess_m = first_guess_m(links, plan.rectangle, plan.gravity_m_s2)
+        self._gravity_m_per_s2 = plan.gravity_m_per_s2
+        self._weight_N = np.outer(self._mass_kg, plan.gravity_m_per_s2)
+        guess_m = first_guess_m(links, plan.rectangle, plan.gravity_m_per_s2)
         self._rest_m = settled(links, guess_m, self._weight_N, plan.rectangle, plan.name)
         self._motion = ChainMotion(
             links, self._mass_kg, self._rest_m, plan.material.branches, plan.rectangle.across
@@ -155,15 +143,11 @@ class Strip:
     def account(self) -> Account:
         motion, mass_kg = self._motion, self._mass_kg
         risen_J = -np.sum(self._weight_N * (motion.position_m - self._rest_m))
-        kinetic_J = mass_kg @ (motion.velocity_m_s**2).sum(axis=1) / 2
+        kinetic_J = mass_kg @ (motion.velocity_m_per_s**2).sum(axis=1) / 2
         return Account(
-            mass_kg @ motion.velocity_m_s,
-            mass_kg.sum() * self._gravity_m_s2 * self._elapsed_s,
-            stored_J={
-                "kinetic": float(kinetic_J),
-                "gravitational": float(risen_J),
-                **motion.stored_J(),
-            },
+            mass_kg @ motion.velocity_m_per_s,
+            mass_kg.sum() * self._gravity_m_per_s2 * self._elapsed_s,
+            stored_J={"kinetic": float(kinetic_J), "gravitational": float(risen_J), **motion.stored_J()},
             lost_J={"panel_damping": motion.lost_J()},
             received_J=dict(self._received_J),
         )
@@ -184,10 +168,10 @@ class Strip:
 
     def _surface_now(self) -> Motion:
         position_m = self._halves @ bilinear.half(self._clamps.position_m)
-        velocity_m_s = self._halves @ bilinear.half(self._clamps.velocity_m_s)
+        velocity_m_per_s = self._halves @ bilinear.half(self._clamps.velocity_m_per_s)
         return Motion(
             bilinear.joined(self._motion.position_m, position_m),
-            bilinear.joined(self._motion.velocity_m_s, velocity_m_s),
+            bilinear.joined(self._motion.velocity_m_per_s, velocity_m_per_s),
         )
 
     def _book(self, clamps: Motion, load: Load, turning_N: Array, work_J: float) -> None:
@@ -201,4 +185,4 @@ class Strip:
 
 
 def _middle(points: Motion) -> Motion:
-    return Motion(bilinear.middle(points.position_m), bilinear.middle(points.velocity_m_s))
+    return Motion(bilinear.middle(points.position_m), bilinear.middle(points.velocity_m_per_s))

@@ -39,14 +39,12 @@ class Potential:
         force_N = elastic_N(self.chain, self.placed(unknown_m)) + self.weight_N
         return np.asarray(-self.columns @ force_N.ravel())
 
-    def tangent_N_m(self, unknown_m: Array) -> Array:
-        tangent = self.chain.tangent_N_m(self.placed(unknown_m))
+    def tangent_N_per_m(self, unknown_m: Array) -> Array:
+        tangent = self.chain.tangent_N_per_m(self.placed(unknown_m))
         return np.asarray(self.columns @ tangent @ self.columns.T)
 
 
-def settled(
-    chain: Chain, start_m: Array, weight_N: Array, rectangle: Rectangle, name: str
-) -> Array:
+def settled(chain: Chain, start_m: Array, weight_N: Array, rectangle: Rectangle, name: str) -> Array:
     """Positions (r, 3) in balance with ``weight_N`` (r, 3); held rows, and all rows across, stay
     as in ``start_m``.
 
@@ -61,17 +59,15 @@ def settled(
         np.zeros(len(columns)),
         method="trust-exact",
         jac=potential.gradient_N,
-        hess=potential.tangent_N_m,
+        hess=potential.tangent_N_per_m,
         options={"gtol": 1e-6 * (np.abs(weight_N).sum() + 1e-3), "initial_trust_radius": 1e-3},
     ).x
     for _ in range(NEWTON_ITERATIONS):
-        move_m = np.linalg.solve(potential.tangent_N_m(unknown_m), potential.gradient_N(unknown_m))
+        move_m = np.linalg.solve(potential.tangent_N_per_m(unknown_m), potential.gradient_N(unknown_m))
         unknown_m = unknown_m - move_m
         if np.abs(move_m).max() < NEGLIGIBLE_MOVE * rectangle.length_m:
             return potential.placed(unknown_m)
-    raise SolverFailed(
-        f"panel {name}, t = 0: no resting shape; still moving by {np.abs(move_m).max():.1e} m"
-    )
+    raise SolverFailed(f"panel {name}, t = 0: no resting shape; still moving by {np.abs(move_m).max():.1e} m")
 
 
 def elastic_N(chain: Chain, position_m: Array) -> Array:
@@ -81,7 +77,7 @@ def elastic_N(chain: Chain, position_m: Array) -> Array:
     return chain.force_N(along, chain.tension_N(length_m), moment)
 
 
-def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_s2: Array) -> Array:
+def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_per_s2: Array) -> Array:
     """(r, 3): straight if taut; a slack chain is a cosine wave of the right length to second
     order, bulging with gravity or, without it, downwards."""
     middle = np.full_like(chain.rows_m, rectangle.width_m / 2)
@@ -89,6 +85,6 @@ def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_s2: Array) -> Ar
     slack_m = max(rectangle.length_m - rectangle.span_m, 0.0)
     height_m = 2 / np.pi * np.sqrt(slack_m * rectangle.length_m)
     wave = (1 - np.cos(2 * np.pi * chain.rows_m / rectangle.length_m)) / 2
-    side = 1.0 if gravity_m_s2 @ rectangle.normal > 0 else -1.0
+    side = 1.0 if gravity_m_per_s2 @ rectangle.normal > 0 else -1.0
     bulge_m = np.where(chain.held < 0, side * height_m * wave, 0.0)
     return np.asarray(position_m + np.outer(bulge_m, rectangle.normal))

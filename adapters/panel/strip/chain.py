@@ -80,14 +80,14 @@ class Chain:
     def bending_J(self, curvature_1_m: Array) -> float:
         return float(self.bending_N_m3 @ (curvature_1_m**2).sum(axis=1)) / 2
 
-    def tangent_N_m(self, position_m: Array) -> Array:
+    def tangent_N_per_m(self, position_m: Array) -> Array:
         """Second derivative of the elastic energy, (3 r, 3 r)."""
         along, length_m = self.stretched(position_m)
-        rate_N_m = self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m)
-        turning_N_m = self.tension_N(length_m) / length_m
+        rate_N_per_m = self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m)
+        turning_N_per_m = self.tension_N(length_m) / length_m
         outer = along[:, :, None] * along[:, None, :]
-        blocks = (rate_N_m - turning_N_m)[:, None, None] * outer
-        blocks = blocks + turning_N_m[:, None, None] * np.eye(3)
+        blocks = (rate_N_per_m - turning_N_per_m)[:, None, None] * outer
+        blocks = blocks + turning_N_per_m[:, None, None] * np.eye(3)
         rows = len(self.rows_m)
         across = np.tile(np.eye(3), (len(self.bending_N_m3), 1, 1))
         across[self.at_clamps] -= np.outer(self.clamp_along, self.clamp_along)

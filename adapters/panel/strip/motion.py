@@ -20,15 +20,7 @@ from orchestrator.ports import Array, Saved
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.state import taken
 
-_STATE = (
-    "position_m",
-    "velocity_m_s",
-    "internal_N",
-    "_strain",
-    "_stress",
-    "_energy_J",
-    "_lost_J",
-)
+_STATE = ("position_m", "velocity_m_per_s", "internal_N", "_strain", "_stress", "_energy_J", "_lost_J")
 
 
 class ChainMotion:
@@ -52,7 +44,7 @@ class ChainMotion:
         self._springs = len(chain.area_m2)
         strains = self._springs + 3 * len(chain.bending_N_m3)
         self.position_m = position_m.copy()
-        self.velocity_m_s, self.internal_N = np.zeros((2, *position_m.shape))
+        self.velocity_m_per_s, self.internal_N = np.zeros((2, *position_m.shape))
         self._strain, self._stress = np.zeros(strains), np.zeros((len(branches), strains))
         self._energy_J, self._lost_J = np.zeros(len(branches)), np.zeros(1)
         ratio, time_s = checked(branches)
@@ -77,9 +69,9 @@ class ChainMotion:
         impulse_N_s = np.zeros((len(self.held), 3))
         work_J = self._kernel.advance(
             path.start.position_m,
-            path.start.velocity_m_s,
+            path.start.velocity_m_per_s,
             path.end.position_m,
-            path.end.velocity_m_s,
+            path.end.velocity_m_per_s,
             outside_N,
             path.length_s,
             steps,

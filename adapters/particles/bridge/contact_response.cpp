@@ -35,13 +35,13 @@ Point touching_point(const LAMMPS_NS::Atom &atom, const ContactResponse::Contact
 // changes itself by H / 2 times the force.
 void ContactResponse::respond(const LAMMPS_NS::Atom &atom, double length_s,
                               std::vector<double> &push_N,
-                              std::vector<double> &impedance_N_s_m) const {
+                              std::vector<double> &impedance_N_s_per_m) const {
   const double half_s = 0.5 * length_s;
   for (const Contact &contact : contacts_) {
     const Point point = touching_point(atom, contact);
     double z[2], share[2];
     for (int d = 0; d < 2; ++d) {
-      z[d] = contact.stiffness_N_m[d] * half_s + contact.damping_N_s_m[d];
+      z[d] = contact.stiffness_N_per_m[d] * half_s + contact.damping_N_s_per_m[d];
       share[d] = 1.0 / (1.0 + z[d] * half_s * point.light_1_kg[d]);
     }
     const Vec3 n = contact.normal, free = point.velocity + half_s * point.acceleration;
@@ -56,7 +56,7 @@ void ContactResponse::respond(const LAMMPS_NS::Atom &atom, double length_s,
       const int p = contact.corner[k];
       add_to(&push_N[3 * p], contact.weight[k] * push);
       for (int d = 0; d < 3; ++d)
-        add_to(&impedance_N_s_m[9 * p + 3 * d],
+        add_to(&impedance_N_s_per_m[9 * p + 3 * d],
                contact.weight[k] * split(rows[d], share[0] * z[0], share[1] * z[1]));
     }
   }
@@ -69,8 +69,8 @@ void ContactResponse::save(SavedState &saved) const {
     wholes.insert(wholes.end(), {c.sphere, c.corner[0], c.corner[1], c.corner[2]});
     reals.insert(reals.end(), c.weight, c.weight + 3);
     for (Vec3 v : {c.normal, c.force, c.elastic}) reals.insert(reals.end(), {v.x, v.y, v.z});
-    reals.insert(reals.end(), c.stiffness_N_m, c.stiffness_N_m + 2);
-    reals.insert(reals.end(), c.damping_N_s_m, c.damping_N_s_m + 2);
+    reals.insert(reals.end(), c.stiffness_N_per_m, c.stiffness_N_per_m + 2);
+    reals.insert(reals.end(), c.damping_N_s_per_m, c.damping_N_s_per_m + 2);
     reals.insert(reals.end(), {c.lever_m});
   }
 }

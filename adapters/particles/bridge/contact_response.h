@@ -23,7 +23,7 @@ class ContactResponse {
     Triangle corner;
     double weight[3];
     Vec3 normal, force, elastic;
-    double stiffness_N_m[2], damping_N_s_m[2];  // normal, tangential
+    double stiffness_N_per_m[2], damping_N_s_per_m[2];  // normal, tangential
     double lever_m;
   };
 
@@ -35,7 +35,7 @@ class ContactResponse {
   // Mean load over the next `length_s` while the surface points keep a velocity:
   // push (3 * points) - impedance (9 * points) velocity.  Adds to both.
   void respond(const LAMMPS_NS::Atom &atom, double length_s, std::vector<double> &push_N,
-               std::vector<double> &impedance_N_s_m) const;
+               std::vector<double> &impedance_N_s_per_m) const;
 
   void save(SavedState &saved) const;
   void restore(const SavedState &saved);

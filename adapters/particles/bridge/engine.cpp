@@ -123,9 +123,9 @@ void Engine::create(const Particles &particles, int first_id) {
     if (!is_mine(particles.position_m + 3 * k)) continue;
     const int i = add_particle(*lammps_, first_id + k, particles.type[k],
                                particles.position_m + 3 * k, 0.5 * particles.diameter_m[k],
-                               particles.density_kg_m3[k]);
-    std::copy_n(particles.velocity_m_s + 3 * k, 3, atom.v[i]);
-    std::copy_n(particles.spin_rad_s + 3 * k, 3, atom.omega[i]);
+                               particles.density_kg_per_m3[k]);
+    std::copy_n(particles.velocity_m_per_s + 3 * k, 3, atom.v[i]);
+    std::copy_n(particles.spin_rad_per_s + 3 * k, 3, atom.omega[i]);
   }
   atom.natoms += particles.count;
 }

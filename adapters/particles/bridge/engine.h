@@ -31,7 +31,7 @@ class Engine {
 
   // New particles: each rank takes those whose place it owns; ids count on from `first_id`.
   struct Particles {
-    const double *position_m, *velocity_m_s, *spin_rad_s, *diameter_m, *density_kg_m3;
+    const double *position_m, *velocity_m_per_s, *spin_rad_per_s, *diameter_m, *density_kg_per_m3;
     const int *type;
     int count;
   };

@@ -24,8 +24,8 @@ class FixExits : public LAMMPS_NS::Fix {
   struct Removed {
     int tag, type, exit;  // exit -1: left the domain
     LAMMPS_NS::bigint step;
-    Vec3 position_m, velocity_m_s, spin_rad_s;
-    double radius_m, density_kg_m3, mass_kg;
+    Vec3 position_m, velocity_m_per_s, spin_rad_per_s;
+    double radius_m, density_kg_per_m3, mass_kg;
   };
 
   FixExits(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}

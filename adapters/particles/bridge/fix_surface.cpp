@@ -49,10 +49,10 @@ void FixSurface::set_wear(Wear wear) {
   touch_all_ = [this] { touch_all(wear_); };
 }
 
-void FixSurface::begin_path(const double *start_m, const double *start_m_s, const double *end_m,
-                            const double *end_m_s, double length_s, int steps) {
+void FixSurface::begin_path(const double *start_m, const double *start_m_per_s, const double *end_m,
+                            const double *end_m_per_s, double length_s, int steps) {
   load_.jump(surface_, start_m);
-  search_.surface_moved(surface_.begin(start_m, start_m_s, end_m, end_m_s, length_s));
+  search_.surface_moved(surface_.begin(start_m, start_m_per_s, end_m, end_m_per_s, length_s));
   first_step_ = update->ntimestep;
   last_step_ = first_step_ + steps;
 }
@@ -117,7 +117,7 @@ void FixSurface::post_force(int) {
     const double step = static_cast<double>(update->ntimestep - first_step_);
     const double steps = static_cast<double>(last_step_ - first_step_);
     surface_.move(step / steps, (step - 0.5) / steps);
-    search_.surface_moved(surface_.fastest_m_s() * update->dt);
+    search_.surface_moved(surface_.fastest_m_per_s() * update->dt);
   }
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
   const bool last = update->setupflag || update->ntimestep == last_step_;
@@ -202,11 +202,11 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   const double *w = touch.at.weight;
   const TriangleSpin turning(surface_.position(corner[0]), surface_.position(corner[1]),
                              surface_.position(corner[2]));
-  const Vec3 corner_m_s[3] = {surface_.velocity_half_way(corner[0]),
+  const Vec3 corner_m_per_s[3] = {surface_.velocity_half_way(corner[0]),
                               surface_.velocity_half_way(corner[1]),
                               surface_.velocity_half_way(corner[2])};
-  const Vec3 spin = turning.spin(corner_m_s[0], corner_m_s[1], corner_m_s[2]);
-  Vec3 wall = w[0] * corner_m_s[0] + w[1] * corner_m_s[1] + w[2] * corner_m_s[2] +
+  const Vec3 spin = turning.spin(corner_m_per_s[0], corner_m_per_s[1], corner_m_per_s[2]);
+  Vec3 wall = w[0] * corner_m_per_s[0] + w[1] * corner_m_per_s[1] + w[2] * corner_m_per_s[2] +
               cross(spin, touch.away);
 
   const double overlap = atom->radius[i] - std::sqrt(touch.distance2);

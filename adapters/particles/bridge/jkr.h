@@ -11,12 +11,12 @@ namespace flipflow {
 // (neck when it snaps) and the overlap in units of -separation, the stable branch is the largest
 // root u >= 1 of  u^4 - 4 u = 3 overlap,  and the force is pull-off * (u^6 - 6 u^3) / 9.
 struct Jkr {
-  double e_star_Pa, work_J_m2, radius_m;  // reduced modulus, work of adhesion, reduced radius
+  double e_star_Pa, work_J_per_m2, radius_m;  // reduced modulus, work of adhesion, reduced radius
 
-  double pull_off_N() const { return 1.5 * M_PI * work_J_m2 * radius_m; }
+  double pull_off_N() const { return 1.5 * M_PI * work_J_per_m2 * radius_m; }
 
   double snapping_neck_m() const {
-    return std::cbrt(M_PI * work_J_m2 * radius_m * radius_m / (8.0 * e_star_Pa));
+    return std::cbrt(M_PI * work_J_per_m2 * radius_m * radius_m / (8.0 * e_star_Pa));
   }
 
   // The overlap, not above zero, at which the neck snaps.
@@ -28,7 +28,7 @@ struct Jkr {
   // Radius of the contact area; `overlap_m` from `separation_m` up.  The quartic by Ferrari's
   // method: m is the real root of  m^3 + 3 overlap m = 2,  in a form free of cancellation.
   double neck_m(double overlap_m) const {
-    if (work_J_m2 == 0.0) return std::sqrt(radius_m * overlap_m);
+    if (work_J_per_m2 == 0.0) return std::sqrt(radius_m * overlap_m);
     const double least = snapping_neck_m();
     const double d = std::fmax(overlap_m * radius_m / (3.0 * least * least), -1.0);
     const double t = std::cbrt(1.0 + std::sqrt(1.0 + d * d * d));
@@ -42,7 +42,7 @@ struct Jkr {
   double force_N(double neck_m) const {
     const double cube = neck_m * neck_m * neck_m;
     return 4.0 / 3.0 * e_star_Pa * cube / radius_m -
-           std::sqrt(8.0 * M_PI * work_J_m2 * e_star_Pa * cube);
+           std::sqrt(8.0 * M_PI * work_J_per_m2 * e_star_Pa * cube);
   }
 
   double elastic_J(double neck_m, double overlap_m) const {
@@ -51,7 +51,7 @@ struct Jkr {
            (overlap_m * overlap_m - 2.0 / 3.0 * flat * overlap_m + 0.2 * flat * flat);
   }
 
-  double adhesion_J(double neck_m) const { return -M_PI * neck_m * neck_m * work_J_m2; }
+  double adhesion_J(double neck_m) const { return -M_PI * neck_m * neck_m * work_J_per_m2; }
 };
 
 }  // namespace flipflow

@@ -30,7 +30,7 @@ class JkrNormal {
     registry.connect("Yeff", e_star_Pa_, model);
     registry.connect("Geff", g_star_Pa_, model);
     registry.connect("betaeff", damping_, model);
-    registry.connect("workOfAdhesion", work_J_m2_, model);
+    registry.connect("workOfAdhesion", work_J_per_m2_, model);
   }
 
   bool holds(const Close &pair, double overlap_m) const {
@@ -67,7 +67,7 @@ class JkrNormal {
  private:
   Jkr law(const Close &pair) const {
     const double i = pair.radi, j = pair.radj;
-    return {e_star_Pa_[pair.itype][pair.jtype], work_J_m2_[pair.itype][pair.jtype],
+    return {e_star_Pa_[pair.itype][pair.jtype], work_J_per_m2_[pair.itype][pair.jtype],
             pair.is_wall ? i : i * j / (i + j)};
   }
 
@@ -77,7 +77,7 @@ class JkrNormal {
 
   int neck_;
   double **e_star_Pa_ = nullptr, **g_star_Pa_ = nullptr, **damping_ = nullptr,
-         **work_J_m2_ = nullptr;
+         **work_J_per_m2_ = nullptr;
 };
 
 }  // namespace flipflow

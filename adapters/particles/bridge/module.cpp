@@ -68,10 +68,10 @@ void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
                                {type.data(), type.data() + type.size()}, largest_radius_m);
 }
 
-void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_s, Doubles spin_rad_s,
-            Doubles diameter_m, Doubles density_kg_m3, Ints type, int first_id) {
-  engine.create({position_m.data(), velocity_m_s.data(), spin_rad_s.data(), diameter_m.data(),
-                 density_kg_m3.data(), type.data(), static_cast<int>(diameter_m.size())},
+void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_per_s, Doubles spin_rad_per_s,
+            Doubles diameter_m, Doubles density_kg_per_m3, Ints type, int first_id) {
+  engine.create({position_m.data(), velocity_m_per_s.data(), spin_rad_per_s.data(), diameter_m.data(),
+                 density_kg_per_m3.data(), type.data(), static_cast<int>(diameter_m.size())},
                 first_id);
 }
 
@@ -112,11 +112,11 @@ py::dict take_removed(Engine &engine) {
   const auto rows = engine.exits().take();
   py::dict arrays;
   arrays["x"] = column3(rows, [](const Row &r) { return r.position_m; });
-  arrays["v"] = column3(rows, [](const Row &r) { return r.velocity_m_s; });
-  arrays["omega"] = column3(rows, [](const Row &r) { return r.spin_rad_s; });
+  arrays["v"] = column3(rows, [](const Row &r) { return r.velocity_m_per_s; });
+  arrays["omega"] = column3(rows, [](const Row &r) { return r.spin_rad_per_s; });
   arrays["radius"] = column<double>(rows, [](const Row &r) { return r.radius_m; });
   arrays["rmass"] = column<double>(rows, [](const Row &r) { return r.mass_kg; });
-  arrays["density"] = column<double>(rows, [](const Row &r) { return r.density_kg_m3; });
+  arrays["density"] = column<double>(rows, [](const Row &r) { return r.density_kg_per_m3; });
   arrays["type"] = column<int>(rows, [](const Row &r) { return r.type; });
   arrays["tag"] = column<int>(rows, [](const Row &r) { return r.tag; });
   arrays["exit"] = column<int>(rows, [](const Row &r) { return r.exit; });
@@ -143,9 +143,9 @@ py::dict take_crossings(Engine &engine) {
   return arrays;
 }
 
-void begin_path(Engine &engine, Doubles start_m, Doubles start_m_s, Doubles end_m,
-                Doubles end_m_s, double length_s, int steps) {
-  engine.surface().begin_path(start_m.data(), start_m_s.data(), end_m.data(), end_m_s.data(),
+void begin_path(Engine &engine, Doubles start_m, Doubles start_m_per_s, Doubles end_m,
+                Doubles end_m_per_s, double length_s, int steps) {
+  engine.surface().begin_path(start_m.data(), start_m_per_s.data(), end_m.data(), end_m_per_s.data(),
                               length_s, steps);
 }
 
@@ -169,11 +169,11 @@ void set_laws(Engine &engine, std::vector<double> e_star_Pa, std::vector<double>
   engine.set_laws(laws);
 }
 
-// `rate_m3_N_m` by pair of types, row by row.
-void set_wear(Engine &engine, std::vector<double> rate_m3_N_m) {
+// `rate_m3_per_N_m` by pair of types, row by row.
+void set_wear(Engine &engine, std::vector<double> rate_m3_per_N_m) {
   const flipflow::ContactLaws &laws = engine.laws();
   flipflow::FixSurface &surface = engine.surface();
-  surface.set_wear({std::move(rate_m3_N_m), laws.types, laws.spring(), surface.points()});
+  surface.set_wear({std::move(rate_m3_per_N_m), laws.types, laws.spring(), surface.points()});
 }
 
 std::pair<double, double> pair_of(flipflow::ContactEnergy energy) {
@@ -207,9 +207,9 @@ Doubles by_point(const std::vector<double> &values) {
 
 py::tuple response(Engine &engine, double length_s) {
   const size_t points = engine.surface().points();
-  std::vector<double> push_N(3 * points, 0.0), impedance_N_s_m(9 * points, 0.0);
-  engine.surface().response().respond(*engine.lammps().atom, length_s, push_N, impedance_N_s_m);
-  return py::make_tuple(by_point(push_N), by_point(impedance_N_s_m));
+  std::vector<double> push_N(3 * points, 0.0), impedance_N_s_per_m(9 * points, 0.0);
+  engine.surface().response().respond(*engine.lammps().atom, length_s, push_N, impedance_N_s_per_m);
+  return py::make_tuple(by_point(push_N), by_point(impedance_N_s_per_m));
 }
 
 }  // namespace

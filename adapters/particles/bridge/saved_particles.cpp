@@ -110,7 +110,7 @@ void restore_pairs(LAMMPS &lmp, const SavedState &saved) {
 }  // namespace
 
 int add_particle(LAMMPS &lmp, int id, int type, const double *position_m, double radius_m,
-                 double density_kg_m3) {
+                 double density_kg_per_m3) {
   Atom &atom = *lmp.atom;
   double x[3];
   std::copy_n(position_m, 3, x);
@@ -118,8 +118,8 @@ int add_particle(LAMMPS &lmp, int id, int type, const double *position_m, double
   const int i = atom.nlocal - 1;
   atom.tag[i] = id;
   atom.radius[i] = radius_m;
-  atom.density[i] = density_kg_m3;
-  atom.rmass[i] = 4.0 / 3.0 * M_PI * radius_m * radius_m * radius_m * density_kg_m3;
+  atom.density[i] = density_kg_per_m3;
+  atom.rmass[i] = 4.0 / 3.0 * M_PI * radius_m * radius_m * radius_m * density_kg_per_m3;
   for (int f = 0; f < lmp.modify->nfix; ++f)
     if (lmp.modify->fix[f]->create_attribute) lmp.modify->fix[f]->set_arrays(i);
   return i;
@@ -130,12 +130,12 @@ void save_particles(LAMMPS &lmp, SavedState &saved) {
   const int n = atom.nlocal;
   saved.reals["listed_at_m"] = rows(lmp.neighbor->*listed_at(), n);
   saved.reals["position_m"] = rows(atom.x, n);
-  saved.reals["velocity_m_s"] = rows(atom.v, n);
-  saved.reals["spin_rad_s"] = rows(atom.omega, n);
+  saved.reals["velocity_m_per_s"] = rows(atom.v, n);
+  saved.reals["spin_rad_per_s"] = rows(atom.omega, n);
   saved.reals["force_N"] = rows(atom.f, n);
   saved.reals["torque_N_m"] = rows(atom.torque, n);
   saved.reals["radius_m"] = column(atom.radius, n);
-  saved.reals["density_kg_m3"] = column(atom.density, n);
+  saved.reals["density_kg_per_m3"] = column(atom.density, n);
   saved.wholes["id"] = whole_column(atom.tag, n);
   saved.wholes["type"] = whole_column(atom.type, n);
   saved.wholes["image"] = whole_column(atom.image, n);
@@ -160,7 +160,7 @@ void place_as_listed(LAMMPS &lmp, const SavedState &saved) {
   atom.nlocal = atom.nghost = 0;
   const auto &id = saved.whole("id"), &type = saved.whole("type");
   const auto &at = saved.real("listed_at_m"), &radius = saved.real("radius_m"),
-             &density = saved.real("density_kg_m3");
+             &density = saved.real("density_kg_per_m3");
   for (size_t k = 0; k < id.size(); ++k)
     add_particle(lmp, static_cast<int>(id[k]), static_cast<int>(type[k]), &at[3 * k], radius[k],
                  density[k]);
@@ -176,8 +176,8 @@ void go_on_as_saved(LAMMPS &lmp, const SavedState &saved) {
     throw std::runtime_error("the saved particles came into another order");
   std::copy(image.begin(), image.end(), atom.image);
   put(saved.real("position_m"), atom.x);
-  put(saved.real("velocity_m_s"), atom.v);
-  put(saved.real("spin_rad_s"), atom.omega);
+  put(saved.real("velocity_m_per_s"), atom.v);
+  put(saved.real("spin_rad_per_s"), atom.omega);
   put(saved.real("force_N"), atom.f);
   put(saved.real("torque_N_m"), atom.torque);
   lmp.update->ntimestep = saved.whole("step")[0];

@@ -26,6 +26,6 @@ void go_on_as_saved(LAMMPS_NS::LAMMPS &lmp, const SavedState &saved);
 
 // A solid sphere at rest at the end of this rank's particles; returns its place there.
 int add_particle(LAMMPS_NS::LAMMPS &lmp, int id, int type, const double *position_m,
-                 double radius_m, double density_kg_m3);
+                 double radius_m, double density_kg_per_m3);
 
 }  // namespace flipflow

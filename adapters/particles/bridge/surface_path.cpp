@@ -12,13 +12,13 @@ SurfacePath::SurfacePath(std::vector<double> position_m)
       end_x_(position_),
       end_v_(position_.size(), 0.0) {}
 
-double SurfacePath::begin(const double *start_m, const double *start_m_s, const double *end_m,
-                          const double *end_m_s, double length_s) {
+double SurfacePath::begin(const double *start_m, const double *start_m_per_s, const double *end_m,
+                          const double *end_m_per_s, double length_s) {
   const size_t n = position_.size();
   start_x_.assign(start_m, start_m + n);
-  start_v_.assign(start_m_s, start_m_s + n);
+  start_v_.assign(start_m_per_s, start_m_per_s + n);
   end_x_.assign(end_m, end_m + n);
-  end_v_.assign(end_m_s, end_m_s + n);
+  end_v_.assign(end_m_per_s, end_m_per_s + n);
   length_ = length_s;
   // The velocity is a quadratic Bezier curve; it stays in the hull of its three control values:
   // both end velocities and (3 (x1 - x0) / h - v0 - v1) in the middle.

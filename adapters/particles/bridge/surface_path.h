@@ -18,8 +18,8 @@ class SurfacePath {
   void place(const std::vector<double> &position_m) { position_ = position_m; }
 
   // Arrays of 3 * points values.  The points go to the start; returns the longest such jump, m.
-  double begin(const double *start_m, const double *start_m_s, const double *end_m,
-             const double *end_m_s, double length_s);
+  double begin(const double *start_m, const double *start_m_per_s, const double *end_m,
+             const double *end_m_per_s, double length_s);
 
   // All points to `fraction` (0 ... 1) of the interval; half-way there they were at `half_way`.
   void move(double fraction, double half_way);
@@ -34,7 +34,7 @@ class SurfacePath {
   const std::vector<double> &positions() const { return position_; }
 
   // No point goes faster than this within the interval.
-  double fastest_m_s() const { return fastest_; }
+  double fastest_m_per_s() const { return fastest_; }
 
   // No point is farther than this from where it was before the last move, which took `step_s`.
   double farthest_moved_m(double step_s) const {

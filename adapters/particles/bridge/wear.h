@@ -20,10 +20,10 @@ class Wear {
   using Contact = LIGGGHTS::ContactModels::SurfacesIntersectData;
 
   Wear() = default;
-  // `rate_m3_N_m` (types x types); `spring`: where the tangential spring is in a contact's history,
+  // `rate_m3_per_N_m` (types x types); `spring`: where the tangential spring is in a contact's history,
   // -1 without one.
-  Wear(std::vector<double> rate_m3_N_m, int types, int spring, int points)
-      : rate_m3_N_m_(std::move(rate_m3_N_m)),
+  Wear(std::vector<double> rate_m3_per_N_m, int types, int spring, int points)
+      : rate_m3_per_N_m_(std::move(rate_m3_per_N_m)),
         types_(types),
         spring_(spring),
         worn_m3_(points, 0.0) {}
@@ -41,7 +41,7 @@ class Wear {
   const std::vector<double> &worn_m3() const { return worn_m3_; }  // since t = 0, by point
 
  private:
-  std::vector<double> rate_m3_N_m_;
+  std::vector<double> rate_m3_per_N_m_;
   int types_ = 0, spring_ = -1;
   std::vector<double> worn_m3_;
 };

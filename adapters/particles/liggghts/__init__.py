@@ -103,9 +103,9 @@ class Liggghts:
         try:
             self._engine.begin_path(
                 path.start.position_m,
-                path.start.velocity_m_s,
+                path.start.velocity_m_per_s,
                 path.end.position_m,
-                path.end.velocity_m_s,
+                path.end.velocity_m_per_s,
                 interval.length_s,
                 steps,
             )
@@ -113,9 +113,7 @@ class Liggghts:
             self._prepare()
             self._engine.run(steps, interval.length_s / steps)
         except RuntimeError as error:
-            raise SolverFailed(
-                f"LIGGGHTS failed after t = {interval.start_s} s: {error}"
-            ) from error
+            raise SolverFailed(f"LIGGGHTS failed after t = {interval.start_s} s: {error}") from error
         self._ledger.fell(interval.length_s)
         self._take_out(interval, interval.length_s / steps)
         crossed = self._engine.take_crossings()
@@ -145,8 +143,8 @@ class Liggghts:
 
     def response(self, length_s: float) -> Response:
         assert self._plan.responds, "asked of a plan without"
-        push_N, impedance_N_s_m = (self._summed(a) for a in self._engine.response(length_s))
-        return Response(push_N, impedance_N_s_m.reshape(-1, 3, 3))
+        push_N, impedance_N_s_per_m = (self._summed(a) for a in self._engine.response(length_s))
+        return Response(push_N, impedance_N_s_per_m.reshape(-1, 3, 3))
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """This rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
@@ -207,7 +205,7 @@ class Liggghts:
     def _take_out(self, interval: Interval, step_s: float) -> None:
         mine = self._engine.take_removed()
         # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
-        mine["v"] += step_s / 2.0 * self._plan.gravity_m_s2
+        mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
         self._ledger.removed(mine, interval.length_s - step_s * mine["step"], step_s)
         if len(mine["tag"]):
             self._removed.append(removed(mine, interval.start_s + step_s * mine["step"]))

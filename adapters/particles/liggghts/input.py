@@ -108,7 +108,7 @@ def input_text(plan: ParticlesPlan) -> str:
         friction=_friction(plan),
         adhesion=_adhesion(plan),
         model=contact_model(plan),
-        gravity=_gravity(plan.gravity_m_s2),
+        gravity=_gravity(plan.gravity_m_per_s2),
         step=words(np.array(plan.sync_interval_s / steps_in(plan.sync_interval_s, plan.step_s))),
     )
 
@@ -136,9 +136,9 @@ def _friction(plan: ParticlesPlan) -> str:
 
 def _adhesion(plan: ParticlesPlan) -> str:
     match plan.adhesion:
-        case Jkr(work_J_m2=values):
+        case Jkr(work_J_per_m2=values):
             name = "workOfAdhesion"  # of `model jkr`, which is flipflow's own
-        case Sjkr(energy_density_J_m3=values):
+        case Sjkr(energy_density_J_per_m3=values):
             name = "cohesionEnergyDensity"
         case None:
             return ""
@@ -146,9 +146,9 @@ def _adhesion(plan: ParticlesPlan) -> str:
     return f"fix adhesion    all property/global {name} {head} {words(values)}\n"
 
 
-def _gravity(gravity_m_s2: Array) -> str:
-    size_m_s2 = float(np.linalg.norm(gravity_m_s2))
-    if size_m_s2 == 0:
+def _gravity(gravity_m_per_s2: Array) -> str:
+    size_m_per_s2 = float(np.linalg.norm(gravity_m_per_s2))
+    if size_m_per_s2 == 0:
         return ""
-    direction = gravity_m_s2 / size_m_s2
-    return f"fix gravity     all gravity {words(np.array(size_m_s2))} vector {words(direction)}\n"
+    direction = gravity_m_per_s2 / size_m_per_s2
+    return f"fix gravity     all gravity {words(np.array(size_m_per_s2))} vector {words(direction)}\n"

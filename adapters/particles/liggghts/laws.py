@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 def set_laws(engine: Engine, plan: ParticlesPlan) -> None:
     """What the engine needs to know of the laws for the energy in contacts."""
     match plan.adhesion:
-        case Jkr(work_J_m2=strength):
+        case Jkr(work_J_per_m2=strength):
             adhesion = "jkr"
-        case Sjkr(energy_density_J_m3=strength):
+        case Sjkr(energy_density_J_per_m3=strength):
             adhesion = "sjkr"
         case None:
             adhesion, strength = "none", np.zeros(0)

@@ -24,10 +24,10 @@ def snapshot(mine: Arrays, communicator: Any) -> ParticleSnapshot:
     return ParticleSnapshot(
         id=tag[order].astype(np.int64),
         position_m=x[order],
-        velocity_m_s=v[order],
-        spin_rad_s=omega[order],
+        velocity_m_per_s=v[order],
+        spin_rad_per_s=omega[order],
         diameter_m=2.0 * radius[order],
-        density_kg_m3=density[order],
+        density_kg_per_m3=density[order],
         material=kind[order].astype(np.int64) - 1,
     )
 
@@ -38,9 +38,9 @@ def removed(mine: Arrays, time_s: Array) -> Removed:
         id=mine["tag"].astype(np.int64),
         time_s=time_s,
         position_m=mine["x"],
-        velocity_m_s=mine["v"],
+        velocity_m_per_s=mine["v"],
         diameter_m=2.0 * mine["radius"],
-        density_kg_m3=mine["density"],
+        density_kg_per_m3=mine["density"],
         material=mine["type"].astype(np.int64) - 1,
         exit=mine["exit"].astype(np.int64),
     )

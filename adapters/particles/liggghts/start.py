@@ -34,8 +34,8 @@ def start(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine:
         0.5 * plan.largest_diameter_m,
     )
     set_laws(engine, plan)
-    if plan.wear_m3_N_m is not None:
-        engine.set_wear(plan.wear_m3_N_m.ravel().tolist())
+    if plan.wear_m3_per_N_m is not None:
+        engine.set_wear(plan.wear_m3_per_N_m.ravel().tolist())
     if plan.responds:
         engine.ask_response()
     if plan.periodic_y:
@@ -68,10 +68,10 @@ def create(engine: Engine, new: ParticleList, first_id: int) -> None:
     """Particles from memory, with ids in order from ``first_id``."""
     engine.create(
         new.position_m,
-        new.velocity_m_s,
-        new.spin_rad_s,
+        new.velocity_m_per_s,
+        new.spin_rad_per_s,
         new.diameter_m,
-        new.density_kg_m3,
+        new.density_kg_per_m3,
         new.material.astype(np.int32) + 1,
         first_id,
     )

@@ -59,8 +59,7 @@ def build(plan: ParticlesPlan) -> SpheresSolver:
     """Raises ValueError for periodic sides, which this solver lacks, or a bad restitution."""
     if plan.periodic_y:
         raise ValueError(
-            "particles solver 'spheres' has no periodic sides: "
-            "give the slice walls or use 'liggghts'"
+            "particles solver 'spheres' has no periodic sides: give the slice walls or use 'liggghts'"
         )
     return SpheresSolver(plan)
 
@@ -100,9 +99,9 @@ class SpheresSolver:
         self._given = self._given + step_s / 2.0 * on_surface_N_m
         impulse_N_s = step_s / 2.0 * self._now.on_points_N
         for step in range(1, steps + 1):
-            half_way_m_s = path.velocity_m_s((step - 0.5) / steps)
+            half_way_m_per_s = path.velocity_m_per_s((step - 0.5) / steps)
             centers_m = self._spheres.position_m.copy()
-            self._step(step_s, path.at(step / steps), half_way_m_s)
+            self._step(step_s, path.at(step / steps), half_way_m_per_s)
             impulse_N_s += step_s * self._now.on_points_N
             self._given = self._given + step_s * self._on_surface_N_m()
             self._watch(centers_m, before_m, start_s + step * step_s)
@@ -127,7 +126,7 @@ class SpheresSolver:
         return self._crossings
 
     def response(self, length_s: float) -> Response:
-        return response(self._system, self._spheres, self._now, self._plan.gravity_m_s2, length_s)
+        return response(self._system, self._spheres, self._now, self._plan.gravity_m_per_s2, length_s)
 
     def worn_m3(self) -> Array:
         assert self._wear is not None, "asked of a plan without wear"
@@ -136,21 +135,21 @@ class SpheresSolver:
     def account(self) -> Account:
         stored_J = {
             "kinetic": self._spheres.kinetic_J(),
-            "gravitational": self._spheres.gravitational_J(self._plan.gravity_m_s2),
+            "gravitational": self._spheres.gravitational_J(self._plan.gravity_m_per_s2),
             "contact_elastic": float(self._now.elastic_J.sum()),
         }
         if self._plan.adhesion is not None:
             stored_J["adhesion"] = float(self._now.adhesion_J.sum())
         return Account(
-            self._spheres.momentum_kg_m_s(),
+            self._spheres.momentum_kg_m_per_s(),
             self._impulse_N_s.copy(),
             stored_J,
             lost_J={"contact_dissipation": self._lost_J},
             supplied_J=dict(self._supplied_J),
             received_J={"surface": self._received_J},
             angular=AngularAccount(
-                self._spheres.angular_momentum_kg_m2_s(),
-                self._came + np.cross(self._fell_kg_m_s, self._plan.gravity_m_s2),
+                self._spheres.angular_momentum_kg_m2_per_s(),
+                self._came + np.cross(self._fell_kg_m_s, self._plan.gravity_m_per_s2),
                 {"surface": -self._given},
             ),
         )
@@ -168,22 +167,22 @@ class SpheresSolver:
     def close(self) -> None:
         pass
 
-    def _step(self, step_s: float, surface: Motion, half_way_m_s: Array) -> None:
+    def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
         """Forces at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._spheres, self._now
         self._kick(step_s / 2.0)
         falls_kg_m = now.mass_kg @ now.position_m
-        now.position_m += step_s * now.velocity_m_s
+        now.position_m += step_s * now.velocity_m_per_s
         falls_kg_m = falls_kg_m + now.mass_kg @ now.position_m
         self._fell_kg_m_s = self._fell_kg_m_s + step_s / 2.0 * falls_kg_m
         if self._near.outdated(now.position_m, surface.position_m):
             self._near = neighbours(now, self._plan.surface, surface.position_m)
-        self._now = self._forces(Motion(surface.position_m, half_way_m_s), before, step_s)
+        self._now = self._forces(Motion(surface.position_m, half_way_m_per_s), before, step_s)
         self._kick(step_s / 2.0)
-        self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_s2
+        self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_per_s2
         self._surface_to(surface.position_m, before)
-        moved = self._now.carried(surface.velocity_m_s)
-        self._now = moved.damped(now.velocity_m_s, now.spin_rad_s)
+        moved = self._now.carried(surface.velocity_m_per_s)
+        self._now = moved.damped(now.velocity_m_per_s, now.spin_rad_per_s)
         self._lost_J += self._now.lost_J
         self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
 
@@ -192,15 +191,15 @@ class SpheresSolver:
         self._lost_J += self._now.spent_J(surface.position_m - self._surface_m)
         self._surface_to(surface.position_m, self._now)
         now = self._spheres
-        moved = self._now.carried(surface.velocity_m_s)
-        self._now = moved.damped(now.velocity_m_s, now.spin_rad_s)
+        moved = self._now.carried(surface.velocity_m_per_s)
+        self._now = moved.damped(now.velocity_m_per_s, now.spin_rad_per_s)
 
     def _kick(self, step_s: float) -> None:
         now = self._spheres
-        now.velocity_m_s += step_s * (
-            self._now.force_N / now.mass_kg[:, None] + self._plan.gravity_m_s2
+        now.velocity_m_per_s += step_s * (
+            self._now.force_N / now.mass_kg[:, None] + self._plan.gravity_m_per_s2
         )
-        now.spin_rad_s += step_s * self._now.torque_N_m / now.inertia_kg_m2[:, None]
+        now.spin_rad_per_s += step_s * self._now.torque_N_m / now.inertia_kg_m2[:, None]
 
     def _forces(self, surface: Motion, before: Forces | None, step_s: float) -> Forces:
         return forces_at(self._system, self._spheres, surface, self._near, before, step_s)
@@ -223,9 +222,7 @@ class SpheresSolver:
         way_m = (before_m, self._surface_m)
         rows = crossed(now, self._now.touching, centers_m, self._plan.surface.triangles, way_m)
         if len(rows):
-            some = Crossings(
-                len(rows), int(now.id[rows[0]]), time_s, now.position_m[rows[0]].copy()
-            )
+            some = Crossings(len(rows), int(now.id[rows[0]]), time_s, now.position_m[rows[0]].copy())
             self._crossings = self._crossings.followed_by(some)
 
     def _deepest_now(self) -> Overlaps:
@@ -244,8 +241,8 @@ class SpheresSolver:
         new.id = next_id + np.arange(len(new))
         self.fed += len(new)
         self._supplied_J["feed"] += self._mechanical_J(new)
-        self._impulse_N_s += new.momentum_kg_m_s()
-        self._came = self._came + new.angular_momentum_kg_m2_s()
+        self._impulse_N_s += new.momentum_kg_m_per_s()
+        self._came = self._came + new.angular_momentum_kg_m2_per_s()
         self._replace(self._spheres.joined(new), np.arange(len(self._spheres)))
 
     def _room_for(self, offered: Spheres) -> npt.NDArray[np.bool_]:
@@ -271,8 +268,8 @@ class SpheresSolver:
         self._removed.append(left.removed(time_s, exit_of[~stays]))
         ended_J = stored_J - self._contacts_J()
         self._supplied_J["removal"] -= self._mechanical_J(left) + ended_J
-        self._impulse_N_s -= left.momentum_kg_m_s()
-        self._came = self._came - left.angular_momentum_kg_m2_s()
+        self._impulse_N_s -= left.momentum_kg_m_per_s()
+        self._came = self._came - left.angular_momentum_kg_m2_per_s()
 
     def _replace(self, new: Spheres, row: Indices) -> None:
         """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""
@@ -284,4 +281,4 @@ class SpheresSolver:
         return float(self._now.elastic_J.sum() + self._now.adhesion_J.sum())
 
     def _mechanical_J(self, some: Spheres) -> float:
-        return some.kinetic_J() + some.gravitational_J(self._plan.gravity_m_s2)
+        return some.kinetic_J() + some.gravitational_J(self._plan.gravity_m_per_s2)

@@ -40,19 +40,17 @@ class NormalLaw(Protocol):
         """Overlap, not above 0, down to which a contact that has formed holds."""
         ...
 
-    def at(
-        self, materials: Materials, radii_m: tuple[Array, Array], overlap_m: Array
-    ) -> Normal: ...
+    def at(self, materials: Materials, radii_m: tuple[Array, Array], overlap_m: Array) -> Normal: ...
 
 
 def normal_law(plan: ParticlesPlan, youngs_modulus_Pa: Array) -> NormalLaw:
     """The plan's, with its reduced moduli (k, k)."""
     match plan.adhesion:
-        case Jkr(work_J_m2=work_J_m2, largest_stretch=stretch):
+        case Jkr(work_J_per_m2=work_J_per_m2, largest_stretch=stretch):
             reach_m = stretch * plan.largest_diameter_m
-            return JkrLaw(youngs_modulus_Pa, work_J_m2, reach_m)
-        case Sjkr(energy_density_J_m3=energy_density_J_m3):
-            return SjkrLaw(youngs_modulus_Pa, energy_density_J_m3)
+            return JkrLaw(youngs_modulus_Pa, work_J_per_m2, reach_m)
+        case Sjkr(energy_density_J_per_m3=energy_density_J_per_m3):
+            return SjkrLaw(youngs_modulus_Pa, energy_density_J_per_m3)
         case None:
             return HertzLaw(youngs_modulus_Pa)
 
@@ -82,7 +80,7 @@ class SjkrLaw:
     or a sphere and a plane, cut each other."""
 
     youngs_modulus_Pa: Array
-    energy_density_J_m3: Array
+    energy_density_J_per_m3: Array
     reach_m: float = 0.0
 
     def separation_m(self, materials: Materials, radii_m: tuple[Array, Array]) -> Array:
@@ -91,13 +89,13 @@ class SjkrLaw:
     def at(self, materials: Materials, radii_m: tuple[Array, Array], overlap_m: Array) -> Normal:
         hertz = HertzLaw(self.youngs_modulus_Pa).at(materials, radii_m, overlap_m)
         area_m2, volume_m3 = _lens(radii_m, overlap_m)
-        pull_N = self.energy_density_J_m3[materials] * area_m2
+        pull_N = self.energy_density_J_per_m3[materials] * area_m2
         return Normal(
             hertz.contact_radius_m,
             hertz.force_N - pull_N,
             pull_N,
             hertz.elastic_J,
-            -self.energy_density_J_m3[materials] * volume_m3,
+            -self.energy_density_J_per_m3[materials] * volume_m3,
         )
 
 
@@ -120,7 +118,7 @@ class JkrLaw:
     branch is the largest root u >= 1 of  u^4 - 4 u = 3 overlap."""
 
     youngs_modulus_Pa: Array
-    work_J_m2: Array
+    work_J_per_m2: Array
     reach_m: float
 
     def separation_m(self, materials: Materials, radii_m: tuple[Array, Array]) -> Array:
@@ -128,21 +126,20 @@ class JkrLaw:
         return np.asarray(-3.0 * self._snapping_neck_m(materials, radius_m) ** 2 / radius_m)
 
     def at(self, materials: Materials, radii_m: tuple[Array, Array], overlap_m: Array) -> Normal:
-        E_Pa, work_J_m2 = self.youngs_modulus_Pa[materials], self.work_J_m2[materials]
+        E_Pa, work_J_per_m2 = self.youngs_modulus_Pa[materials], self.work_J_per_m2[materials]
         radius_m = reduced(radii_m)
         neck_m = self._neck_m(materials, radius_m, overlap_m)
         flat_m = neck_m**2 / radius_m
         return Normal(
             neck_m,
-            4.0 / 3.0 * E_Pa * neck_m * flat_m
-            - np.sqrt(8.0 * np.pi * work_J_m2 * E_Pa * neck_m**3),
-            3.0 * np.pi * work_J_m2 * radius_m,  # twice the pull-off force
+            4.0 / 3.0 * E_Pa * neck_m * flat_m - np.sqrt(8.0 * np.pi * work_J_per_m2 * E_Pa * neck_m**3),
+            3.0 * np.pi * work_J_per_m2 * radius_m,  # twice the pull-off force
             E_Pa * neck_m * (overlap_m**2 - 2.0 / 3.0 * flat_m * overlap_m + 0.2 * flat_m**2),
-            -np.pi * neck_m**2 * work_J_m2,
+            -np.pi * neck_m**2 * work_J_per_m2,
         )
 
     def _snapping_neck_m(self, materials: Materials, radius_m: Array) -> Array:
-        work_m = np.pi * self.work_J_m2[materials] / (8.0 * self.youngs_modulus_Pa[materials])
+        work_m = np.pi * self.work_J_per_m2[materials] / (8.0 * self.youngs_modulus_Pa[materials])
         return np.asarray(np.cbrt(work_m * radius_m**2))
 
     def _neck_m(self, materials: Materials, radius_m: Array, overlap_m: Array) -> Array:

@@ -57,9 +57,9 @@ class Springs:
 
     normal_N: Array
     pull_N: Array
-    tangential_N_m: Array
-    normal_N_s_m: Array
-    tangential_N_s_m: Array
+    tangential_N_per_m: Array
+    normal_N_s_per_m: Array
+    tangential_N_s_per_m: Array
     friction: Array
 
 
@@ -88,21 +88,21 @@ class ContactForces:
     grip_N: Array  # (n,) what friction and rolling resistance go by
 
 
-def contact_forces(law: Springs, normal: Array, slip_m_s: Array, shear_m: Array) -> ContactForces:
-    """``normal`` points from the second partner to the first; ``slip_m_s`` (n, 3) is the velocity
+def contact_forces(law: Springs, normal: Array, slip_m_per_s: Array, shear_m: Array) -> ContactForces:
+    """``normal`` points from the second partner to the first; ``slip_m_per_s`` (n, 3) is the velocity
     of the first relative to the second at the contact; ``shear_m`` the spring's elongation with
     this step's slip in it.  A sliding contact has no tangential damping.
     """
-    closing_m_s = np.einsum("ij,ij->i", slip_m_s, normal)
-    damping_n = -law.normal_N_s_m * closing_m_s
+    closing_m_per_s = np.einsum("ij,ij->i", slip_m_per_s, normal)
+    damping_n = -law.normal_N_s_per_m * closing_m_per_s
     grip_N = np.abs(law.normal_N + damping_n + law.pull_N)
-    stretched_N = law.tangential_N_m * np.linalg.norm(shear_m, axis=1)
+    stretched_N = law.tangential_N_per_m * np.linalg.norm(shear_m, axis=1)
     limit_N = law.friction * grip_N
     sliding = stretched_N > limit_N
     shrink = np.where(sliding, limit_N / np.where(sliding, stretched_N, 1.0), 1.0)
     shear_m = shear_m * shrink[:, None]
-    tangential_N_s_m = np.where(sliding, 0.0, law.tangential_N_s_m)
-    tangential_m_s = slip_m_s - closing_m_s[:, None] * normal
-    damping_N = damping_n[:, None] * normal - tangential_N_s_m[:, None] * tangential_m_s
-    elastic_N = law.normal_N[:, None] * normal - law.tangential_N_m[:, None] * shear_m
+    tangential_N_s_per_m = np.where(sliding, 0.0, law.tangential_N_s_per_m)
+    tangential_m_per_s = slip_m_per_s - closing_m_per_s[:, None] * normal
+    damping_N = damping_n[:, None] * normal - tangential_N_s_per_m[:, None] * tangential_m_per_s
+    elastic_N = law.normal_N[:, None] * normal - law.tangential_N_per_m[:, None] * shear_m
     return ContactForces(elastic_N + damping_N, damping_N, shear_m, grip_N)

@@ -66,9 +66,7 @@ def _through_any(center_m: Way, corners_m: Way) -> npt.NDArray[np.bool_]:
     return through
 
 
-def _at(
-    fraction: float | Array, before_m: Array, now_m: Array, corners_m: Way
-) -> tuple[Array, Array]:
+def _at(fraction: float | Array, before_m: Array, now_m: Array, corners_m: Way) -> tuple[Array, Array]:
     """Corners (m, 3, 3), seen from the point, and normals (m, 3) of the triangles on the way."""
     share = np.broadcast_to(fraction, len(corners_m[0]))[:, None]
     point_m = before_m + share * (now_m - before_m)

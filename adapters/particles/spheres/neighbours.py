@@ -39,9 +39,7 @@ def neighbours(spheres: Spheres, surface: TriangleSurface, surface_m: Array) -> 
     gap_m = np.linalg.norm(spheres.position_m[i] - spheres.position_m[j], axis=1)
     near = gap_m < spheres.radius_m[i] + spheres.radius_m[j] + skin_m
     sphere, triangle = near_surface(spheres, skin_m, surface_m[surface.triangles])
-    return Neighbours(
-        i[near], j[near], sphere, triangle, spheres.position_m.copy(), surface_m.copy(), skin_m
-    )
+    return Neighbours(i[near], j[near], sphere, triangle, spheres.position_m.copy(), surface_m.copy(), skin_m)
 
 
 def near_surface(spheres: Spheres, skin_m: float, corners_m: Array) -> tuple[Indices, Indices]:

@@ -21,22 +21,22 @@ class Partners:
     materials: Materials
     radii_m: tuple[Array, Array]
     mass_kg: Array
-    spin_rad_s: Array
-    rolling_rad_s: Array
+    spin_rad_per_s: Array
+    rolling_rad_per_s: Array
 
 
-def partners(contacts: Touching, spheres: Spheres, surface_rad_s: Array) -> Partners:
-    """``surface_rad_s`` (surface contacts, 3): spin of the surface there."""
+def partners(contacts: Touching, spheres: Spheres, surface_rad_per_s: Array) -> Partners:
+    """``surface_rad_per_s`` (surface contacts, 3): spin of the surface there."""
     first, second, pairs = contacts.first, contacts.second, contacts.pairs
     radius_m, other_m = spheres.radius_m[first], np.full(len(first), np.inf)
     other_m[:pairs] = spheres.radius_m[second]
     inverse_kg = 1.0 / spheres.mass_kg[first]
     inverse_kg[:pairs] += 1.0 / spheres.mass_kg[second]
-    spin_rad_s = spheres.spin_rad_s[first]
-    spin_rad_s[:pairs] -= spheres.spin_rad_s[second]
-    spin_rad_s[pairs:] -= surface_rad_s
-    rolling_rad_s = spin_rad_s.copy()
+    spin_rad_per_s = spheres.spin_rad_per_s[first]
+    spin_rad_per_s[:pairs] -= spheres.spin_rad_per_s[second]
+    spin_rad_per_s[pairs:] -= surface_rad_per_s
+    rolling_rad_per_s = spin_rad_per_s.copy()
     distance_m = radius_m[pairs:] - contacts.overlap_m[pairs:]
-    rolling_rad_s[pairs:] *= (contacts.lever_m[pairs:] / distance_m)[:, None]
+    rolling_rad_per_s[pairs:] *= (contacts.lever_m[pairs:] / distance_m)[:, None]
     materials = (spheres.material[first], contacts.material)
-    return Partners(materials, (radius_m, other_m), 1.0 / inverse_kg, spin_rad_s, rolling_rad_s)
+    return Partners(materials, (radius_m, other_m), 1.0 / inverse_kg, spin_rad_per_s, rolling_rad_per_s)

@@ -43,11 +43,11 @@ class Rolling:
         arm_m = self.coefficient[partners.materials] * radius_m
         if self.law == "cdt":
             limit_N_m = arm_m * (springs.normal_N + springs.pull_N)
-            return _directional(limit_N_m, normal, partners.rolling_rad_s)
-        stiffness_N_m = springs.tangential_N_m * radius_m**2
-        turn_rad = step_s * across(partners.rolling_rad_s, normal)
+            return _directional(limit_N_m, normal, partners.rolling_rad_per_s)
+        stiffness_N_per_m = springs.tangential_N_per_m * radius_m**2
+        turn_rad = step_s * across(partners.rolling_rad_per_s, normal)
         # what came to lie along the turning normal is dropped: no rotation would take it back
-        couple_N_m = across(before_N_m, normal) - stiffness_N_m[:, None] * turn_rad
+        couple_N_m = across(before_N_m, normal) - stiffness_N_per_m[:, None] * turn_rad
         return _limited(couple_N_m, arm_m * at.grip_N)
 
 
@@ -58,10 +58,10 @@ def rolling(plan: ParticlesPlan) -> Rolling | None:
     return Rolling(plan.rolling, plan.rolling_friction)
 
 
-def _directional(limit_N_m: Array, normal: Array, spin_rad_s: Array) -> Array:
-    size = np.linalg.norm(spin_rad_s, axis=1)
+def _directional(limit_N_m: Array, normal: Array, spin_rad_per_s: Array) -> Array:
+    size = np.linalg.norm(spin_rad_per_s, axis=1)
     share = limit_N_m / np.where(size > 0.0, size, 1.0)
-    return across(-share[:, None] * spin_rad_s, normal)
+    return across(-share[:, None] * spin_rad_per_s, normal)
 
 
 def _limited(couple_N_m: Array, limit_N_m: Array) -> Array:

@@ -75,9 +75,7 @@ def _pair_rows(i: Indices, j: Indices, before: Touching | None, spheres: int) ->
     return np.asarray(np.where(old[place] == new, place, -1))
 
 
-def _necked_before(
-    sphere: Indices, normal: Array, before: Touching | None
-) -> npt.NDArray[np.bool_]:
+def _necked_before(sphere: Indices, normal: Array, before: Touching | None) -> npt.NDArray[np.bool_]:
     """Which places of spheres on the surface continue, or come from, a contact before."""
     if before is None:
         return np.zeros(len(sphere), dtype=bool)
@@ -114,9 +112,7 @@ def on_surface(
         hit, depth_m = hit[held], depth_m[held]
     normal = out_m[hit] / distance_m[hit, None]
     inside = barycentric[hit] > 0.0
-    weight, turning = shared(
-        Places(sphere[hit], depth_m, distance_m[hit], normal, corners_m[hit], inside)
-    )
+    weight, turning = shared(Places(sphere[hit], depth_m, distance_m[hit], normal, corners_m[hit], inside))
     counts = np.flatnonzero(weight > 0.0)
     hit = hit[counts]
     return (

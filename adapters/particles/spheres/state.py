@@ -18,11 +18,11 @@ class Spheres:
 
     id: Indices
     position_m: Array  # (n, 3)
-    velocity_m_s: Array  # (n, 3)
-    spin_rad_s: Array  # (n, 3)
+    velocity_m_per_s: Array  # (n, 3)
+    spin_rad_per_s: Array  # (n, 3)
     radius_m: Array
     mass_kg: Array
-    density_kg_m3: Array
+    density_kg_per_m3: Array
     material: Indices
 
     def __len__(self) -> int:
@@ -39,30 +39,30 @@ class Spheres:
         pairs = ((getattr(self, f.name), getattr(others, f.name)) for f in fields(self))
         return Spheres(*(np.concatenate(pair) for pair in pairs))
 
-    def momentum_kg_m_s(self) -> Array:
-        return self.mass_kg @ self.velocity_m_s
+    def momentum_kg_m_per_s(self) -> Array:
+        return self.mass_kg @ self.velocity_m_per_s
 
-    def angular_momentum_kg_m2_s(self) -> Array:
+    def angular_momentum_kg_m2_per_s(self) -> Array:
         """(3,) about the world's origin."""
-        orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_s)
-        return np.asarray(orbital + self.inertia_kg_m2 @ self.spin_rad_s)
+        orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_per_s)
+        return np.asarray(orbital + self.inertia_kg_m2 @ self.spin_rad_per_s)
 
     def kinetic_J(self) -> float:
-        moving = self.mass_kg @ np.sum(self.velocity_m_s**2, axis=1)
-        return float(moving + self.inertia_kg_m2 @ np.sum(self.spin_rad_s**2, axis=1)) / 2.0
+        moving = self.mass_kg @ np.sum(self.velocity_m_per_s**2, axis=1)
+        return float(moving + self.inertia_kg_m2 @ np.sum(self.spin_rad_per_s**2, axis=1)) / 2.0
 
-    def gravitational_J(self, gravity_m_s2: Array) -> float:
+    def gravitational_J(self, gravity_m_per_s2: Array) -> float:
         """Zero at the world's origin."""
-        return -float(self.mass_kg @ (self.position_m @ gravity_m_s2))
+        return -float(self.mass_kg @ (self.position_m @ gravity_m_per_s2))
 
     def snapshot(self) -> ParticleSnapshot:
         return ParticleSnapshot(
             self.id.copy(),
             self.position_m.copy(),
-            self.velocity_m_s.copy(),
-            self.spin_rad_s.copy(),
+            self.velocity_m_per_s.copy(),
+            self.spin_rad_per_s.copy(),
             2.0 * self.radius_m,
-            self.density_kg_m3.copy(),
+            self.density_kg_per_m3.copy(),
             self.material.copy(),
         )
 
@@ -72,9 +72,9 @@ class Spheres:
             self.id,
             np.full(len(self), time_s),
             self.position_m,
-            self.velocity_m_s,
+            self.velocity_m_per_s,
             2.0 * self.radius_m,
-            self.density_kg_m3,
+            self.density_kg_per_m3,
             self.material,
             exit_of,
         )
@@ -85,10 +85,10 @@ def spheres(particles: ParticleList, first_id: int) -> Spheres:
     return Spheres(
         first_id + np.arange(len(particles)),
         particles.position_m.copy(),
-        particles.velocity_m_s.copy(),
-        particles.spin_rad_s.copy(),
+        particles.velocity_m_per_s.copy(),
+        particles.spin_rad_per_s.copy(),
         radius_m,
-        particles.density_kg_m3 * (4.0 / 3.0) * math.pi * radius_m**3,
-        particles.density_kg_m3.copy(),
+        particles.density_kg_per_m3 * (4.0 / 3.0) * math.pi * radius_m**3,
+        particles.density_kg_per_m3.copy(),
         particles.material.copy(),
     )

@@ -37,16 +37,16 @@ class Touching:
     def pairs(self) -> int:
         return len(self.second)
 
-    def slip_m_s(self, velocity_m_s: Array, spin_rad_s: Array, surface_m_s: Array) -> Array:
+    def slip_m_per_s(self, velocity_m_per_s: Array, spin_rad_per_s: Array, surface_m_per_s: Array) -> Array:
         """Velocity (n, 3) of the first partner relative to the second at the contact.
 
-        ``surface_m_s`` (n - pairs, 3) is the surface's velocity at its contacts.
+        ``surface_m_per_s`` (n - pairs, 3) is the surface's velocity at its contacts.
         """
-        turning = self.lever_m[:, None] * spin_rad_s[self.first]
-        turning[: self.pairs] += self.second_lever_m[:, None] * spin_rad_s[self.second]
-        slip = velocity_m_s[self.first] - cross(turning, self.normal)
-        slip[: self.pairs] -= velocity_m_s[self.second]
-        slip[self.pairs :] -= surface_m_s
+        turning = self.lever_m[:, None] * spin_rad_per_s[self.first]
+        turning[: self.pairs] += self.second_lever_m[:, None] * spin_rad_per_s[self.second]
+        slip = velocity_m_per_s[self.first] - cross(turning, self.normal)
+        slip[: self.pairs] -= velocity_m_per_s[self.second]
+        slip[self.pairs :] -= surface_m_per_s
         return slip
 
     def renumbered(self, row: Indices) -> tuple[npt.NDArray[np.bool_], Touching]:
@@ -113,9 +113,7 @@ class Touching:
         np.subtract.at(force, self.second, force_N[: self.pairs])
         pair = slice(self.pairs)
         np.add.at(torque, self.first, couple_N_m - self.lever_m[:, None] * turning)
-        np.subtract.at(
-            torque, self.second, couple_N_m[pair] + self.second_lever_m[:, None] * turning[pair]
-        )
+        np.subtract.at(torque, self.second, couple_N_m[pair] + self.second_lever_m[:, None] * turning[pair])
         return force, torque
 
     def on_points(self, force_N: Array, turning_N: Array, couple_N_m: Array, points: int) -> Array:
@@ -125,9 +123,7 @@ class Touching:
         surface = slice(self.pairs, None)
         given, normal, of_contact_N = np.zeros((points, 3)), self.normal[surface], force_N[surface]
         from_surface_N = of_contact_N + turning_N
-        about_center_N_m = couple_N_m[surface] - self.lever_m[surface, None] * cross(
-            normal, of_contact_N
-        )
+        about_center_N_m = couple_N_m[surface] - self.lever_m[surface, None] * cross(normal, of_contact_N)
         moment_N_m = about_center_N_m + self.distance_m[:, None] * cross(normal, from_surface_N)
         shares = self.barycentric[:, :, None] * from_surface_N[:, None, :]
         np.subtract.at(given, self.points, shares + self.triangle.forces(moment_N_m))

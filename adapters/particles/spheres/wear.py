@@ -18,17 +18,17 @@ from orchestrator.ports.plans import ParticlesPlan
 
 @dataclass(frozen=True)
 class Wear:
-    """``rate_m3_N_m`` (k, k) by pair of materials; ``worn_m3`` (points,) since t = 0."""
+    """``rate_m3_per_N_m`` (k, k) by pair of materials; ``worn_m3`` (points,) since t = 0."""
 
-    rate_m3_N_m: Array
+    rate_m3_per_N_m: Array
     worn_m3: Array
 
     def rub(self, contacts: Touching, materials: Materials, grip_N: Array, slid_m: Array) -> None:
         """All contacts at an instant: ``grip_N`` (n,) what friction goes by, ``slid_m`` (n, 3)
         what the tangential springs gave way in the step before."""
         surface = slice(contacts.pairs, None)
-        rubbed_N_m = contacts.weight * grip_N * np.linalg.norm(slid_m, axis=1)
-        worn_m3 = (self.rate_m3_N_m[materials] * rubbed_N_m)[surface]
+        rubbed_J = contacts.weight * grip_N * np.linalg.norm(slid_m, axis=1)
+        worn_m3 = (self.rate_m3_per_N_m[materials] * rubbed_J)[surface]
         np.add.at(self.worn_m3, contacts.points, contacts.barycentric * worn_m3[:, None])
 
     def save(self) -> Saved:
@@ -40,6 +40,6 @@ class Wear:
 
 def wear(plan: ParticlesPlan) -> Wear | None:
     """None for a plan in which nothing wears."""
-    if plan.wear_m3_N_m is None:
+    if plan.wear_m3_per_N_m is None:
         return None
-    return Wear(plan.wear_m3_N_m, np.zeros(len(plan.surface.position_m)))
+    return Wear(plan.wear_m3_per_N_m, np.zeros(len(plan.surface.position_m)))

@@ -30,9 +30,7 @@ def minima(sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Arr
     return np.asarray(order[kept])
 
 
-def _are_minima(
-    sphere: Indices, corners: Indices, on_corner: npt.NDArray[np.bool_]
-) -> npt.NDArray[np.bool_]:
+def _are_minima(sphere: Indices, corners: Indices, on_corner: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """Which candidates, sorted by sphere and depth, are minima of the distance to the surface.
 
     A triangle is convex, so the distance grows from its closest point in every direction.  A
@@ -50,9 +48,7 @@ def _are_minima(
     return minimum
 
 
-def match_by_normal(
-    now: tuple[Indices, Array], before: tuple[Indices, Array]
-) -> tuple[Indices, Indices]:
+def match_by_normal(now: tuple[Indices, Array], before: tuple[Indices, Array]) -> tuple[Indices, Indices]:
     """For each contact now (n,) the row of the contact before that it continues, or -1, and the
     row of the one that it continues or comes from, or -1.
 

@@ -46,10 +46,10 @@ class TriangleSpin:
         inverse = rows * (takes / np.where(takes, determinant, 1.0))
         return TriangleSpin(arms_m, np.moveaxis(inverse, 2, 0))
 
-    def spin(self, corners_m_s: Array) -> Array:
+    def spin(self, corners_m_per_s: Array) -> Array:
         """(n, 3) of the corners' velocities (n, 3, 3)."""
         arms_m = self.arms_m.reshape(-1, 3)
-        turning = cross(arms_m, corners_m_s.reshape(-1, 3)).reshape(-1, 3, 3).sum(axis=1)
+        turning = cross(arms_m, corners_m_per_s.reshape(-1, 3)).reshape(-1, 3, 3).sum(axis=1)
         return np.asarray(np.einsum("nij,nj->ni", self.inverse_1_m2, turning))
 
     def forces(self, couple_N_m: Array) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from orchestrator.case.bed.contact_times import (
     contact_moduli,
     hertz_s,
-    impact_speed_m_s,
+    impact_speed_m_per_s,
     reduced_modulus_Pa,
     smallest_diameters_m,
 )
@@ -33,7 +33,7 @@ class StickyContact:
     smaller particle's own."""
 
     contact: int
-    work_J_m2: float  # as the solver gets it
+    work_J_per_m2: float  # as the solver gets it
     reduced_Pa: float
     reduced_kg: float
     reduced_m: float
@@ -41,12 +41,12 @@ class StickyContact:
 
     @property
     def pull_off_N(self) -> float:
-        return 1.5 * math.pi * self.work_J_m2 * self.reduced_m
+        return 1.5 * math.pi * self.work_J_per_m2 * self.reduced_m
 
     @property
     def neck_m(self) -> float:
         """Radius of the contact without any load."""
-        cube_m3 = 4.5 * math.pi * self.work_J_m2 * self.reduced_m**2 / self.reduced_Pa
+        cube_m3 = 4.5 * math.pi * self.work_J_per_m2 * self.reduced_m**2 / self.reduced_Pa
         return math.pow(cube_m3, 1 / 3)
 
     @property
@@ -58,13 +58,13 @@ class StickyContact:
     def half_period_s(self) -> float:
         """Of a small oscillation about the place without load, where the stiffness is
         0.3 * 6^(2/3) pull-off forces per gap at separation."""
-        stiffness_N_m = 0.3 * math.pow(6.0, 2 / 3) * self.pull_off_N / self.separation_m
-        return math.pi * math.sqrt(self.reduced_kg / stiffness_N_m)
+        stiffness_N_per_m = 0.3 * math.pow(6.0, 2 / 3) * self.pull_off_N / self.separation_m
+        return math.pi * math.sqrt(self.reduced_kg / stiffness_N_per_m)
 
 
 def adhesion_law(case: Case) -> str:
     """ "jkr", "sjkr", or "none": also where nothing sticks."""
-    sticks = any(contact.work_of_adhesion_J_m2 for contact in case.contacts)
+    sticks = any(contact.work_of_adhesion_J_per_m2 for contact in case.contacts)
     return (case.particles.adhesion or "jkr") if sticks else "none"
 
 
@@ -73,7 +73,7 @@ def sticky_contacts(case: Case) -> Iterator[StickyContact]:
     if adhesion_law(case) == "none":
         return
     for number, contact in enumerate(case.contacts):
-        if contact.work_of_adhesion_J_m2 > 0:
+        if contact.work_of_adhesion_J_per_m2 > 0:
             for one, two in _bodies(case, contact.between):
                 yield _sticky(case, number, one, two)
 
@@ -85,7 +85,7 @@ def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]
     """Particle and particle, then particle and surface, as far as the case has them."""
     grains = {}
     for name, diameter_m in smallest_diameters_m(case).items():
-        mass_kg = math.pi / 6 * diameter_m**3 * case.materials[name].density_kg_m3
+        mass_kg = math.pi / 6 * diameter_m**3 * case.materials[name].density_kg_per_m3
         grains[name] = (diameter_m / 2, mass_kg)
     one, two = between
     if one in grains and two in grains:
@@ -105,7 +105,7 @@ def _sticky(case: Case, number: int, one: Body, two: Body) -> StickyContact:
     contact = case.contacts[number]
     return StickyContact(
         contact=number,
-        work_J_m2=softened_work_J_m2(case, number),
+        work_J_per_m2=softened_work_J_per_m2(case, number),
         reduced_Pa=_reduced_Pa(case, contact.between, case.particles.largest_youngs_modulus_Pa),
         reduced_kg=1 / (1 / one[1] + 1 / two[1]),
         reduced_m=1 / (1 / one[0] + 1 / two[0]),
@@ -118,7 +118,7 @@ def _reduced_Pa(case: Case, between: tuple[str, str], cap_Pa: float | None) -> f
     return reduced_modulus_Pa(one, two)
 
 
-def softened_work_J_m2(case: Case, number: int) -> float:
+def softened_work_J_per_m2(case: Case, number: int) -> float:
     """Work of adhesion for contacts that may be softer than the case's materials.
 
     "sticking" keeps the speed below which particles stick: the energy that a neck takes goes with
@@ -129,10 +129,10 @@ def softened_work_J_m2(case: Case, number: int) -> float:
     """
     contact = case.contacts[number]
     if case.particles.softened_adhesion == "pull-off":
-        return contact.work_of_adhesion_J_m2
+        return contact.work_of_adhesion_J_per_m2
     cap_Pa = case.particles.largest_youngs_modulus_Pa
     ratio = _reduced_Pa(case, contact.between, cap_Pa) / _reduced_Pa(case, contact.between, None)
-    return contact.work_of_adhesion_J_m2 * math.pow(ratio, 0.4)
+    return contact.work_of_adhesion_J_per_m2 * math.pow(ratio, 0.4)
 
 
 def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
@@ -144,9 +144,9 @@ def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
     for number, contact in enumerate(case.contacts):
         if set(contact.between) <= set(numbers):
             one, two = (numbers[name] for name in contact.between)
-            value = softened_work_J_m2(case, number)
+            value = softened_work_J_per_m2(case, number)
             if law == "sjkr":
-                value = _energy_density_J_m3(case, number, value)
+                value = _energy_density_J_per_m3(case, number, value)
             strength[one, two] = strength[two, one] = value
     if law == "sjkr":
         return Sjkr(strength)
@@ -163,7 +163,7 @@ def sjkr_diameter_m(case: Case) -> float:
     return math.sqrt(smallest_m * largest_diameter_m(case))
 
 
-def _energy_density_J_m3(case: Case, number: int, work_J_m2: float) -> float:
+def _energy_density_J_per_m3(case: Case, number: int, work_J_per_m2: float) -> float:
     """k of ``sjkr`` with JKR's pull-off force at its diameter: Hertz less  2 pi k R* overlap  pulls
     with  2/3 pi^3 k^3 R*^2 / E*^2  at most, JKR with  3/2 pi w R*."""
     between = case.contacts[number].between
@@ -171,17 +171,15 @@ def _energy_density_J_m3(case: Case, number: int, work_J_m2: float) -> float:
     if not surface_materials(case) & set(between):
         radius_m /= 2  # two particles
     reduced_Pa = _reduced_Pa(case, between, case.particles.largest_youngs_modulus_Pa)
-    return math.pow(9 * work_J_m2 * reduced_Pa**2 / (4 * math.pi**2 * radius_m), 1 / 3)
+    return math.pow(9 * work_J_per_m2 * reduced_Pa**2 / (4 * math.pi**2 * radius_m), 1 / 3)
 
 
 def adhesive_step_s(case: Case) -> float:
-    """Longest step for JKR contacts: 1/20 of the shortest impact (see ``impact_speed_m_s``) and
+    """Longest step for JKR contacts: 1/20 of the shortest impact (see ``impact_speed_m_per_s``) and
     of half an oscillation on the neck; infinite without."""
     found = [math.inf]
     if adhesion_law(case) == "jkr":
         for pair in sticky_contacts(case):
-            impact_s = hertz_s(
-                pair.reduced_kg, pair.reduced_m, pair.reduced_Pa, impact_speed_m_s(case)
-            )
+            impact_s = hertz_s(pair.reduced_kg, pair.reduced_m, pair.reduced_Pa, impact_speed_m_per_s(case))
             found += [impact_s, pair.half_period_s]
     return min(found) / STEPS_PER_CONTACT

@@ -10,9 +10,7 @@ from orchestrator.case.tables.case import Case, Material
 LARGEST_RAYLEIGH_FRACTION = 0.2
 
 
-def contact_moduli(
-    material: Material, largest_youngs_modulus_Pa: float | None
-) -> tuple[float, float]:
+def contact_moduli(material: Material, largest_youngs_modulus_Pa: float | None) -> tuple[float, float]:
     """Young's modulus, softened, and Poisson's ratio of a material in contacts.
 
     A hyperelastic material has its small-strain values: mu = 2 (C10 + C01),
@@ -35,7 +33,7 @@ def reduced_modulus_Pa(one: tuple[float, float], two: tuple[float, float]) -> fl
 
 
 def rayleigh_s(
-    diameter_m: float, density_kg_m3: float, youngs_modulus_Pa: float, poisson_ratio: float
+    diameter_m: float, density_kg_per_m3: float, youngs_modulus_Pa: float, poisson_ratio: float
 ) -> float:
     """Time of a Rayleigh wave across a sphere:
     pi R sqrt(rho / G) / (0.1631 nu + 0.8766).
@@ -44,20 +42,20 @@ def rayleigh_s(
     doi 10.1016/j.powtec.2005.09.002.
     """
     shear_Pa = youngs_modulus_Pa / (2 * (1 + poisson_ratio))
-    wave = math.pi * diameter_m / 2 * math.sqrt(density_kg_m3 / shear_Pa)
+    wave = math.pi * diameter_m / 2 * math.sqrt(density_kg_per_m3 / shear_Pa)
     return wave / (0.1631 * poisson_ratio + 0.8766)
 
 
-def hertz_s(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float) -> float:
+def hertz_s(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_per_s: float) -> float:
     """Duration of an elastic impact:  2.87 (m^2 / (R E*^2 v))^(1/5), with reduced mass, radius
     and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
-    return 2.87 * math.pow(mass_kg**2 / (radius_m * reduced_Pa**2 * speed_m_s), 0.2)
+    return 2.87 * math.pow(mass_kg**2 / (radius_m * reduced_Pa**2 * speed_m_per_s), 0.2)
 
 
-def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_s: float) -> float:
+def hertz_overlap_m(mass_kg: float, radius_m: float, reduced_Pa: float, speed_m_per_s: float) -> float:
     """Largest overlap of an elastic impact:  (15 m v^2 / (16 sqrt(R) E*))^(2/5), with reduced mass,
     radius and modulus.  Johnson, K. L., Contact Mechanics, 1985, section 11.4."""
-    return math.pow(15 * mass_kg * speed_m_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)
+    return math.pow(15 * mass_kg * speed_m_per_s**2 / (16 * math.sqrt(radius_m) * reduced_Pa), 0.4)
 
 
 def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -> float:
@@ -98,13 +96,13 @@ def shortest_rayleigh_s(case: Case) -> float:
     for name, diameter_m in smallest_diameters_m(case).items():
         material = case.materials[name]
         moduli = contact_moduli(material, cap)
-        found.append(rayleigh_s(diameter_m, material.density_kg_m3, *moduli))
+        found.append(rayleigh_s(diameter_m, material.density_kg_per_m3, *moduli))
     return min(found)
 
 
-def impact_speed_m_s(case: Case) -> float:
+def impact_speed_m_per_s(case: Case) -> float:
     """An estimate for choosing the sync interval, on which it depends weakly (power -1/5):
     1 m/s, as particles thrown by a screen, or the highest speed that the case gives."""
     bed = case.bed
-    speeds = [math.hypot(*row.velocity_m_s) for row in (*bed.particles.values(), *bed.sources)]
+    speeds = [math.hypot(*row.velocity_m_per_s) for row in (*bed.particles.values(), *bed.sources)]
     return max([1.0, *speeds])

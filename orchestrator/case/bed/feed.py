@@ -28,16 +28,16 @@ FULL_SHARE = 0.2  # of the box's volume that can be kept full at a steady flow t
 class Inlet:
     """Where, what and how fast: ``box_m`` (2, 3) is the lowest and highest corner.
 
-    ``velocity_m_s`` (3,) carries the particles out of the box; ``stop_s`` may be infinite.  Both
+    ``velocity_m_per_s`` (3,) carries the particles out of the box; ``stop_s`` may be infinite.  Both
     are in the inlet's own axes, which are the columns of ``axes`` (3, 3) in the world.  Particles
     come in batches, ``batch_s`` apart.
     """
 
     sizes: tuple[SizeClass, ...]
-    rate_kg_s: float
+    rate_kg_per_s: float
     box_m: Array
-    velocity_m_s: Array
-    density_kg_m3: float
+    velocity_m_per_s: Array
+    density_kg_per_m3: float
     material: int
     start_s: float = 0.0
     stop_s: float = math.inf
@@ -48,24 +48,24 @@ class Inlet:
 
     def due_kg(self, time_s: float) -> float:
         """Mass to be fed by then."""
-        return self.rate_kg_s * max(0.0, min(time_s, self.stop_s) - self.start_s)
+        return self.rate_kg_per_s * max(0.0, min(time_s, self.stop_s) - self.start_s)
 
     @property
-    def largest_rate_kg_s(self) -> float:
+    def largest_rate_kg_per_s(self) -> float:
         """Estimate of the rate that finds room: what leaves a box that is filled by 20 %, or
         what fills an empty one so far with each batch, if that is less."""
         length_m = self.box_m[1] - self.box_m[0]
         box_m3 = float(np.prod(length_m))
-        leaving_m3_s = float(np.abs(self.velocity_m_s) @ (box_m3 / length_m))
+        leaving_m3_per_s = float(np.abs(self.velocity_m_per_s) @ (box_m3 / length_m))
         if self.batch_s > 0:
-            leaving_m3_s = min(leaving_m3_s, box_m3 / self.batch_s)
-        return FULL_SHARE * self.density_kg_m3 * leaving_m3_s
+            leaving_m3_per_s = min(leaving_m3_per_s, box_m3 / self.batch_s)
+        return FULL_SHARE * self.density_kg_per_m3 * leaving_m3_per_s
 
     @property
     def largest_kg(self) -> float:
         """Mass of the largest particle."""
         largest_m = np.array(max(row.largest_m for row in self.sizes))
-        return float(mass_kg(largest_m, self.density_kg_m3))
+        return float(mass_kg(largest_m, self.density_kg_per_m3))
 
     @property
     def corners_m(self) -> Array:
@@ -97,7 +97,7 @@ class RateFeed:
     @property
     def next_kg(self) -> float:
         """Mass of the particle that is drawn next; it comes when half of it is due."""
-        return float(mass_kg(self._next_m, self.inlet.density_kg_m3))
+        return float(mass_kg(self._next_m, self.inlet.density_kg_per_m3))
 
     @property
     def backlog_kg(self) -> float:
@@ -118,7 +118,7 @@ class RateFeed:
         if len(accepted) != len(self._offered):
             raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
         fed = self._offered[accepted]
-        self.fed_kg += float(np.sum(mass_kg(self._waiting_m[fed], self.inlet.density_kg_m3)))
+        self.fed_kg += float(np.sum(mass_kg(self._waiting_m[fed], self.inlet.density_kg_per_m3)))
         self._waiting_m = np.delete(self._waiting_m, fed)
         self._offered = np.empty(0, dtype=np.int64)
 
@@ -150,10 +150,10 @@ class RateFeed:
         n = len(diameter_m)
         return ParticleList(
             center_m @ self.inlet.axes.T,
-            np.tile(self.inlet.axes @ self.inlet.velocity_m_s, (n, 1)),
+            np.tile(self.inlet.axes @ self.inlet.velocity_m_per_s, (n, 1)),
             np.zeros((n, 3)),
             diameter_m.copy(),
-            np.full(n, self.inlet.density_kg_m3),
+            np.full(n, self.inlet.density_kg_per_m3),
             np.full(n, self.inlet.material, dtype=np.int64),
         )
 
@@ -166,9 +166,7 @@ class Feeds:
         particles could."""
         for first, second in combinations(inlets, 2):
             if not apart(first, second):
-                raise ValueError(
-                    f"feed boxes overlap: {first.box_m.tolist()} and {second.box_m.tolist()}"
-                )
+                raise ValueError(f"feed boxes overlap: {first.box_m.tolist()} and {second.box_m.tolist()}")
         self._every = every
         self.feeds = [RateFeed(inlet) for inlet in inlets]
         self._offered: list[int] = []

@@ -28,7 +28,7 @@ class Fed:
     id: Indices
     time_s: Array
     diameter_m: Array
-    density_kg_m3: Array
+    density_kg_per_m3: Array
     material: Indices
 
 
@@ -91,7 +91,7 @@ def _rows(some: ParticleList, rows: Indices, first_id: int, time_s: float) -> Fe
         first_id + np.arange(len(rows)),
         np.full(len(rows), time_s),
         some.diameter_m[rows],
-        some.density_kg_m3[rows],
+        some.density_kg_per_m3[rows],
         some.material[rows],
     )
 
@@ -105,7 +105,7 @@ class Amount:
 
     def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
         self.number += len(some.diameter_m[rows])
-        self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_m3[rows])))
+        self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_per_m3[rows])))
 
 
 _SINCE_START = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")
@@ -151,13 +151,13 @@ class MaterialBook:
 
     def save(self) -> Saved:
         through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
-        books = {"watch": self._watch.save(), "through": through}
+        books = {"monitor": self._watch.save(), "through": through}
         return taken(self, *_SINCE_START) | books
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_SINCE_START)
         self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
-        self._watch.restore(saved["watch"])
+        self._watch.restore(saved["monitor"])
 
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""
@@ -169,8 +169,7 @@ class MaterialBook:
             "deepest_overlaps": vars(self.deepest),
             "crossings": self.crossings.figures(),
             "feeds": {
-                feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
-                for feed in self.feed.feeds
+                feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg} for feed in self.feed.feeds
             },
             "exits": {
                 one.name: {"product": one.product, **vars(amount)}

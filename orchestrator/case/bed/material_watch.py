@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from orchestrator.case.bed.feed import RateFeed
-from orchestrator.case.tables.numerics import Watch
+from orchestrator.case.tables.numerics import MonitorSettings
 from orchestrator.ports import Indices, Removed, Saved
 from orchestrator.ports.plans import Exit, SolverFailed
 
@@ -24,7 +24,7 @@ class MaterialWatch:
     ``widest_m``: the largest sphere that fits through an opening; None if there are no openings.
     """
 
-    def __init__(self, wanted: Watch, widest_m: float | None = None) -> None:
+    def __init__(self, wanted: MonitorSettings, widest_m: float | None = None) -> None:
         self._wanted, self._widest_m = wanted, widest_m
         self._before: dict[str, deque[tuple[float, float, float]]] = {}
         self._said: set[str] = set()
@@ -69,9 +69,7 @@ class MaterialWatch:
         then_s, then_due_kg, then_fed_kg = before[0]
         due_kg, fed_kg = feed.due_kg - then_due_kg, feed.fed_kg - then_fed_kg
         long_enough = time_s - then_s >= self._wanted.jam_s * (1.0 - 1e-9)
-        if long_enough and due_kg - fed_kg > max(
-            (1.0 - LEAST_SHARE) * due_kg, FEW_PARTICLES * largest_kg
-        ):
+        if long_enough and due_kg - fed_kg > max((1.0 - LEAST_SHARE) * due_kg, FEW_PARTICLES * largest_kg):
             what = (
                 f'feed "{name}" is jammed: of {due_kg:.3g} kg due in the last '
                 f"{time_s - then_s:.3g} s it took {fed_kg:.3g} kg, up to t = {time_s:.6g} s; "

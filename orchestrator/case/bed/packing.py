@@ -25,9 +25,9 @@ def block(
     sizes: Sequence[SizeClass],
     count: int,
     box_m: Array,
-    density_kg_m3: float,
+    density_kg_per_m3: float,
     material: int,
-    velocity_m_s: Array,
+    velocity_m_per_s: Array,
     seed: int,
 ) -> ParticleList:
     """``count`` spheres wholly inside ``box_m`` (2, 3: lowest and highest corner), sorted from
@@ -46,10 +46,10 @@ def block(
         )
     return ParticleList(
         position_m,
-        np.tile(np.asarray(velocity_m_s, dtype=float), (count, 1)),
+        np.tile(np.asarray(velocity_m_per_s, dtype=float), (count, 1)),
         np.zeros((count, 3)),
         diameter_m,
-        np.full(count, density_kg_m3),
+        np.full(count, density_kg_per_m3),
         np.full(count, material, dtype=np.int64),
     )
 

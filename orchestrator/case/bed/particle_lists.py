@@ -18,9 +18,9 @@ def joined(lists: Sequence[ParticleList]) -> ParticleList:
     """One list of at least one list, in order."""
     return ParticleList(
         np.concatenate([one.position_m for one in lists]),
-        np.concatenate([one.velocity_m_s for one in lists]),
-        np.concatenate([one.spin_rad_s for one in lists]),
+        np.concatenate([one.velocity_m_per_s for one in lists]),
+        np.concatenate([one.spin_rad_per_s for one in lists]),
         np.concatenate([one.diameter_m for one in lists]),
-        np.concatenate([one.density_kg_m3 for one in lists]),
+        np.concatenate([one.density_kg_per_m3 for one in lists]),
         np.concatenate([one.material for one in lists]),
     )

@@ -37,10 +37,10 @@ def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
     materials = [case.materials[row.material] for row in rows]
     return ParticleList(
         position_m=_in_world(case, rows, "position_m"),
-        velocity_m_s=_in_world(case, rows, "velocity_m_s"),
-        spin_rad_s=_in_world(case, rows, "spin_rad_s"),
+        velocity_m_per_s=_in_world(case, rows, "velocity_m_per_s"),
+        spin_rad_per_s=_in_world(case, rows, "spin_rad_per_s"),
         diameter_m=np.array([row.diameter_m for row in rows], dtype=float),
-        density_kg_m3=np.array([material.density_kg_m3 for material in materials]),
+        density_kg_per_m3=np.array([material.density_kg_per_m3 for material in materials]),
         material=np.array([numbers[row.material] for row in rows], dtype=np.int64),
     )
 
@@ -62,9 +62,9 @@ def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleL
             classes(row),
             row.count,
             np.array(row.box_m),
-            case.materials[row.material].density_kg_m3,
+            case.materials[row.material].density_kg_per_m3,
             numbers[row.material],
-            np.array(row.velocity_m_s),
+            np.array(row.velocity_m_per_s),
             row.seed,
         )
     except ValueError as error:
@@ -74,7 +74,7 @@ def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleL
     return replace(
         particles,
         position_m=to_world(case, particles.position_m),
-        velocity_m_s=to_world(case, particles.velocity_m_s),
+        velocity_m_per_s=to_world(case, particles.velocity_m_per_s),
     )
 
 
@@ -84,10 +84,10 @@ def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
         name: Inlet(
             name=name,
             sizes=classes(feed),
-            rate_kg_s=feed.rate_kg_s * (1.0 - share_left_out(feed)),
+            rate_kg_per_s=feed.rate_kg_per_s * (1.0 - share_left_out(feed)),
             box_m=np.array(feed.box_m),
-            velocity_m_s=np.array(feed.velocity_m_s),
-            density_kg_m3=case.materials[feed.material].density_kg_m3,
+            velocity_m_per_s=np.array(feed.velocity_m_per_s),
+            density_kg_per_m3=case.materials[feed.material].density_kg_per_m3,
             material=numbers[feed.material],
             start_s=feed.start_s,
             stop_s=math.inf if feed.stop_s is None else feed.stop_s,

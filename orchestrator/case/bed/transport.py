@@ -14,9 +14,9 @@ TRANSPORT_M_S = 0.34
 Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
 
 
-def stay_s(case: Case, transport_m_s: float = TRANSPORT_M_S) -> float:
+def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_S) -> float:
     """Time on the deck; infinite where nothing leaves."""
-    return deck_length_m(case) / transport_m_s if case.screen.exits else math.inf
+    return deck_length_m(case) / transport_m_per_s if case.screen.exits else math.inf
 
 
 def deck_length_m(case: Case) -> float:

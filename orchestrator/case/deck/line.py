@@ -91,18 +91,18 @@ class Over:
     """Points seen from the deck as it is at one moment.
 
     ``station_m`` (n,) in the panels' material, ``height_m`` (n,) normal to the surface, negative
-    below; ``rise_m_s`` (n,) the surface's own speed along its normal; ``inside`` (n,) whether
+    below; ``rise_m_per_s`` (n,) the surface's own speed along its normal; ``inside`` (n,) whether
     the point is between the deck's two ends.
     """
 
     station_m: Array
     height_m: Array
-    rise_m_s: Array
+    rise_m_per_s: Array
     inside: npt.NDArray[np.bool_]
 
 
-def over(deck: DeckLine, line_m: Array, velocity_m_s: Array, position_m: Array) -> Over:
-    """``line_m``, ``velocity_m_s`` (points, 3): the joined line now; ``position_m`` (n, 3)."""
+def over(deck: DeckLine, line_m: Array, velocity_m_per_s: Array, position_m: Array) -> Over:
+    """``line_m``, ``velocity_m_per_s`` (points, 3): the joined line now; ``position_m`` (n, 3)."""
     u = np.maximum.accumulate(line_m @ deck.along)  # where a panel folds, its upper part counts
     z = line_m[:, 2]
     at = position_m @ deck.along
@@ -110,8 +110,8 @@ def over(deck: DeckLine, line_m: Array, velocity_m_s: Array, position_m: Array) 
     run, climb = np.diff(u)[piece], np.diff(z)[piece]
     cosine = run / np.maximum(np.hypot(run, climb), 1e-12)
     sine = climb / np.maximum(np.hypot(run, climb), 1e-12)
-    speed_u = np.interp(at, u, velocity_m_s @ deck.along)
-    speed_z = np.interp(at, u, velocity_m_s[:, 2])
+    speed_u = np.interp(at, u, velocity_m_per_s @ deck.along)
+    speed_z = np.interp(at, u, velocity_m_per_s[:, 2])
     return Over(
         np.interp(at, u, deck.station_m),
         (position_m[:, 2] - np.interp(at, u, z)) * cosine,

@@ -38,10 +38,7 @@ def openings(case: Case) -> Iterator[str]:
 def _pattern(pattern: Apertures, rectangle: Rectangle) -> str:
     count = len(pattern.centres_m(rectangle))
     free_m2 = rectangle.length_m * rectangle.width_m
-    lands = (
-        pattern.pitch_along_m - pattern.length_m,
-        pattern.pitch_across_m - pattern.width_m,
-    )
+    lands = (pattern.pitch_along_m - pattern.length_m, pattern.pitch_across_m - pattern.width_m)
     return (
         f"{count} {pattern.shape}s of {pattern.length_m * 1e3:g} x {pattern.width_m * 1e3:g} mm in "
         f"{pattern.counts(rectangle)[0]} rows, lands {lands[0] * 1e3:.3g} and "

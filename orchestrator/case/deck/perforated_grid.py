@@ -65,9 +65,7 @@ def quality(grid: Grid) -> Quality:
     before = -np.roll(sides, 1, axis=1)
     cross = sides[..., 0] * before[..., 1] - sides[..., 1] * before[..., 0]
     angle = np.arctan2(cross, np.einsum("mij,mij->mi", sides, before))
-    return Quality(
-        float(np.degrees(angle.min())), float(length_m.max()), float(cross[:, 0].sum() / 2)
-    )
+    return Quality(float(np.degrees(angle.min())), float(length_m.max()), float(cross[:, 0].sum() / 2))
 
 
 def _inspect(grid: Grid, rectangle: Rectangle, open_m2: float) -> None:
@@ -124,8 +122,7 @@ def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
         for loop in loops:
             points = [model.addPoint(s, y, 0.0) for s, y in loop]
             lines = [
-                model.addLine(one, two)
-                for one, two in zip(points, [*points[1:], points[0]], strict=True)
+                model.addLine(one, two) for one, two in zip(points, [*points[1:], points[0]], strict=True)
             ]
             numbers.append(model.addCurveLoop(lines))
         area = model.addPlaneSurface(numbers)

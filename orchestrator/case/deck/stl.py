@@ -17,9 +17,7 @@ from orchestrator.ports import Array, Indices
 
 LARGEST_BYTES = 200_000_000  # four million triangles
 BINARY_HEAD = struct.Struct("<80xI")  # words, then the number of triangles
-BINARY_TRIANGLE = np.dtype(
-    [("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")]
-)
+BINARY_TRIANGLE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 WORDS_BETWEEN = (b"outer", b"endloop")  # of a text, around the three corners of each facet
 TAIL_BYTES = 400  # of a text, with room for the solid's name after its last word
 

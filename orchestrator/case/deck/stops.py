@@ -18,21 +18,21 @@ def planned_stops(case: Case, panel: SinglePanel) -> tuple[Stop, ...]:
     return tuple(_stop(case, panel, name, row) for name, row in panel.table.stops.items())
 
 
-def stiffest_Pa_m(case: Case, panel: SinglePanel) -> float:
+def stiffest_Pa_per_m(case: Case, panel: SinglePanel) -> float:
     """What the sync interval allows."""
-    return MOST * areal_mass_kg_m2(case, panel) / case.coupling.sync_interval_s**2
+    return MOST * areal_mass_kg_per_m2(case, panel) / case.coupling.sync_interval_s**2
 
 
-def areal_mass_kg_m2(case: Case, panel: SinglePanel) -> float:
+def areal_mass_kg_per_m2(case: Case, panel: SinglePanel) -> float:
     """Mass of the panel per area, openings and all."""
     solid = 1.0 if panel.apertures is None else panel.apertures.material_share(panel.rectangle)
-    density_kg_m3 = case.materials[panel.table.material].density_kg_m3
-    return density_kg_m3 * panel.table.thickness_m * solid
+    density_kg_per_m3 = case.materials[panel.table.material].density_kg_per_m3
+    return density_kg_per_m3 * panel.table.thickness_m * solid
 
 
 def _stop(case: Case, panel: SinglePanel, name: str, row: tables.Stop) -> Stop:
-    mass_kg_m2 = areal_mass_kg_m2(case, panel)
-    stiffness_Pa_m = row.stiffness_Pa_m or USUAL / MOST * stiffest_Pa_m(case, panel)
+    mass_kg_per_m2 = areal_mass_kg_per_m2(case, panel)
+    stiffness_Pa_per_m = row.stiffness_Pa_per_m or USUAL / MOST * stiffest_Pa_per_m(case, panel)
     nearer = (row.from_m + row.to_m) / 2 > panel.table.length_m / 2
     return Stop(
         name=name,
@@ -40,6 +40,6 @@ def _stop(case: Case, panel: SinglePanel, name: str, row: tables.Stop) -> Stop:
         from_m=row.from_m,
         to_m=row.to_m,
         gap_m=row.gap_m,
-        stiffness_Pa_m=stiffness_Pa_m,
-        damping_Pa_s_m=2 * row.damping_ratio * math.sqrt(stiffness_Pa_m * mass_kg_m2),
+        stiffness_Pa_per_m=stiffness_Pa_per_m,
+        damping_Pa_s_per_m=2 * row.damping_ratio * math.sqrt(stiffness_Pa_per_m * mass_kg_per_m2),
     )

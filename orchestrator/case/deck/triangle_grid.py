@@ -35,9 +35,7 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
     y = np.linspace(0.0, rectangle.width_m, across + 1)
     rows = len(y)
     number = np.arange(len(s) * rows).reshape(len(s), rows)
-    a, b, c, d = (
-        n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:])
-    )
+    a, b, c, d = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
     even = (np.add.outer(np.arange(len(s) - 1), np.arange(across)) % 2 == 0).ravel()
     one = np.where(even[:, None], np.column_stack([a, b, c]), np.column_stack([a, b, d]))
     two = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import TypeVar
 
-from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Bed, Block, Feed
 from orchestrator.case.tables.case import Case
 
@@ -34,21 +34,21 @@ def coarsened(case: Case) -> Case:
     if found := [*_single_particles(case), *_across_openings(case)]:
         raise CaseError(found)
     contacts = tuple(
-        row.model_copy(update={"work_of_adhesion_J_m2": k * row.work_of_adhesion_J_m2})
+        row.model_copy(update={"work_of_adhesion_J_per_m2": k * row.work_of_adhesion_J_per_m2})
         for row in case.contacts
     )
     return case.with_coarse({"bed": _bed(case.bed, k), "contacts": contacts})
 
 
-def _single_particles(case: Case) -> list[Mistake]:
+def _single_particles(case: Case) -> list[CaseProblem]:
     if not case.bed.particles:
         return []
     first = next(iter(case.bed.particles))
     what = f"single particles (bed.particles.{first}) stand for themselves"
-    return [Mistake(KEY, what, "take 1, or blocks and feeds")]
+    return [CaseProblem(KEY, what, "take 1, or blocks and feeds")]
 
 
-def _across_openings(case: Case) -> list[Mistake]:
+def _across_openings(case: Case) -> list[CaseProblem]:
     openings_m = [
         min(panel.apertures.length_m, panel.apertures.width_m)
         for panel in case.screen.panels.values()
@@ -67,7 +67,7 @@ def _across_openings(case: Case) -> list[Mistake]:
                     f"openings of {max(openings_m):g} m as they do"
                 )
                 hint = f"take 1; only beds of {limit_m:g} m and more may be coarse here"
-                found.append(Mistake(KEY, what, hint))
+                found.append(CaseProblem(KEY, what, hint))
     return found
 
 

@@ -24,6 +24,6 @@ def absent(case: Case) -> dict[str, str]:
         "exciters": (bool(screen.exciters), "there are none"),
         "bushings": (bool(screen.bushings), "there are none"),
         "surfaces": (bool(screen.surfaces), "there are none"),
-        "gravity": (any(case.gravity_m_s2), "gravity_m_s2 is zero"),
+        "gravity": (any(case.gravity_m_per_s2), "gravity_m_per_s2 is zero"),
     }
     return {name: why for name, (is_there, why) in there.items() if not is_there}

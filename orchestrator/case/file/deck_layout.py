@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.file.plausible import wrong_sizes
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.deck import Deck
@@ -44,7 +44,7 @@ def laid_out(case: Case) -> Case:
             new_panels = dict(panels_of(name, deck, beams_m))
             new_surfaces = dict(surfaces_of(name, deck, beams_m, screen.inclination_deg))
             for taken in (panels.keys() & new_panels) | (surfaces.keys() & new_surfaces):
-                found.append(Mistake(("screen", "decks", name), f'"{taken}" is there already'))
+                found.append(CaseProblem(("screen", "decks", name), f'"{taken}" is there already'))
             panels, surfaces = panels | new_panels, surfaces | new_surfaces
     if found:
         raise CaseError(found)
@@ -52,7 +52,7 @@ def laid_out(case: Case) -> Case:
     return case.model_copy(update={"screen": screen.model_copy(update=update)})
 
 
-def mistakes(name: str, deck: Deck) -> Iterator[Mistake]:
+def mistakes(name: str, deck: Deck) -> Iterator[CaseProblem]:
     """Counts that do not fit, tension that no panel takes, and panels that would overlap."""
     key: Key = ("screen", "decks", name)
     segments = len(deck.slopes_deg)
@@ -60,10 +60,10 @@ def mistakes(name: str, deck: Deck) -> Iterator[Mistake]:
         what = f"{segments} segments do not divide {deck.panels} panels"
         fitting = [count for count in (deck.panels // segments, deck.panels // segments + 1)]
         hint = "take " + " or ".join(str(count * segments) for count in fitting if count)
-        yield Mistake((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
+        yield CaseProblem((*key, "panels"), what, f"{hint} panels of a pitch that keeps the length")
     if len(deck.tension_m) not in (1, deck.panels):
         what = f"{len(deck.tension_m)} values for {deck.panels} panels"
-        yield Mistake((*key, "tension_m"), what, "give one for all, or one for each")
+        yield CaseProblem((*key, "tension_m"), what, "give one for all, or one for each")
         return
     for tension_m in sorted(set(tensions(deck))):
         strain = tension_m / deck.length_m
@@ -71,15 +71,15 @@ def mistakes(name: str, deck: Deck) -> Iterator[Mistake]:
             what = f"{tension_m:g} m on {deck.length_m:g} m is a strain of {strain:.3g}"
             limit_m = LARGEST_STRAIN * deck.length_m
             hint = f"at most {LARGEST_STRAIN:g}, which is {limit_m:.3g} m, taut or slack"
-            yield Mistake((*key, "tension_m"), what, hint)
+            yield CaseProblem((*key, "tension_m"), what, hint)
     needed_m = deck.length_m + max(tensions(deck)) + 2 * deck.clamp_m
     if deck.pitch_m < needed_m - 1e-12:
         what = f"{deck.pitch_m:g} m lets neighbours overlap"
         hint = f"length, tension and two clamps need {needed_m:g} m"
-        yield Mistake((*key, "pitch_m"), what, hint)
+        yield CaseProblem((*key, "pitch_m"), what, hint)
 
 
-def as_given(mistake: Mistake, decks: Mapping[str, Any]) -> Mistake:
+def as_given(mistake: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
     """A mistake in a panel or surface of a deck, at the deck's key; others as they are."""
     match mistake.key:
         case ("screen", "panels" | "surfaces", str(part), *inner):

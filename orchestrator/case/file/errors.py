@@ -14,10 +14,28 @@ from pydantic_core import ErrorDetails
 Key = tuple[str | int, ...]
 MOST = 50  # mistakes that are said
 LONGEST = 600  # characters of a line about one
+# keys of earlier versions, and what they are called since 2026-11
+RENAMED = {
+    "damping_N_s_m": "damping_N_s_per_m",
+    "density_kg_m3": "density_kg_per_m3",
+    "gravity_m_s2": "gravity_m_per_s2",
+    "hand_over": "exchange",
+    "rate_kg_s": "rate_kg_per_s",
+    "save": "checkpoint",
+    "specific_wear_m3_N_m": "specific_wear_m3_per_N_m",
+    "speed_rad_s": "speed_rad_per_s",
+    "spin_rad_s": "spin_rad_per_s",
+    "stiffness_N_m": "stiffness_N_per_m",
+    "stiffness_Pa_m": "stiffness_Pa_per_m",
+    "synchronous_speed_rad_s": "synchronous_speed_rad_per_s",
+    "velocity_m_s": "velocity_m_per_s",
+    "watch": "monitor",
+    "work_of_adhesion_J_m2": "work_of_adhesion_J_per_m2",
+}
 
 
 @dataclass(frozen=True)
-class Mistake:
+class CaseProblem:
     """What is wrong at ``key`` (empty: the whole file); ``hint`` says what to do about it.
 
     ``file`` is filled in by ``levels.load``, which knows where a key was given.
@@ -36,7 +54,7 @@ class Mistake:
 class CaseError(Exception):
     """A case that cannot be run as it is (exit code 2); ``mistakes`` has all that is wrong."""
 
-    def __init__(self, mistakes: Iterable[Mistake]) -> None:
+    def __init__(self, mistakes: Iterable[CaseProblem]) -> None:
         self.mistakes = tuple(mistakes)
         count = len(self.mistakes)
         head = "1 mistake" if count == 1 else f"{count} mistakes"
@@ -55,9 +73,7 @@ def visible(text: str) -> str:
     """On one line, and nothing in it that a terminal would obey: characters without a shape are
     escaped, and a line that is too long is cut."""
     text = text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
-    return "".join(
-        one if one.isprintable() else one.encode("unicode_escape").decode() for one in text
-    )
+    return "".join(one if one.isprintable() else one.encode("unicode_escape").decode() for one in text)
 
 
 def shortened(text: str) -> str:
@@ -82,20 +98,26 @@ def shown(value: Any) -> str:
         return "a number of thousands of digits"
 
 
-def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Mistake]:
+def from_validation(error: ValidationError, model: type[BaseModel]) -> list[CaseProblem]:
     """One mistake for each that pydantic found.  A missing key is left out where a misspelt one
     was meant to be it."""
     details = error.errors(include_url=False)[: 2 * MOST]
-    mistakes: list[Mistake] = []
+    mistakes: list[CaseProblem] = []
     meant: set[Key] = set()
     for detail in details:
         if detail["type"] == "extra_forbidden":
             *table, key = detail["loc"]
             known = _keys_at(model, table)
+            renamed = RENAMED.get(str(key), "")
+            if renamed in known:
+                meant.add((*table, renamed))
+                hint = f'it is called "{renamed}" now'
+                mistakes.append(CaseProblem(detail["loc"], "the name of an earlier version", hint))
+                continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {shown(detail['input'])})"
-            mistakes.append(Mistake(detail["loc"], what, did_you_mean(str(key), known)))
+            mistakes.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
             continue
@@ -104,24 +126,24 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Mist
     return mistakes
 
 
-def _mistake(detail: ErrorDetails) -> Mistake:
+def _mistake(detail: ErrorDetails) -> CaseProblem:
     kind, key, value = detail["type"], detail["loc"], shown(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
-            return Mistake(key[:-1], f"{value} has too few values")
-        return Mistake(key, "missing")
+            return CaseProblem(key[:-1], f"{value} has too few values")
+        return CaseProblem(key, "missing")
     if key and key[-1] == "[key]":
-        return Mistake(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
+        return CaseProblem(key[:-1], "a name is made of letters, digits, _ and -, at most 60")
     if kind == "string_pattern_mismatch":
-        return Mistake(key, f"{value} has characters that cannot be shown")
+        return CaseProblem(key, f"{value} has characters that cannot be shown")
     said = re.sub("^(Input|String) should (be )?", "", detail["msg"])
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in said.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
-        return Mistake(key, f"{value} is not one of {said}", did_you_mean(word, allowed))
+        return CaseProblem(key, f"{value} is not one of {said}", did_you_mean(word, allowed))
     if kind == "model_type":
         said = "a table"
-    return Mistake(key, f"{value} is wrong, {said} is wanted")
+    return CaseProblem(key, f"{value} is wrong, {said} is wanted")
 
 
 def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:

@@ -22,7 +22,7 @@ from itertools import pairwise, product
 import numpy as np
 from scipy.optimize import nnls
 
-from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.case import Case, Hyperelastic, MaxwellBranch
 from orchestrator.ports import Array
 
@@ -48,10 +48,10 @@ class Fit:
     at_Hz: float
 
 
-def moduli(branches: Branches, speed_rad_s: Array) -> tuple[Array, Array]:
+def moduli(branches: Branches, speed_rad_per_s: Array) -> tuple[Array, Array]:
     """Storage modulus over the elastic one, and loss factor, at angular frequencies (n,)."""
     ratio, time_s = np.array(branches, dtype=np.float64).reshape(-1, 2).T
-    x = np.outer(speed_rad_s, time_s)
+    x = np.outer(speed_rad_per_s, time_s)
     storage = 1.0 + x**2 / (1.0 + x**2) @ ratio
     return storage, x / (1.0 + x**2) @ ratio / storage
 
@@ -109,9 +109,7 @@ def _drawn(points: Sequence[Point]) -> list[Point]:
 
 
 def _between(one: Point, other: Point, share: float) -> Point:
-    frequency_Hz, loss = (
-        a ** (1 - share) * b**share for a, b in zip(one[:2], other[:2], strict=True)
-    )
+    frequency_Hz, loss = (a ** (1 - share) * b**share for a, b in zip(one[:2], other[:2], strict=True))
     if one[2] is None or other[2] is None:
         return frequency_Hz, loss, None
     return frequency_Hz, loss, one[2] ** (1 - share) * other[2] ** share
@@ -151,20 +149,20 @@ def _solved(curve: Sequence[Point], time_s: Array) -> Fit:
     return _off(pairs, curve)
 
 
-def _faults(name: str, law: Hyperelastic) -> Iterator[Mistake]:
+def _faults(name: str, law: Hyperelastic) -> Iterator[CaseProblem]:
     frequencies = [point.frequency_Hz for point in law.loss_curve]
     if frequencies != sorted(set(frequencies)):
-        yield Mistake(_key(name), "frequencies must rise from row to row")
+        yield CaseProblem(_key(name), "frequencies must rise from row to row")
 
 
-def _unmet(name: str, fit: Fit) -> Iterator[Mistake]:
+def _unmet(name: str, fit: Fit) -> Iterator[CaseProblem]:
     if fit.error > WORST:
         what = (
             f"no {MOST_BRANCHES} Maxwell branches meet it: the best are off by {fit.error:.0%} "
             f"at {fit.at_Hz:g} Hz"
         )
         hint = "their loss factor rises and falls no faster than the frequency; smooth the curve"
-        yield Mistake(_key(name), what, hint)
+        yield CaseProblem(_key(name), what, hint)
 
 
 def _key(name: str) -> Key:

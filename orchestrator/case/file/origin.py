@@ -27,9 +27,7 @@ class Origin:
     @property
     def others(self) -> tuple[str, ...]:
         """``overrides`` without those that choose effects."""
-        return tuple(
-            one for one in self.overrides if one.partition("=")[0].strip() not in OF_EFFECTS
-        )
+        return tuple(one for one in self.overrides if one.partition("=")[0].strip() not in OF_EFFECTS)
 
     def read(self) -> dict[str, Any]:
         """All that decides what the case is, but for which effects are chosen: tables, overrides,

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.file.toml_file import TOO_DEEP, is_too_deep
 
 
@@ -36,7 +36,7 @@ class Layers:
                 return self._source[words[:end]]
         return self._first
 
-    def named(self, mistakes: Sequence[Mistake]) -> list[Mistake]:
+    def named(self, mistakes: Sequence[CaseProblem]) -> list[CaseProblem]:
         """The mistakes with their files filled in."""
         return [m if m.file else replace(m, file=self.source(m.key)) for m in mistakes]
 
@@ -67,7 +67,7 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
         return int(word)
     what = f'"{word}" is no element of this list'
     hint = f"its elements are numbered 0 to {len(below) - 1}" if below else "it is empty"
-    raise CaseError([Mistake((*key, word), what, hint, source)])
+    raise CaseError([CaseProblem((*key, word), what, hint, source)])
 
 
 def parsed(override: str) -> dict[str, Any]:
@@ -79,12 +79,12 @@ def parsed(override: str) -> dict[str, Any]:
     words = [word.strip() for word in path.split(".")]
     if not equals or not all(words):
         hint = "for example --set panel.solver=rigid"
-        raise CaseError([Mistake((), "is not key=value", hint, f"--set {override}")])
+        raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}")])
     value: Any = _value(text.strip())
     for word in reversed(words):
         value = {word: value}
     if is_too_deep(value):
-        raise CaseError([Mistake((), TOO_DEEP, file=f"--set {override}")])
+        raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}")])
     return dict(value)
 
 

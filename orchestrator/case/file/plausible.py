@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from orchestrator.case.file.errors import Key, Mistake, dotted
+from orchestrator.case.file.errors import CaseProblem, Key, dotted
 from orchestrator.case.tables.case import Case
 
 ABSURD = 1e3
@@ -27,9 +27,9 @@ RANGES: dict[str, tuple[float, float]] = {
     "center_of_mass_m": (0.0, 100.0),
     "point_m": (0.0, 100.0),
     "box_m": (0.0, 100.0),
-    "gravity_m_s2": (0.0, 100.0),
+    "gravity_m_per_s2": (0.0, 100.0),
     "domain_m": (0.0, 100.0),
-    "density_kg_m3": (50.0, 25e3),
+    "density_kg_per_m3": (50.0, 25e3),
     "youngs_modulus_Pa": (1e4, 2e12),
     "c10_Pa": (1e3, 1e9),
     "c01_Pa": (1e3, 1e9),
@@ -38,17 +38,17 @@ RANGES: dict[str, tuple[float, float]] = {
     "mass_kg": (0.1, 1e5),
     "inertia_kg_m2": (1e-4, 1e6),
     "products_of_inertia_kg_m2": (0.0, 1e6),
-    "stiffness_N_m": (10.0, 1e10),
-    "damping_N_s_m": (0.0, 1e7),
-    "speed_rad_s": (0.1, 1e3),
+    "stiffness_N_per_m": (10.0, 1e10),
+    "damping_N_s_per_m": (0.0, 1e7),
+    "speed_rad_per_s": (0.1, 1e3),
     "mass_moment_kg_m": (1e-5, 1e3),
     "rated_power_W": (1.0, 1e6),
-    "synchronous_speed_rad_s": (1.0, 1e3),
+    "synchronous_speed_rad_per_s": (1.0, 1e3),
     "moment_of_inertia_kg_m2": (1e-6, 1e3),
     "bearing_loss_N_m_s": (0.0, 1e3),
     "amplitude_m": (0.0, 0.2),
     "rotation_rad": (0.0, 1.6),
-    "stiffness_Pa_m": (1e3, 1e13),
+    "stiffness_Pa_per_m": (1e3, 1e13),
     "inclination_deg": (0.0, 90.0),
     "length_m": (0.01, 5.0),
     "width_m": (0.005, 10.0),
@@ -66,11 +66,11 @@ RANGES: dict[str, tuple[float, float]] = {
     "diameter_m": (2e-5, 0.5),
     "smallest_m": (2e-5, 0.5),
     "largest_m": (2e-5, 0.5),
-    "velocity_m_s": (0.0, 50.0),
-    "spin_rad_s": (0.0, 1e6),
-    "rate_kg_s": (1e-6, 1e3),
-    "work_of_adhesion_J_m2": (1e-4, 1e2),
-    "specific_wear_m3_N_m": (1e-18, 1e-7),
+    "velocity_m_per_s": (0.0, 50.0),
+    "spin_rad_per_s": (0.0, 1e6),
+    "rate_kg_per_s": (1e-6, 1e3),
+    "work_of_adhesion_J_per_m2": (1e-4, 1e2),
+    "specific_wear_m3_per_N_m": (1e-18, 1e-7),
     "sjkr_diameter_m": (2e-5, 0.5),
     "sync_interval_s": (1e-7, 0.02),
     "step_s": (1e-10, 0.02),
@@ -110,29 +110,29 @@ OF_APERTURES = {"length_m": (1e-4, 1.0), "width_m": (1e-4, 1.0)}  # smaller than
 MISTAKEN: dict[str, dict[str, float]] = {
     "_m": {"mm": 1e-3, "cm": 1e-2, "um": 1e-6},
     "_kg": {"g": 1e-3, "t": 1e3},
-    "_kg_m3": {"g/cm3": 1e3},
+    "_kg_per_m3": {"g/cm3": 1e3},
     "_kg_m2": {"kg mm2": 1e-6},
     "_kg_m": {"kg mm": 1e-3},
     "_Pa": {"MPa": 1e6, "GPa": 1e9},
-    "_Pa_m": {"MPa/mm": 1e9, "N/mm3": 1e9},
-    "_J_m2": {"mJ/m2": 1e-3},
-    "_m3_N_m": {"mm3/(N m)": 1e-9},
-    "_N_m": {"N/mm": 1e3, "kN/m": 1e3},
-    "_rad_s": {"rpm": 0.10472, "Hz": 6.28319},
+    "_Pa_per_m": {"MPa/mm": 1e9, "N/mm3": 1e9},
+    "_J_per_m2": {"mJ/m2": 1e-3},
+    "_m3_per_N_m": {"mm3/(N m)": 1e-9},
+    "_N_per_m": {"N/mm": 1e3, "kN/m": 1e3},
+    "_rad_per_s": {"rpm": 0.10472, "Hz": 6.28319},
     "_rad": {"degrees": 0.0174533},
     "_s": {"ms": 1e-3, "us": 1e-6},
-    "_m_s": {"mm/s": 1e-3},
-    "_m_s2": {"cm/s2": 1e-2, "mm/s2": 1e-3},
-    "_kg_s": {"t/h": 0.277778},
+    "_m_per_s": {"mm/s": 1e-3},
+    "_m_per_s2": {"cm/s2": 1e-2, "mm/s2": 1e-3},
+    "_kg_per_s": {"t/h": 0.277778},
 }
 
 
-def wrong_sizes(case: Case) -> Iterator[Mistake]:
+def wrong_sizes(case: Case) -> Iterator[CaseProblem]:
     """Values out of their key's range that must be mistakes, with the unit that they look like."""
     for key, name, value, limits in _outside(case.model_dump(), ()):
         hint = _hint(name, value, limits)
         if hint or name in IMPOSSIBLE or not _inside(value, _widened(limits)):
-            yield Mistake(key, f"{value:g} is out of the range {_range(limits)}", hint)
+            yield CaseProblem(key, f"{value:g} is out of the range {_range(limits)}", hint)
 
 
 def unusual_sizes(case: Case) -> Iterator[str]:

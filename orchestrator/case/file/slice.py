@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from orchestrator.case.file import slice_surfaces, slice_tables
-from orchestrator.case.file.errors import CaseError, Key, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Block, Feed
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.screen import Panel
@@ -34,14 +34,14 @@ def full_width_m(case: Case) -> tuple[float, float]:
     """Where all panels begin and end along y.  Raises CaseError if they do not agree."""
     sides = {name: _sides_m(panel) for name, panel in case.screen.panels.items()}
     if not sides:
-        raise CaseError([Mistake(("slice",), "there are no panels to slice")])
+        raise CaseError([CaseProblem(("slice",), "there are no panels to slice")])
     (first, one), *others = sides.items()
     for name, (low, high) in others:
         if abs(low - one[0]) + abs(high - one[1]) > 1e-6:
             there = f"panel {first} from {one[0]:g} to {one[1]:g}"
             what = f"goes from y = {low:g} to {high:g} m, {there}"
             hint = "a slice wants panels of the same width side by side"
-            raise CaseError([Mistake(("screen", "panels", name, "width_m"), what, hint)])
+            raise CaseError([CaseProblem(("screen", "panels", name, "width_m"), what, hint)])
     return one
 
 
@@ -81,34 +81,34 @@ def sliced(case: Case) -> Case:
     return case.cut_to(update)
 
 
-def _mistakes(case: Case) -> list[Mistake]:
+def _mistakes(case: Case) -> list[CaseProblem]:
     assert case.slice is not None
     found = []
     for name, panel in case.screen.panels.items():
         if abs(panel.across[0]) + abs(panel.across[2]) > 1e-9:
             key: Key = ("screen", "panels", name, "across")
-            found.append(Mistake(key, "a slice wants panels that run across along y"))
+            found.append(CaseProblem(key, "a slice wants panels that run across along y"))
     if found:
         return found
     low, high = full_width_m(case)
     if case.slice.width_m > (high - low) * (1 + 1e-9):
         what = f"{case.slice.width_m:g} m is wider than the machine's {high - low:g} m"
-        found.append(Mistake(("slice", "width_m"), what))
+        found.append(CaseProblem(("slice", "width_m"), what))
         return found
     y_m = bounds_m(case)
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
             if row.box_m[1][1] <= y_m[0] or y_m[1] <= row.box_m[0][1]:
                 what = f"does not reach into the slice from y = {y_m[0]:g} to {y_m[1]:g} m"
-                found.append(Mistake(("bed", kind, name, "box_m"), what))
+                found.append(CaseProblem(("bed", kind, name, "box_m"), what))
     for name, particle in case.bed.particles.items():
         if not y_m[0] <= particle.position_m[1] < y_m[1]:
             key = ("bed", "particles", name, "position_m")
-            found.append(Mistake(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
+            found.append(CaseProblem(key, f"is not in the slice from y = {y_m[0]:g} to {y_m[1]:g} m"))
     return found + _through_openings(case) + _in_periodic(case)
 
 
-def _through_openings(case: Case) -> list[Mistake]:
+def _through_openings(case: Case) -> list[CaseProblem]:
     """A slice that would cut openings, or lie partly in the strips without any."""
     assert case.slice is not None
     width_m = case.slice.width_m
@@ -123,11 +123,11 @@ def _through_openings(case: Case) -> list[Mistake]:
             what = f"{width_m:g} m is {pitches:.6g} pitches of the openings of panel {name}"
             fitting = max(min(round(pitches), most), 1)
             hint = f"take a whole number of at most {most}: {fitting * pitch_m:g} m is {fitting}"
-            return [Mistake(("slice", "width_m"), what, hint)]
+            return [CaseProblem(("slice", "width_m"), what, hint)]
     return []
 
 
-def _in_periodic(case: Case) -> list[Mistake]:
+def _in_periodic(case: Case) -> list[CaseProblem]:
     """What cannot go on across periodic sides."""
     assert case.slice is not None
     if case.slice.sides == "walls":
@@ -135,9 +135,9 @@ def _in_periodic(case: Case) -> list[Mistake]:
     found = []
     if case.particles.solver == "spheres" and (case.bed.particles or case.bed.sources):
         hint = 'take "walls", or particles.solver = "liggghts"'
-        found.append(Mistake(("slice", "sides"), "particles.solver spheres has no periodic", hint))
-    if case.gravity_m_s2[1] != 0:
-        found.append(Mistake(("gravity_m_s2",), "pulls along y, across periodic sides"))
+        found.append(CaseProblem(("slice", "sides"), "particles.solver spheres has no periodic", hint))
+    if case.gravity_m_per_s2[1] != 0:
+        found.append(CaseProblem(("gravity_m_per_s2",), "pulls along y, across periodic sides"))
     return found
 
 

@@ -26,9 +26,7 @@ def screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen:
 
 
 def _frame(row: Frame, part: float) -> Frame:
-    update: dict[str, object] = {
-        "products_of_inertia_kg_m2": _times(row.products_of_inertia_kg_m2, part)
-    }
+    update: dict[str, object] = {"products_of_inertia_kg_m2": _times(row.products_of_inertia_kg_m2, part)}
     if row.mass_kg is not None:
         update["mass_kg"] = part * row.mass_kg
     if row.inertia_kg_m2 is not None:
@@ -38,8 +36,8 @@ def _frame(row: Frame, part: float) -> Frame:
 
 def _bushing(row: Bushing, part: float) -> Bushing:
     update = {
-        "stiffness_N_m": _times(row.stiffness_N_m, part),
-        "damping_N_s_m": _times(row.damping_N_s_m, part),
+        "stiffness_N_per_m": _times(row.stiffness_N_per_m, part),
+        "damping_N_s_per_m": _times(row.damping_N_s_per_m, part),
     }
     return row.model_copy(update=update)
 
@@ -70,7 +68,7 @@ def bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:
         for name, row in bed.blocks.items()
     }
     feeds = {
-        name: _cut(row, y_m).model_copy(update={"rate_kg_s": part * row.rate_kg_s})
+        name: _cut(row, y_m).model_copy(update={"rate_kg_per_s": part * row.rate_kg_per_s})
         for name, row in bed.feeds.items()
     }
     return bed.model_copy(update={"blocks": blocks, "feeds": feeds})

@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 
 DEEPEST = 20  # tables in each other; the case format has 7
 TOO_DEEP = "is nested too deeply"
@@ -40,7 +40,7 @@ def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
         what = TOO_DEEP
     except RuntimeError:
         what = "is a link to itself"
-    raise CaseError([Mistake((), what, file=str(file))])
+    raise CaseError([CaseProblem((), what, file=str(file))])
 
 
 def is_too_deep(given: Any) -> bool:

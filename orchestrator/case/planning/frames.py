@@ -13,15 +13,10 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Body, Bushing, Drive, Exciter, FramesPlan, Motor
 
-KNOW_MOTORS = ("planar", "exudyn")  # the others turn shafts at their speed_rad_s
+KNOW_MOTORS = ("planar", "exudyn")  # the others turn shafts at their speed_rad_per_s
 
 
-def frames_plan(
-    case: Case,
-    points_m: Array,
-    carrier: tuple[str, ...],
-    reaction_N: Array,
-) -> FramesPlan:
+def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_N: Array) -> FramesPlan:
     """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
     (n, 3) the panels' force on them at t = 0.
 
@@ -34,7 +29,7 @@ def frames_plan(
         bushings=() if prescribed else tuple(bushings(case)),
         exciters=() if prescribed else tuple(_exciters(case)),
         drives=tuple(_drives(case)),
-        gravity_m_s2=np.array(case.gravity_m_s2),
+        gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         points_m=points_m,
         carrier=carrier,
         reaction_N=reaction_N,
@@ -66,8 +61,8 @@ def bushings(case: Case) -> list[Bushing]:
             bodies=row.between,
             position_m=to_world(case, position),
             axes=to_world(case, Rotation.from_euler("xyz", row.rotation_deg, True).as_matrix().T),
-            stiffness_N_m=np.array(row.stiffness_N_m),
-            damping_N_s_m=np.array(row.damping_N_s_m),
+            stiffness_N_per_m=np.array(row.stiffness_N_per_m),
+            damping_N_s_per_m=np.array(row.damping_N_s_per_m),
         )
         for name, row in case.screen.bushings.items()
         for number, position in enumerate(row.positions_m)
@@ -82,7 +77,7 @@ def _exciters(case: Case) -> list[Exciter]:
             axis=to_world(case, unit(exciter.axis)),
             start=to_world(case, unit(exciter.start)),
             mass_moment_kg_m=exciter.mass_moment_kg_m,
-            speed_rad_s=exciter.speed_rad_s,
+            speed_rad_per_s=exciter.speed_rad_per_s,
             run_up_s=exciter.run_up_s,
             phase_rad=exciter.phase_rad,
             start_s=exciter.start_s,
@@ -97,7 +92,7 @@ def _motor(motor: tables.Motor | None) -> Motor | None:
         return None
     return Motor(
         rated_power_W=motor.rated_power_W,
-        synchronous_rad_s=motor.synchronous_speed_rad_s,
+        synchronous_rad_per_s=motor.synchronous_speed_rad_per_s,
         rated_slip=motor.rated_slip,
         breakdown_ratio=motor.breakdown_ratio,
         inertia_kg_m2=motor.moment_of_inertia_kg_m2,
@@ -115,7 +110,7 @@ def _drive(case: Case, name: str, drive: tables.Drive) -> Drive:
     return Drive(
         body=name,
         center_m=to_world(case, drive.center_m),
-        speed_rad_s=drive.speed_rad_s,
+        speed_rad_per_s=drive.speed_rad_per_s,
         amplitude_m=amplitude_m,
         phase_rad=phase_rad,
         rotation_rad=rotation_rad,

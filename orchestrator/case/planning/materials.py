@@ -14,7 +14,7 @@ def hyperelastic(material: Material) -> Hyperelastic:
     law = material.hyperelastic
     assert law is not None, "checks.references refuses panels of other materials"
     return Hyperelastic(
-        density_kg_m3=material.density_kg_m3,
+        density_kg_per_m3=material.density_kg_per_m3,
         c10_Pa=law.c10_Pa,
         c01_Pa=law.c01_Pa,
         bulk_modulus_Pa=law.bulk_modulus_Pa,

@@ -14,9 +14,7 @@ from orchestrator.ports.plans import PanelPlan
 from orchestrator.ports.recording import Playback
 
 
-def panel_plans(
-    case: Case, playbacks: Mapping[str, Playback] | None = None
-) -> tuple[PanelPlan, ...]:
+def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> tuple[PanelPlan, ...]:
     """One plan per panel, in the order of the case, with the ``playbacks`` by the panels' names."""
     return tuple(
         PanelPlan(
@@ -25,7 +23,7 @@ def panel_plans(
             frames=panel.frames,
             thickness_m=panel.table.thickness_m,
             material=hyperelastic(case.materials[panel.table.material]),
-            gravity_m_s2=np.array(case.gravity_m_s2),
+            gravity_m_per_s2=np.array(case.gravity_m_per_s2),
             cells=case.panel.cells,
             step_s=case.panel.step_s,
             integrator=case.panel.integrator,

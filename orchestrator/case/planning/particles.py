@@ -21,10 +21,7 @@ from orchestrator.ports.plans import Exit, GrainMaterial, ParticlesPlan
 
 
 def particles_plan(
-    case: Case,
-    surface: TriangleSurface,
-    communicator: Any = None,
-    folder: Path | None = None,
+    case: Case, surface: TriangleSurface, communicator: Any = None, folder: Path | None = None
 ) -> ParticlesPlan | None:
     """``surface`` as the particles will touch it, its materials numbered by
     ``material_numbers``; None for a case without particles."""
@@ -34,20 +31,18 @@ def particles_plan(
     cap = case.particles.largest_youngs_modulus_Pa
     return ParticlesPlan(
         surface=surface,
-        materials=tuple(
-            GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers
-        ),
+        materials=tuple(GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers),
         restitution=by_pair(case, numbers, "restitution", 1.0),
         sliding_friction=by_pair(case, numbers, "sliding_friction"),
         rolling_friction=_rolling_friction(case, numbers),
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
-        wear_m3_N_m=_wear(case, numbers),
+        wear_m3_per_N_m=_wear(case, numbers),
         responds=case.coupling.scheme == "robin",
         particles=initial_particles(case, numbers),
         largest_diameter_m=largest_diameter_m(case),
         domain_m=np.array(case.domain_m),
-        gravity_m_s2=np.array(case.gravity_m_s2),
+        gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         step_s=particle_step_s(case),
         sync_interval_s=case.coupling.sync_interval_s,
         feed=combined_feed(case, numbers),
@@ -76,5 +71,5 @@ def _rolling_friction(case: Case, numbers: dict[str, int]) -> Array:
 
 def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
     """(k, k), or None where nothing wears."""
-    rate_m3_N_m = by_pair(case, numbers, "specific_wear_m3_N_m")
-    return rate_m3_N_m if rate_m3_N_m.any() and case.particles.wear != "none" else None
+    rate_m3_per_N_m = by_pair(case, numbers, "specific_wear_m3_per_N_m")
+    return rate_m3_per_N_m if rate_m3_per_N_m.any() and case.particles.wear != "none" else None

@@ -44,9 +44,9 @@ class Particle(Table):
 
     position_m: Vector
     """Its centre at t = 0."""
-    velocity_m_s: Vector = (0.0, 0.0, 0.0)
+    velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
     """Its velocity at t = 0."""
-    spin_rad_s: Vector = (0.0, 0.0, 0.0)
+    spin_rad_per_s: Vector = (0.0, 0.0, 0.0)
     """Its angular velocity at t = 0."""
     diameter_m: Positive
     """Its diameter."""
@@ -76,7 +76,7 @@ class Block(Table):
     finer: Literal["leave-out", "next-class"] = "leave-out"
     """What becomes of the mass finer than ``smallest_fed_m``: it is left out, or made of the
     finest class that remains."""
-    velocity_m_s: Vector = (0.0, 0.0, 0.0)
+    velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
     """Their velocity at t = 0."""
     seed: Whole = 1
     """Seed of the random numbers: the same seed gives the same particles."""
@@ -87,7 +87,7 @@ class Feed(Table):
 
     material: str
     """Their material."""
-    rate_kg_s: Positive
+    rate_kg_per_s: Positive
     """Mass fed per time."""
     box_m: Box
     """Lowest and highest corner of the box in which particles appear."""
@@ -102,7 +102,7 @@ class Feed(Table):
     finer: Literal["leave-out", "next-class"] = "leave-out"
     """What becomes of the mass finer than ``smallest_fed_m``: it is left out of the rate, or made
     of the finest class that remains."""
-    velocity_m_s: Vector = (0.0, 0.0, 0.0)
+    velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
     """Velocity with which they appear; it must carry them out of the box."""
     start_s: NotNegative = 0.0
     """When the feed starts."""

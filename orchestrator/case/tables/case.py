@@ -13,14 +13,14 @@ from pydantic import Field, PrivateAttr, Strict
 
 from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.numerics import (
+    CheckpointSettings,
     Coupling,
+    Exchange,
     FramesSolver,
-    HandOver,
+    MonitorSettings,
     Output,
     PanelSolver,
     ParticlesSolver,
-    Save,
-    Watch,
 )
 from orchestrator.case.tables.quantities import (
     Box,
@@ -76,7 +76,7 @@ class Hyperelastic(Table):
 class Material(Table):
     """A material of particles, walls or panels."""
 
-    density_kg_m3: Positive
+    density_kg_per_m3: Positive
     """Density."""
     youngs_modulus_Pa: Positive | None = None
     """Young's modulus in contacts; a hyperelastic material has its own, 6 (C10 + C01)."""
@@ -97,9 +97,9 @@ class Contact(Table):
     """Coefficient of sliding friction."""
     rolling_friction: NotNegative
     """Coefficient of rolling friction: largest couple / (normal force x reduced radius)."""
-    work_of_adhesion_J_m2: NotNegative = 0.0
+    work_of_adhesion_J_per_m2: NotNegative = 0.0
     """Energy to part the two materials, per area: of like ones, twice the surface energy."""
-    specific_wear_m3_N_m: NotNegative = 0.0
+    specific_wear_m3_per_N_m: NotNegative = 0.0
     """Volume that particles of one wear off a panel or surface of the other, per normal force and
     distance slid (docs/theory/wear.md)."""
 
@@ -136,7 +136,7 @@ class Case(Table):
     effects_for: tuple[str, ...] = ()
     """Results, by their short names, that "auto" must not change by more than a tenth; without,
     all that have one."""
-    gravity_m_s2: Vector = (0.0, 0.0, -9.81)
+    gravity_m_per_s2: Vector = (0.0, 0.0, -9.81)
     """Gravity, in world axes."""
     domain_m: Box
     """Lowest and highest corner, in world axes.  Particles that leave it elsewhere than through
@@ -155,7 +155,7 @@ class Case(Table):
     """Probes by name."""
     coupling: Coupling = Field(default_factory=Coupling)
     """Exchange between the solvers."""
-    hand_over: HandOver = Field(default_factory=HandOver)
+    exchange: Exchange = Field(default_factory=Exchange)
     """What is exchanged."""
     frames: FramesSolver = Field(default_factory=FramesSolver)
     """Solver of the frames."""
@@ -163,9 +163,9 @@ class Case(Table):
     """Solver of the panels."""
     particles: ParticlesSolver = Field(default_factory=ParticlesSolver)
     """Solver of the particles."""
-    watch: Watch = Field(default_factory=Watch)
+    monitor: MonitorSettings = Field(default_factory=MonitorSettings)
     """What stops a run."""
-    save: Save = Field(default_factory=Save)
+    checkpoint: CheckpointSettings = Field(default_factory=CheckpointSettings)
     """When the run is saved."""
     output: Output = Field(default_factory=Output)
     """What is written."""

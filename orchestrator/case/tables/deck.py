@@ -8,15 +8,7 @@ from annotated_types import Ge, Le
 from pydantic import BeforeValidator, Field, Strict
 
 from orchestrator.case.tables.apertures import Apertures
-from orchestrator.case.tables.quantities import (
-    Few,
-    Name,
-    NotNegative,
-    Number,
-    Positive,
-    Table,
-    Vector,
-)
+from orchestrator.case.tables.quantities import Few, Name, NotNegative, Number, Positive, Table, Vector
 from orchestrator.case.tables.stop import Stop
 
 

@@ -25,7 +25,7 @@ class Drive(Table):
     """Prescribed harmonic motion of a frame, component by component:
     amplitude * sin(speed * t + phase), smoothly run up."""
 
-    speed_rad_s: Positive
+    speed_rad_per_s: Positive
     """Angular frequency."""
     amplitude_m: Vector = (0.0, 0.0, 0.0)
     """Amplitude of the translation."""
@@ -66,9 +66,9 @@ class Bushing(Table):
     """The two frames, or a frame and "ground"."""
     positions_m: Vectors
     """Where they are, one row each."""
-    stiffness_N_m: NotNegativeVector
+    stiffness_N_per_m: NotNegativeVector
     """Stiffness of one, along each of its axes."""
-    damping_N_s_m: NotNegativeVector = (0.0, 0.0, 0.0)
+    damping_N_s_per_m: NotNegativeVector = (0.0, 0.0, 0.0)
     """Viscous damping of one, along each of its axes."""
     rotation_deg: Vector = (0.0, 0.0, 0.0)
     """Turns the bushing's axes from the deck axes: about x, then y, then z."""
@@ -77,11 +77,11 @@ class Bushing(Table):
 class Motor(Table):
     """An induction motor on the ground that turns an exciter's shaft, so that its speed dips under
     load.  Of the solvers, "planar" and "exudyn" know it; the others turn the shaft at
-    ``speed_rad_s``."""
+    ``speed_rad_per_s``."""
 
     rated_power_W: Positive
     """Rated power, of all motors of the shaft."""
-    synchronous_speed_rad_s: Positive
+    synchronous_speed_rad_per_s: Positive
     """Speed of the shaft without any load; gears and belts are already in it."""
     rated_slip: Annotated[float, Strict(), Gt(0), Le(0.2)]
     """Lag behind the synchronous speed at rated power, as a share of it."""
@@ -102,7 +102,7 @@ class Exciter(Table):
     """Where its axis is."""
     mass_moment_kg_m: Positive
     """Unbalanced mass times its eccentricity; the force is this times speed squared."""
-    speed_rad_s: Positive
+    speed_rad_per_s: Positive
     """Speed once it has run up."""
     axis: Vector = (0.0, 1.0, 0.0)
     """Direction of the shaft; the unbalance turns about it in the positive sense."""

@@ -77,9 +77,7 @@ class ParticlesSolver(Table):
 class Coupling(Table):
     """When solvers exchange motion and load."""
 
-    scheme: Literal[
-        "particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"
-    ] = "auto"
+    scheme: Literal["particles-first", "robin", "serial-staggered", "aitken", "quasi-newton", "auto"] = "auto"
     """Order of the solvers within a sync interval (docs/theory/coupling.md): robin foretells with
     the contacts where panels go; aitken and quasi-newton repeat it until particles and panels
     agree; auto is particles-first within its safe interval, else robin (docs/theory/stability.md).
@@ -93,7 +91,7 @@ class Coupling(Table):
     """A repeated interval is run at most so many times; more is a warning."""
 
 
-class HandOver(Table):
+class Exchange(Table):
     """What is handed over.  Turning one off leaves out physics, to see what it
     does; momentum and energy then do not close, and the log says so."""
 
@@ -110,7 +108,7 @@ class HandOver(Table):
 Then = Literal["warn", "shorten", "stop"]
 
 
-class Watch(Table):
+class MonitorSettings(Table):
     """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
     runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
     "stop" ends the run with its results kept (exit code 4), and names the last save from before.
@@ -170,7 +168,7 @@ class Watch(Table):
     """How long."""
 
 
-class Save(Table):
+class CheckpointSettings(Table):
     """When a run is saved while it goes on, so that ``flipflow resume`` can take it up again.  At
     its end, and where it is interrupted, it is saved in any case."""
 

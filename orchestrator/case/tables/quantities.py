@@ -18,9 +18,7 @@ class Table(BaseModel):
     The text under each field is its documentation (docs/case-format.md is made of it).
     """
 
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 Number = Annotated[float, Strict()]

@@ -17,7 +17,7 @@ class Stop(Table):
     """Where it ends."""
     gap_m: Positive
     """How far it lies below the panel as it is mounted straight between its clamps."""
-    stiffness_Pa_m: Positive | None = None
+    stiffness_Pa_per_m: Positive | None = None
     """Pressure on its layer of rubber over the depth pressed in; without, a tenth of the panel's
     mass per area over the sync interval squared, ten times less than the most allowed."""
     damping_ratio: Share = 0.2

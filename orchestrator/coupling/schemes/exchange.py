@@ -31,13 +31,13 @@ class Solvers:
 class State:
     """All that the coupling knows at a sync point.
 
-    ``clamps``: the frames' carried points; ``clamps_acceleration_m_s2`` their mean acceleration
+    ``clamps``: the frames' carried points; ``clamps_acceleration_m_per_s2`` their mean acceleration
     over the last interval; ``panel``: surface motion and reaction; ``load``: the particles' mean
     force on the surface over the last interval.
     """
 
     clamps: Motion
-    clamps_acceleration_m_s2: Array
+    clamps_acceleration_m_per_s2: Array
     panel: PanelState
     load: Load
 
@@ -92,4 +92,4 @@ def initial(solvers: Solvers) -> State:
     clamps = solvers.frames.initial()
     panel = solvers.panel.initial()
     load = solvers.particles.initial() if solvers.particles else Load.zero(len(panel.surface))
-    return State(clamps, 0.0 * clamps.velocity_m_s, panel, load)
+    return State(clamps, 0.0 * clamps.velocity_m_per_s, panel, load)

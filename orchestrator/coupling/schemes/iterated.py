@@ -98,12 +98,7 @@ class Iterated:
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""
         mean = self._runs / self._intervals if self._intervals else 0.0
-        return {
-            "mean": mean,
-            "most": self._longest,
-            "unsolved": self._unsolved,
-            "worst": self._worst,
-        }
+        return {"mean": mean, "most": self._longest, "unsolved": self._unsolved, "worst": self._worst}
 
     def save(self) -> Saved:
         return taken(self, *_COUNTS) | {"relaxation": self._relaxation.save()}

@@ -61,8 +61,8 @@ class Robin:
         panel = solvers.panel.advance(interval, known.clamps, load)
         self._seen_m = path.end.position_m
         more = Load(load.force_N - now.load.force_N)
-        gave_m_s = (panel.surface.position_m - trial.position_m) / interval.length_s
-        self._share = yielding.share(more, gave_m_s, interval.length_s, self._share)
+        gave_m_per_s = (panel.surface.position_m - trial.position_m) / interval.length_s
+        self._share = yielding.share(more, gave_m_per_s, interval.length_s, self._share)
         return ended(solvers, interval, now, panel, load)
 
     def _foreseen(
@@ -73,12 +73,12 @@ class Robin:
         start_m = surface.position_m
         if self._seen_m is not None:
             start_m = np.where(known, self._seen_m, start_m)
-        trial_m_s = (trial.position_m - start_m) / length_s
-        velocity_m_s = np.where(known, trial_m_s, surface.velocity_m_s)
-        excess_N = response.push_N - against(response, velocity_m_s) - now.load.force_N
-        velocity_m_s += yielding.to(excess_N, response, length_s, self._share)
-        end_m = start_m + length_s * velocity_m_s
-        return Path(Motion(start_m, velocity_m_s), Motion(end_m, velocity_m_s), length_s)
+        trial_m_per_s = (trial.position_m - start_m) / length_s
+        velocity_m_per_s = np.where(known, trial_m_per_s, surface.velocity_m_per_s)
+        excess_N = response.push_N - against(response, velocity_m_per_s) - now.load.force_N
+        velocity_m_per_s += yielding.to(excess_N, response, length_s, self._share)
+        end_m = start_m + length_s * velocity_m_per_s
+        return Path(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
     def figures(self) -> dict[str, Any]:
         """An interval is never repeated."""

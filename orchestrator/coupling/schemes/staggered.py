@@ -41,8 +41,8 @@ def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
 def drift(now: State, interval: Interval) -> Path:
     """The surface's path at constant velocity."""
     start, length_s = now.panel.surface, interval.length_s
-    end_m = start.position_m + length_s * start.velocity_m_s
-    return Path(start, Motion(end_m, start.velocity_m_s), length_s)
+    end_m = start.position_m + length_s * start.velocity_m_per_s
+    return Path(start, Motion(end_m, start.velocity_m_per_s), length_s)
 
 
 def _particles_on(solvers: Solvers, interval: Interval, path: Path, now: State) -> Load:

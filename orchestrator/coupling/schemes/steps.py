@@ -39,7 +39,7 @@ class Ahead:
 
 def ahead(solvers: Solvers, interval: Interval, now: State) -> Ahead:
     """Of the interval that begins ``now``; nothing moves."""
-    clamps = extrapolated(now.clamps, now.clamps_acceleration_m_s2, interval.length_s)
+    clamps = extrapolated(now.clamps, now.clamps_acceleration_m_per_s2, interval.length_s)
     known = carried_ahead(solvers.frames, interval)
     if known is None:
         return Ahead(clamps, None, now.panel.surface)
@@ -57,18 +57,18 @@ def ended(solvers: Solvers, interval: Interval, now: State, panel: PanelState, l
 
 def chord(start: Motion, end: Motion, length_s: float) -> Path:
     """The straight path between two places, at constant velocity."""
-    mean_m_s = (end.position_m - start.position_m) / length_s
-    return Path(Motion(start.position_m, mean_m_s), Motion(end.position_m, mean_m_s), length_s)
+    mean_m_per_s = (end.position_m - start.position_m) / length_s
+    return Path(Motion(start.position_m, mean_m_per_s), Motion(end.position_m, mean_m_per_s), length_s)
 
 
-def extrapolated(motion: Motion, acceleration_m_s2: Array, length_s: float) -> Motion:
+def extrapolated(motion: Motion, acceleration_m_per_s2: Array, length_s: float) -> Motion:
     """Where points are after ``length_s`` at constant acceleration."""
     return Motion(
-        motion.position_m + length_s * (motion.velocity_m_s + length_s / 2 * acceleration_m_s2),
-        motion.velocity_m_s + length_s * acceleration_m_s2,
+        motion.position_m + length_s * (motion.velocity_m_per_s + length_s / 2 * acceleration_m_per_s2),
+        motion.velocity_m_per_s + length_s * acceleration_m_per_s2,
     )
 
 
 def acceleration(before: Motion, after: Motion, interval: Interval) -> Array:
     """Mean over the interval."""
-    return (after.velocity_m_s - before.velocity_m_s) / interval.length_s
+    return (after.velocity_m_per_s - before.velocity_m_per_s) / interval.length_s

@@ -45,10 +45,10 @@ class Yielding:
         which is never less than the matrix."""
         shapes, wanted = self.inertia.shapes, self._on_masses(excess_N)
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
-        impedance = np.einsum("pii->p", response.impedance_N_s_m)
+        impedance = np.einsum("pii->p", response.impedance_N_s_per_m)
         lumped = free + (self.spread @ impedance)[:, None]
         touched = np.flatnonzero(impedance)
-        Z, under = response.impedance_N_s_m[touched], shapes[touched]
+        Z, under = response.impedance_N_s_per_m[touched], shapes[touched]
         onto = csr_array(under.T)
 
         def product(u: Array) -> Array:
@@ -67,14 +67,14 @@ class Yielding:
         )
         return np.asarray(shapes @ u.reshape(wanted.shape))
 
-    def share(self, more: Load, gave_m_s: Array, length_s: float, before: Array) -> Array:
+    def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
         """Of what free masses would have done (3,), by direction: the work of the load ``more`` on
-        the mean velocity ``gave_m_s`` (points, 3) that it really caused.  1 for a free mass, less
+        the mean velocity ``gave_m_per_s`` (points, 3) that it really caused.  1 for a free mass, less
         where the panel's stiffness holds it; ``before`` where nothing changed."""
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
         found = before.copy()
-        real = (more.force_N * gave_m_s)[self.known].sum(axis=0)
+        real = (more.force_N * gave_m_per_s)[self.known].sum(axis=0)
         np.divide(real, free, out=found, where=free > 0)
         return np.clip(found, LEAST_SHARE, 1.0)
 
@@ -83,6 +83,6 @@ class Yielding:
         return self.inertia.yielding(self.transposed @ points_N)
 
 
-def against(response: Response, velocity_m_s: Array) -> Array:
+def against(response: Response, velocity_m_per_s: Array) -> Array:
     """(points, 3): by how much less the particles push a surface that moves."""
-    return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_m, velocity_m_s))
+    return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))

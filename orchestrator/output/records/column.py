@@ -19,9 +19,7 @@ CHUNK_ROWS, CHUNK_BYTES = 1024, 32768
 class Column:
     """Stays open, and writes without h5py's selections: both would take longer than the rows."""
 
-    def __init__(
-        self, file: h5py.File, where: str, inner: tuple[int, ...], dtype: np.dtype[Any]
-    ) -> None:
+    def __init__(self, file: h5py.File, where: str, inner: tuple[int, ...], dtype: np.dtype[Any]) -> None:
         """The one that is there, or a new one with rows of shape ``inner``."""
         if where not in file:
             row_bytes = dtype.itemsize * prod(inner)

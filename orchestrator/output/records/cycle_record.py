@@ -97,8 +97,8 @@ class Points:
     def at(self, state: State) -> Array:
         clamps, surface = state.clamps, state.panel.surface
         moved_m = self._taken(clamps.position_m, surface.position_m) - self._start_m
-        velocity_m_s = self._taken(clamps.velocity_m_s, surface.velocity_m_s)
-        sizes = [np.sqrt(np.einsum("ij,ij->i", one, one)) for one in (moved_m, velocity_m_s)]
+        velocity_m_per_s = self._taken(clamps.velocity_m_per_s, surface.velocity_m_per_s)
+        sizes = [np.sqrt(np.einsum("ij,ij->i", one, one)) for one in (moved_m, velocity_m_per_s)]
         return np.column_stack([moved_m, *sizes]).ravel()
 
     def rows(self, least: Array, mean: Array, most: Array) -> Rows:
@@ -111,7 +111,7 @@ class Points:
                 "mean_m": middle[:3],
                 "most_m": high[:3],
                 "farthest_m": float(high[3]),
-                "fastest_m_s": float(high[4]),
+                "fastest_m_per_s": float(high[4]),
             }
         return found
 

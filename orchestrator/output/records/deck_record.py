@@ -30,7 +30,7 @@ class DeckRecord:
     ) -> dict[str, dict[str, Array | float]]:
         """Values by group, to be recorded."""
         line = surface.part(self._points)
-        seen = over(self._deck, line.position_m, line.velocity_m_s, particles.position_m)
+        seen = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
         return {
             "profile": dict(profile(self._deck, particles, seen)),
             "held": dict(self.held.at(time_s, particles, seen)),

@@ -20,10 +20,9 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
     if not len(centres):  # which Rotation does not take
         return np.empty((0, 3)), np.empty((0, 3))
     ends = centres[:, None] + ARMS
-    arms_m, rates_m_s = (
-        value[ends] - value[centres][:, None]
-        for value in (carried.position_m, carried.velocity_m_s)
+    arms_m, rates_m_per_s = (
+        value[ends] - value[centres][:, None] for value in (carried.position_m, carried.velocity_m_per_s)
     )
     rotation_rad = Rotation.from_matrix(arms_m.transpose(0, 2, 1)).as_rotvec()
     # for orthonormal arms a:  sum of a x (spin x a) = 2 spin
-    return rotation_rad, np.cross(arms_m, rates_m_s).sum(axis=1) / 2
+    return rotation_rad, np.cross(arms_m, rates_m_per_s).sum(axis=1) / 2

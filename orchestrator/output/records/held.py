@@ -15,8 +15,8 @@ HELD_CYCLES = 5
 NEAR = 0.25  # diameters between panel and particle that still count as lying on it
 STAYS = 0.5  # diameters along and across that still count as the same place
 SEATED = 0.75  # radii from centre to surface that only an opening allows
-GRAVITY_M_S2 = 9.81
-_STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_s")
+GRAVITY_M_PER_S2 = 9.81
+_STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
 
 class Held:
@@ -34,7 +34,7 @@ class Held:
         self._openings = KDTree(openings_m) if len(openings_m) else None
         self._id: Indices = np.empty(0, dtype=np.int64)
         self._anchor_m = np.empty((0, 2))
-        self._since_s, self._fastest_m_s = np.empty(0), np.empty(0)
+        self._since_s, self._fastest_m_per_s = np.empty(0), np.empty(0)
 
     def at(self, time_s: float, particles: ParticleSnapshot, seen: Over) -> dict[str, float]:
         """``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.  Particles are
@@ -47,12 +47,12 @@ class Held:
         stays = known & lies & (moved < 2 * STAYS * radius)
         self._since_s = np.where(stays, self._then(self._since_s, old), time_s)
         self._anchor_m = np.where(stays[:, None], self._then(self._anchor_m, old), place)
-        fastest = np.where(stays, self._then(self._fastest_m_s, old), 0.0)
-        self._fastest_m_s = np.maximum(fastest, np.abs(seen.rise_m_s))
+        fastest = np.where(stays, self._then(self._fastest_m_per_s, old), 0.0)
+        self._fastest_m_per_s = np.maximum(fastest, np.abs(seen.rise_m_per_s))
         self._id = particles.id
         held = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
-        held &= self._fastest_m_s * 2 * np.pi / self._cycle_s > GRAVITY_M_S2
-        mass = np.pi / 6 * particles.density_kg_m3 * particles.diameter_m**3
+        held &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > GRAVITY_M_PER_S2
+        mass = np.pi / 6 * particles.density_kg_per_m3 * particles.diameter_m**3
         return {
             "stickers": float(held.sum()),
             "mass_kg": float(mass[held].sum()),

@@ -20,7 +20,7 @@ class PanelWatch:
     """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that."""
 
     def __init__(self, case: Case) -> None:
-        self._then = case.watch.folded_panels
+        self._then = case.monitor.folded_panels
         self._thickness_m = {panel.name: panel.table.thickness_m for panel in single_panels(case)}
         self._said: set[str] = set()
 

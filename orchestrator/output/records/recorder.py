@@ -201,13 +201,13 @@ def shapes_every(case: Case) -> int:
 
 
 def _bed(particles: ParticleSnapshot) -> dict[str, Any]:
-    mass = np.pi / 6 * particles.diameter_m**3 * particles.density_kg_m3
-    speed = np.linalg.norm(particles.velocity_m_s, axis=1)
+    mass = np.pi / 6 * particles.diameter_m**3 * particles.density_kg_per_m3
+    speed = np.linalg.norm(particles.velocity_m_per_s, axis=1)
     count = len(mass)
     return {
         "particles": float(count),
         "mass_kg": float(mass.sum()),
-        "mean_speed_m_s": float(mass @ speed / mass.sum()) if count else 0.0,
-        "mean_velocity_m_s": mass @ particles.velocity_m_s / mass.sum() if count else np.zeros(3),
+        "mean_speed_m_per_s": float(mass @ speed / mass.sum()) if count else 0.0,
+        "mean_velocity_m_per_s": mass @ particles.velocity_m_per_s / mass.sum() if count else np.zeros(3),
         "highest_m": float(particles.position_m[:, 2].max()) if count else np.nan,
     }

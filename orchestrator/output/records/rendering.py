@@ -44,10 +44,10 @@ def _add_particles(plotter: Any, particles: Any) -> None:
     if particles.n_points == 0:
         return
     sphere = pyvista.Sphere(radius=0.5, theta_resolution=16, phi_resolution=16)
-    fast = float(np.percentile(particles["speed_m_s"], 98))  # a few that fall do not dim the rest
+    fast = float(np.percentile(particles["speed_m_per_s"], 98))  # a few that fall do not dim the rest
     plotter.add_mesh(
         particles.glyph(scale="diameter_m", orient=False, geom=sphere),
-        scalars="speed_m_s",
+        scalars="speed_m_per_s",
         cmap="viridis",
         clim=(0.0, fast or 1.0),
         smooth_shading=True,

@@ -128,8 +128,7 @@ class _Legible(logging.Formatter):
 def legible(text: str) -> str:
     """Lines as they are, other characters that do not print as Python writes them."""
     return "".join(
-        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode()
-        for one in text
+        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
     )
 
 

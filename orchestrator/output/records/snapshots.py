@@ -77,7 +77,7 @@ def surface_mesh(
         surface.position_m[points],
         [("triangle", corners.reshape(triangles.shape))],
         point_data={
-            "velocity_m_s": surface.velocity_m_s[points],
+            "velocity_m_per_s": surface.velocity_m_per_s[points],
             **{name: values[points] for name, values in worn.items()},
         },
         cell_data={"panel": [panel]},
@@ -93,10 +93,10 @@ def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
         point_data={
             "id": particles.id,
             "diameter_m": particles.diameter_m,
-            "speed_m_s": np.linalg.norm(particles.velocity_m_s, axis=1),
-            "velocity_m_s": particles.velocity_m_s,
-            "spin_rad_s": particles.spin_rad_s,
-            "density_kg_m3": particles.density_kg_m3,
+            "speed_m_per_s": np.linalg.norm(particles.velocity_m_per_s, axis=1),
+            "velocity_m_per_s": particles.velocity_m_per_s,
+            "spin_rad_per_s": particles.spin_rad_per_s,
+            "density_kg_per_m3": particles.density_kg_per_m3,
             "material": particles.material,
         },
     )

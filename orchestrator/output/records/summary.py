@@ -14,16 +14,16 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 
 CYCLES_WITHOUT_DRIVE = 50
-PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "watch")
+PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "monitor")
 
 
 def cycle_s(case: Case) -> float:
     """The machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
     frames); the whole run where there is none."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    speeds = [drive.speed_rad_s for drive in drives]
+    speeds = [drive.speed_rad_per_s for drive in drives]
     if case.frames.solver != "prescribed":
-        speeds += [exciter.speed_rad_s for exciter in case.screen.exciters.values()]
+        speeds += [exciter.speed_rad_per_s for exciter in case.screen.exciters.values()]
     return 2 * math.pi / min(speeds) if speeds else case.duration_s
 
 
@@ -113,9 +113,7 @@ def created_J(ledger: dict[str, float]) -> float:
 
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
     """How often intervals were repeated; a warning where that was not enough."""
-    lines = [
-        f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"
-    ]
+    lines = [f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"]
     if iterations["unsolved"]:
         lines.append(
             f"WARNING: {iterations['unsolved']} sync intervals were not solved to "
@@ -146,6 +144,6 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         lines += material_lines(material)
         if "crossings" in material:  # not in a run of an older flipflow
             lines += contact_lines(material)
-    if watch := summary.get("watch"):
+    if watch := summary.get("monitor"):
         lines += watch_lines(watch)
     return lines

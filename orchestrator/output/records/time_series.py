@@ -36,7 +36,7 @@ class TimeSeries:
         self._frames(time_s, state)
         for probe in self._machine.probes:
             position, velocity = _at(probe, state, followed)
-            values = {"position_m": position, "velocity_m_s": velocity}
+            values = {"position_m": position, "velocity_m_per_s": velocity}
             self._history.add(f"probes/{probe.name}", time_s, values)
         stretched = self._machine.bushings.at(state.clamps)
         for name, *row in zip(self._machine.bushings.names, *stretched, strict=True):
@@ -59,8 +59,8 @@ class TimeSeries:
     def _frames(self, time_s: float, state: State) -> None:
         clamps, points = state.clamps, self._centres
         moved = clamps.position_m[points] - self._start.clamps.position_m[points]
-        rows = (moved, clamps.velocity_m_s[points], *rotations(clamps, points))
-        names = ("displacement_m", "velocity_m_s", "rotation_rad", "spin_rad_s")
+        rows = (moved, clamps.velocity_m_per_s[points], *rotations(clamps, points))
+        names = ("displacement_m", "velocity_m_per_s", "rotation_rad", "spin_rad_per_s")
         for frame, *row in zip(self._machine.centres, *rows, strict=True):
             values = dict(zip(names, row, strict=True))
             self._history.add(f"frames/{frame}", time_s, values)
@@ -76,6 +76,6 @@ def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[
         row = np.flatnonzero(followed.id == probe.index)
         if len(row) == 0:
             return gone
-        return followed.position_m[row[0]], followed.velocity_m_s[row[0]]
+        return followed.position_m[row[0]], followed.velocity_m_per_s[row[0]]
     motion: Motion = state.clamps if probe.on == "clamps" else state.panel.surface
-    return motion.position_m[probe.index], motion.velocity_m_s[probe.index]
+    return motion.position_m[probe.index], motion.velocity_m_per_s[probe.index]

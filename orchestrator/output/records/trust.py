@@ -70,10 +70,10 @@ def is_trusted(state: str) -> bool:
 
 def _energy_created(summary: Summary) -> Iterator[str]:
     """The coupling must not make or destroy more than a small share of the energy that goes through
-    it (``ledger.created_shares``); ``watch.largest_created_in_total`` of the case says how much."""
+    it (``ledger.created_shares``); ``monitor.largest_created_in_total`` of the case says how much."""
     if "energy_ledger_J" not in summary:
         return
-    share, watched = share_created(summary), summary.get("watch", {}).get("figures", {})
+    share, watched = share_created(summary), summary.get("monitor", {}).get("figures", {})
     limit = watched.get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
     if abs(share) > limit:
         advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
@@ -97,7 +97,7 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
 
 def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
     """No panel may have gone through a surface that would have held it."""
-    seen = summary.get("watch", {}).get("figures", {}).get("penetrated_surfaces", {})
+    seen = summary.get("monitor", {}).get("figures", {}).get("penetrated_surfaces", {})
     if seen.get("times"):
         yield (
             f"From t = {seen['first_s']:g} s on a panel went through a surface, by up to "

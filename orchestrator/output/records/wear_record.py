@@ -19,10 +19,7 @@ class WearRecord:
     nearest."""
 
     def __init__(
-        self,
-        surface: TriangleSurface,
-        panels: Sequence[PanelPoints],
-        rectangles: Sequence[Rectangle],
+        self, surface: TriangleSurface, panels: Sequence[PanelPoints], rectangles: Sequence[Rectangle]
     ) -> None:
         self._area_m2 = point_area_m2(surface)
         self._panels = {

@@ -76,7 +76,7 @@ def _fast(particles: dict[float, Path], shown: list[tuple[float, Path]]) -> floa
     read = _read(particles.get(shown[len(shown) // 2][0]))
     if read is None or read.n_points == 0:
         return 1.0
-    return float(np.percentile(read["speed_m_s"], 95)) or 1.0
+    return float(np.percentile(read["speed_m_per_s"], 95)) or 1.0
 
 
 def _touched_m(surface: Any) -> Any:
@@ -101,14 +101,14 @@ def _add_spheres(plotter: Any, particles: Any, fast: float) -> None:
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
-    for name in ("speed_m_s", "diameter_m"):
+    for name in ("speed_m_per_s", "diameter_m"):
         spheres[name] = particles[name]
     actor = plotter.add_mesh(
         spheres,
         style="points_gaussian",
         render_points_as_spheres=True,
         emissive=False,
-        scalars="speed_m_s",
+        scalars="speed_m_per_s",
         cmap="viridis",
         clim=(0.0, fast),
         show_scalar_bar=True,

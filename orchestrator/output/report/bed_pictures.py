@@ -17,9 +17,7 @@ def mass_balance(results: dict[str, Any]) -> str:
     whole = 1.0 / results["share_of_width"]
     drawn, ((rates, held),) = figure(1, 2, WIDE, 3.2)
     for name, colour in (("feed", FEED), ("undersize", UNDER), ("oversize", OVER)):
-        rates.plot(
-            flows["time_s"], whole * np.array(flows[f"{name}_kg_s"]), color=colour, label=name
-        )
+        rates.plot(flows["time_s"], whole * np.array(flows[f"{name}_kg_per_s"]), color=colour, label=name)
     rates.set(title="mass flow, mean of each cycle", ylabel="rate / (kg/s)")
     held.plot(flows["time_s"], whole * np.array(flows["hold_up_kg"]), color=HELD, label="hold-up")
     held.set(title="mass in the machine", ylabel="hold-up / kg")
@@ -74,9 +72,7 @@ def sections(screening: dict[str, Any]) -> str:
         )
     if divided:
         values, errors = _bars([row["cumulative_efficiency_percent"] for row in rows])
-        axes.errorbar(
-            place, values, errors, fmt="o-", color=HELD, ms=4, label="efficiency up to here"
-        )
+        axes.errorbar(place, values, errors, fmt="o-", color=HELD, ms=4, label="efficiency up to here")
     axes.set_xticks(place, [row["exit"] for row in rows])
     axes.set(title="sections", ylabel="%", ylim=(0, 105), xlabel="section (exit)")
     axes.set_xlim(-0.6, max(len(rows), FEW) - 0.4)
@@ -97,8 +93,8 @@ def along_the_deck(results: dict[str, Any]) -> str:
     profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
     series = [
         ("depth_m", 1e3, "bed depth / mm", HELD),
-        ("velocity_m_s", 1.0, "velocity / (m/s)", OVER),
-        ("mass_kg_m", whole, "bed mass / (kg/m)", FEED),
+        ("velocity_m_per_s", 1.0, "velocity / (m/s)", OVER),
+        ("mass_kg_per_m", whole, "bed mass / (kg/m)", FEED),
     ]
     passing = results.get("transport", {}).get("passing")
     drawn, axes = figure(2, 2, WIDE, 4.8)
@@ -106,15 +102,13 @@ def along_the_deck(results: dict[str, Any]) -> str:
         values = np.array(profile[name], float) * scale
         ax.plot(profile["along_m"], values, "o-", ms=3, color=colour)
         ax.set(ylabel=label, xlabel="distance along the deck / m")
-        if name != "velocity_m_s":
+        if name != "velocity_m_per_s":
             ax.set_ylim(bottom=0)
     last = axes[1, 1]
     if passing is None:
         last.axis("off")
     else:
         step = passing["along_m"][1] - passing["along_m"][0]
-        last.bar(
-            passing["along_m"], whole * np.array(passing["rate_kg_s_m"]), 0.85 * step, color=UNDER
-        )
+        last.bar(passing["along_m"], whole * np.array(passing["rate_kg_per_s_m"]), 0.85 * step, color=UNDER)
         last.set(ylabel="passing rate / (kg/(s m))", xlabel="distance along the deck / m")
     return embedded(drawn)

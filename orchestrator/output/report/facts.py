@@ -41,7 +41,7 @@ def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
     )
     yield "frames", frames or "none"
     for name, exciter in case.screen.exciters.items():
-        speed = exciter.speed_rad_s
+        speed = exciter.speed_rad_per_s
         yield (
             f"exciter {name}",
             f"{speed:g} rad/s = {speed / 2 / math.pi * 60:.0f} rpm, "
@@ -57,7 +57,7 @@ def bed_facts(case: Case) -> Iterator[tuple[str, str]]:
             f"{1e3 * s.smallest_m:g}–{1e3 * s.largest_m:g} mm {100 * s.mass_fraction:.3g} %"
             for s in feed.sizes
         )
-        yield f"feed {name}", f"{number(feed.rate_kg_s)} kg/s {feed.material}: {sizes}"
+        yield f"feed {name}", f"{number(feed.rate_kg_per_s)} kg/s {feed.material}: {sizes}"
     for name, block in case.bed.blocks.items():
         sizes = ", ".join(f"{1e3 * s.smallest_m:g}–{1e3 * s.largest_m:g} mm" for s in block.sizes)
         yield f"bed at t = 0, {name}", f"{block.count} particles of {block.material}, {sizes}"

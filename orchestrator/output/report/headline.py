@@ -48,7 +48,7 @@ def _screening(found: dict[str, Any]) -> Iterator[Tile]:
         "fine_placement_percent": ("undersize recovery", "%", "fine_particles"),
         "recovered_percent": ("fines recovered, of what came in", "%", "fine_particles"),
         "oversize_yield_percent": ("oversize yield", "%", "particles"),
-        "feed_kg_s": ("feed", "kg/s", ""),
+        "feed_kg_per_s": ("feed", "kg/s", ""),
     }
     for key, (name, unit, counted) in kinds.items():
         if key in screening:
@@ -64,7 +64,7 @@ def _bed(found: dict[str, Any]) -> Iterator[Tile]:
     bed = found["bed"]
     there = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, "
     basis = _balanced(found, there)
-    yield _tile("material velocity", bed["velocity_m_s"], "m/s", *basis)
+    yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", *basis)
     yield _tile("mass on the deck", bed["on_deck_kg"], "kg", *basis, _whole(found))
     yield _tile("largest bed depth", bed["largest_depth_m"], "mm", *basis, 1e3)
 
@@ -105,8 +105,6 @@ def _whole(found: dict[str, Any]) -> float:
     return 1.0 / float(found["share_of_width"])
 
 
-def _tile(
-    name: str, found: dict[str, Any], unit: str, over: str, unsteady: bool, scale: float = 1.0
-) -> Tile:
+def _tile(name: str, found: dict[str, Any], unit: str, over: str, unsteady: bool, scale: float = 1.0) -> Tile:
     value, _, width = interval(found, scale).partition(" ± ")
     return Tile(name, value, width, unit, over, unsteady)

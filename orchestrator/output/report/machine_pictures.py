@@ -60,9 +60,7 @@ def shapes(data: RunData) -> str:
         span_s = 15 / 16 * data.cycle_s if data.is_driven else np.inf
         last = np.flatnonzero(time > time[-1] - span_s)
         for number in last[np.linspace(0, len(last) - 1, min(MOMENTS, len(last))).astype(int)]:
-            phase = (
-                (time[number] / data.cycle_s) % 1.0 if data.is_driven else time[number] / time[-1]
-            )
+            phase = (time[number] / data.cycle_s) % 1.0 if data.is_driven else time[number] / time[-1]
             line = 1e3 * lines[number]
             ax.plot(line @ panel.rectangle.along, line @ normal, lw=1.1, color=_phase(phase))
         ax.set_title(panel.name)

@@ -95,9 +95,7 @@ def _pictures(data: RunData, found: dict[str, Any], summary: dict[str, Any]) -> 
     if "wear" in found:
         drawn["wear"] = wear_map(found["wear"])
     if found.get("motion", {}).get("frames"):
-        drawn["orbits"] = machine_pictures.orbits(
-            data, found["motion"]["start_s"], found["motion"]["end_s"]
-        )
+        drawn["orbits"] = machine_pictures.orbits(data, found["motion"]["start_s"], found["motion"]["end_s"])
     if data.names("frames"):
         drawn["motion"] = machine_pictures.motion(data)
     if data.names("panels"):

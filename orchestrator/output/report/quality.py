@@ -26,16 +26,14 @@ def quality(summary: dict[str, Any]) -> list[tuple[str, str]]:
         for interface in ("particles-panel", "panel-frames"):
             if f"created.{interface}" in ledger:
                 created = number(ledger[f"created.{interface}"])
-                rows.append(
-                    (f"energy created between {interface.replace('-', ' and ')}", f"{created} J")
-                )
+                rows.append((f"energy created between {interface.replace('-', ' and ')}", f"{created} J"))
         for interface, exchanged_J in summary.get("energy_exchanged_J", {}).items():
             between = interface.replace("-", " and ")
             rows.append((f"energy exchanged between {between}", f"{number(exchanged_J)} J"))
         share = f"{100 * share_created(summary):.2g} %"
         rows.append(("energy created, of what was exchanged and lost, worse of the two", share))
     rows.append(("sync intervals", f"{summary['sync_intervals']}"))
-    if watch := summary.get("watch"):
+    if watch := summary.get("monitor"):
         rows += list(_watched(watch))
     if summary["particle_steps_per_s"]:
         rows.append(("particle steps per second", f"{summary['particle_steps_per_s']:.2e}"))

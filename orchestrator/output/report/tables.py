@@ -22,9 +22,9 @@ def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
     """Flows and placements of the whole deck; masses are multiplied by ``whole``, the full width
     over that of the slice."""
     kinds = {
-        "feed": ("feed_kg_s", "kg/s"),
-        "undersize": ("undersize_kg_s", "kg/s"),
-        "oversize": ("oversize_kg_s", "kg/s"),
+        "feed": ("feed_kg_per_s", "kg/s"),
+        "undersize": ("undersize_kg_per_s", "kg/s"),
+        "oversize": ("oversize_kg_per_s", "kg/s"),
         "hold-up in the machine": ("hold_up_kg", "kg"),
         "screening efficiency η": ("efficiency_percent", "%"),
         "fine placement (undersize recovery)": ("fine_placement_percent", "%"),
@@ -65,12 +65,12 @@ def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
     blinded = interval(held["blinded_openings"], whole)
     rows = [
         ("mass on the deck", interval(bed["on_deck_kg"], whole), "kg"),
-        ("velocity, mass weighted", interval(bed["velocity_m_s"]), "m/s"),
+        ("velocity, mass weighted", interval(bed["velocity_m_per_s"]), "m/s"),
     ]
     if transport:
         rows += [
             ("residence time of the oversize", interval(transport["residence_s"]), "s"),
-            ("velocity from it", interval(transport.get("residence_velocity_m_s")), "m/s"),
+            ("velocity from it", interval(transport.get("residence_velocity_m_per_s")), "m/s"),
         ]
     rows += [
         ("largest bed depth", interval(bed["largest_depth_m"], 1e3), "mm"),

@@ -29,8 +29,8 @@ def wear_sheet(wear: dict[str, Any]) -> Sheet:
     rows = tuple(
         (
             name,
-            interval(panel["mean_m_h"], MM_IN_1000_H),
-            number(panel["largest_m_h"], MM_IN_1000_H),
+            interval(panel["mean_m_per_h"], MM_IN_1000_H),
+            number(panel["largest_m_per_h"], MM_IN_1000_H),
             ", ".join(number(share, digits=2) for share in panel["largest_at"]),
             number(panel["worn_through_h"]),
         )
@@ -56,4 +56,4 @@ def wear_map(wear: dict[str, Any]) -> str:
 
 
 def _known(panel: dict[str, Any]) -> Any:
-    return np.array(panel["depth_m_h"], dtype=float)
+    return np.array(panel["depth_m_per_h"], dtype=float)

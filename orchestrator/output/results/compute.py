@@ -45,11 +45,7 @@ def results(folder: Path) -> dict[str, Any]:
 
 
 def _gathered(data: RunData) -> dict[str, Any]:
-    found: dict[str, Any] = {
-        "missing": {},
-        "failed": {},
-        "share_of_width": share(data.case.whole),
-    }
+    found: dict[str, Any] = {"missing": {}, "failed": {}, "share_of_width": share(data.case.whole)}
     if len(data.edges_s) < 2:
         found["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return found

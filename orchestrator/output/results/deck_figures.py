@@ -23,7 +23,7 @@ def bed_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) ->
     window = averaged(time, start_s, end_s)
     mass, velocity, depth = (
         np.nan_to_num(data.read(f"profile/{name}")[window])
-        for name in ("mass_kg", "velocity_m_s", "depth_m")
+        for name in ("mass_kg", "velocity_m_per_s", "depth_m")
     )
     along = data.read("profile/along_m")[0]
     cycle = np.floor((time[window] - start_s) / data.cycle_s - 1e-9).astype(int)
@@ -34,16 +34,13 @@ def bed_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) ->
         "output_times": int(window.sum()),
         "particles": float(present.mean()),
         "on_deck_kg": by_cycles(kg, cycle, is_steady),
-        "velocity_m_s": ratio_by_cycles(momentum, kg, cycle, is_steady),
+        "velocity_m_per_s": ratio_by_cycles(momentum, kg, cycle, is_steady),
         "largest_depth_m": by_cycles(depth.max(axis=1), cycle, is_steady),
         "profile": {
             "along_m": along,
-            "mass_kg_m": mass.mean(axis=0) / (along[1] - along[0]),
-            "velocity_m_s": np.divide(
-                (mass * velocity).sum(axis=0),
-                total,
-                out=np.full(len(total), np.nan),
-                where=total > 0,
+            "mass_kg_per_m": mass.mean(axis=0) / (along[1] - along[0]),
+            "velocity_m_per_s": np.divide(
+                (mass * velocity).sum(axis=0), total, out=np.full(len(total), np.nan), where=total > 0
             ),
             "depth_m": depth.mean(axis=0),
         },

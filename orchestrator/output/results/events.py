@@ -68,7 +68,7 @@ def read(history: Any) -> tuple[Fed, Removed, Exits] | None:
 
 
 def _mass_kg(table: Any) -> Array:
-    return np.asarray(np.pi / 6 * table["diameter_m"][:] ** 3 * table["density_kg_m3"][:])
+    return np.asarray(np.pi / 6 * table["diameter_m"][:] ** 3 * table["density_kg_per_m3"][:])
 
 
 def per_cycle(time_s: Array, mass_kg: Array, edges_s: Array, group: Indices, groups: int) -> Array:

@@ -14,9 +14,9 @@ from orchestrator.output.results.run_data import RunData
 from orchestrator.output.results.vibration import (
     BAND_HZ,
     LARGEST_BAND,
-    STANDARD_GRAVITY_M_S2,
+    STANDARD_GRAVITY_M_PER_S2,
     Orbit,
-    acceleration_m_s2,
+    acceleration_m_per_s2,
     band_hz,
     orbit,
     shaking,
@@ -99,12 +99,12 @@ def panel_points(data: RunData, start_s: float, end_s: float) -> dict[str, Any]:
             continue
         time = data.read(f"probes/{name}/time_s")
         step_s = float(time[1] - time[0])
-        acceleration = acceleration_m_s2(data.read(f"probes/{name}/velocity_m_s"), step_s)
+        acceleration = acceleration_m_per_s2(data.read(f"probes/{name}/velocity_m_per_s"), step_s)
         window = (time >= start_s) & (time <= end_s)
         time, acceleration = time[window], acceleration[window]
         shaken = shaking(acceleration, normals[probe.panel])
         parts = _cycles(time, data.cycle_s)
-        size = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_S2
+        size = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_PER_S2
         square = mean(np.array([float(np.mean(size[part] ** 2)) for part in parts]))
         found[name] = {
             "panel": probe.panel,

@@ -13,7 +13,7 @@ from orchestrator.output.records.summary import counted_cycle_s, cycle_s, is_dri
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 
-FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_s")
+FIGURES = ("amplitude_m", "mean_m", "peak_m", "peak_speed_m_per_s")
 AVERAGED = 2  # cycles
 
 
@@ -23,7 +23,7 @@ def probe_figures(history_file: Path, case: Case) -> dict[str, dict[str, Any]]:
     ``amplitude_m`` (3,): half the range over the last two whole cycles of the machine, or over all
     of a run that is shorter or has no cycle; ``mean_m`` (3,): mean displacement over them;
     ``peak_m``: largest size of the displacement from the place at t = 0 over the whole run;
-    ``peak_speed_m_s`` likewise.  Of points on frames and panels these are taken at sync points,
+    ``peak_speed_m_per_s`` likewise.  Of points on frames and panels these are taken at sync points,
     however seldom rows are written.  Of a particle the rows of the series are all there is, and the
     time in which it is present is taken for the run.  Where nothing can be said all four are None,
     and ``reason`` says why.
@@ -41,11 +41,10 @@ def _of_cycles(rows: Any, case: Case) -> dict[str, Any]:
     last = averaged_rows(rows["time_s"][:], cycle_s(case))
     count = rows["sync_points"][:][last]
     return {
-        "amplitude_m": (rows["most_m"][:][last].max(axis=0) - rows["least_m"][:][last].min(axis=0))
-        / 2,
+        "amplitude_m": (rows["most_m"][:][last].max(axis=0) - rows["least_m"][:][last].min(axis=0)) / 2,
         "mean_m": count @ rows["mean_m"][:][last] / count.sum(),
         "peak_m": rows["farthest_m"][:].max(),
-        "peak_speed_m_s": rows["fastest_m_s"][:].max(),
+        "peak_speed_m_per_s": rows["fastest_m_per_s"][:].max(),
         "reason": "",
     }
 
@@ -77,7 +76,7 @@ def _of_a_particle(series: Any, case: Case) -> dict[str, Any]:
         "amplitude_m": np.ptp(last, axis=0) / 2,
         "mean_m": last.mean(axis=0),
         "peak_m": np.linalg.norm(moved_m, axis=1).max(),
-        "peak_speed_m_s": np.linalg.norm(series["velocity_m_s"][:][there], axis=1).max(),
+        "peak_speed_m_per_s": np.linalg.norm(series["velocity_m_per_s"][:][there], axis=1).max(),
         "reason": "",
     }
 

@@ -77,13 +77,13 @@ def _flows(events: Events, out: Array) -> dict[str, Any]:
     length_s = np.diff(edges_s)
     products = {p: out[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
     return {
-        "feed_kg_s": events.rate(fed_kg),
-        **{f"{name}_kg_s": events.rate(kg) for name, kg in products.items()},
+        "feed_kg_per_s": events.rate(fed_kg),
+        **{f"{name}_kg_per_s": events.rate(kg) for name, kg in products.items()},
         "hold_up_kg": events.figure(lambda sums: sums[0] / sums[1], mean_kg),
         "in_time": {
             "time_s": edges_s[1:],
-            "feed_kg_s": fed_kg / length_s,
-            **{f"{name}_kg_s": kg / length_s for name, kg in products.items()},
+            "feed_kg_per_s": fed_kg / length_s,
+            **{f"{name}_kg_per_s": kg / length_s for name, kg in products.items()},
             "hold_up_kg": held[1:],
         },
     }
@@ -101,9 +101,7 @@ def _sections(events: Events, out: Array, divided: bool) -> list[dict[str, Any]]
             shares["cumulative_efficiency"] = partial(
                 placement.cumulative_efficiency, sections=numbers, last=place
             )
-            shares["local_efficiency"] = partial(
-                placement.local_efficiency, sections=numbers, section=place
-            )
+            shares["local_efficiency"] = partial(placement.local_efficiency, sections=numbers, section=place)
         row: dict[str, Any] = {"exit": events.exits.names[exit_number]}
         for name, share in shares.items():
             row[f"{name}_percent"] = events.figure(partial(_percent, share), out)

@@ -12,13 +12,7 @@ import h5py
 from orchestrator.case.tables.case import Case
 from orchestrator.output.results.run_data import RunData, run_data
 from orchestrator.output.results.sampling import rows_too_seldom
-from orchestrator.output.results.seen_bed import (
-    bearing,
-    bed_kg_m2,
-    deepest,
-    products,
-    transport_m_s,
-)
+from orchestrator.output.results.seen_bed import bearing, bed_kg_per_m2, deepest, products, transport_m_per_s
 from orchestrator.output.results.seen_motion import SeenMotion
 from orchestrator.preflight.judgement.account import Entry
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present
@@ -49,8 +43,8 @@ def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> S
     """The scene with the numbers of the run: motion over the window of ``results``, bed over all
     of it.  Nothing is said of motion where the series do not show it."""
     bed = Seen(
-        bed_kg_m2=bed_kg_m2(data),
-        transport_m_s=transport_m_s(results),
+        bed_kg_per_m2=bed_kg_per_m2(data),
+        transport_m_per_s=transport_m_per_s(results),
         deepest=deepest(data),
         products=products(data),
         closed=not present(data.case, "apertures"),
@@ -58,7 +52,7 @@ def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> S
     window = results.get("motion")
     interval_s = data.case.coupling.sync_interval_s
     seldom = rows_too_seldom(data.series_s(), data.cycle_s, interval_s)
-    if window is None or seldom or not estimated.speed_rad_s > 0:
+    if window is None or seldom or not estimated.speed_rad_per_s > 0:
         return replace(estimated, seen=bed)
     motion = SeenMotion(estimated, data, window["start_s"], window["end_s"])
     springs = motion.springs()
@@ -67,7 +61,7 @@ def seen_scene(estimated: Scene, data: RunData, results: Mapping[str, Any]) -> S
         frames_throw=motion.frames_throw(),
         rotation=motion.outermost("frame-rotation", turned),
         sideways=motion.outermost("sideways-motion", out_of_plane),
-        panels_N_m=sum(spring.stiffness_N_m for spring in springs) if springs else None,
+        panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
         turned=motion.turned(),
         bearing=bearing(estimated, data, window["start_s"], window["end_s"]),

@@ -18,7 +18,7 @@ from orchestrator.preflight.scene.seen import Bearing, Deepest, Products
 FEWEST = 30  # particles of a product whose mean size is compared: the project's own choice
 
 
-def bed_kg_m2(data: RunData) -> float | None:
+def bed_kg_per_m2(data: RunData) -> float | None:
     """Largest mass on the deck at an output time, per area of the panels."""
     area_m2 = deck_m2(data.case)
     group = next((name for name in ("profile", "bed") if name in data.history), None)
@@ -28,11 +28,11 @@ def bed_kg_m2(data: RunData) -> float | None:
     return float(np.nansum(mass_kg.reshape(len(mass_kg), -1), axis=1).max() / area_m2)
 
 
-def transport_m_s(results: Mapping[str, Any]) -> float | None:
+def transport_m_per_s(results: Mapping[str, Any]) -> float | None:
     """Speed of the bed along the deck."""
     bed = results.get("bed")
-    speed_m_s = bed["velocity_m_s"]["value"] if bed else None
-    return None if speed_m_s is None else max(0.0, float(speed_m_s))
+    speed_m_per_s = bed["velocity_m_per_s"]["value"] if bed else None
+    return None if speed_m_per_s is None else max(0.0, float(speed_m_per_s))
 
 
 def bearing(scene: Scene, data: RunData, start_s: float, end_s: float) -> Bearing | None:
@@ -51,7 +51,7 @@ def bearing(scene: Scene, data: RunData, start_s: float, end_s: float) -> Bearin
         normal_N -= float(load_N @ at.normal)
         downhill_N += float(load_N @ at.along) * (-1.0 if at.along[2] > 0 else 1.0)
         normal_weight += float(abs(at.normal[2])) / len(panels)
-    weight_N = float(mass_kg.mean()) * scene.gravity_m_s2 * normal_weight
+    weight_N = float(mass_kg.mean()) * scene.gravity_m_per_s2 * normal_weight
     if not (normal_N > 0.0 and weight_N > 0.0):
         return None
     rubs = present(data.case, "sliding-friction")
@@ -84,7 +84,5 @@ def products(data: RunData) -> Products | None:
     if len(found) < 2:
         return None
     fine, coarse = min(found, key=found.__getitem__), max(found, key=found.__getitem__)
-    words = (
-        f"{found[coarse] * 1e3:.3g} mm through {coarse}, {found[fine] * 1e3:.3g} mm through {fine}"
-    )
+    words = f"{found[coarse] * 1e3:.3g} mm through {coarse}, {found[fine] * 1e3:.3g} mm through {fine}"
     return Products(found[coarse] / found[fine], words)

@@ -9,7 +9,7 @@ import numpy as np
 from orchestrator.case.tables.frames import Exciter
 from orchestrator.output.records.panel_lines import tension_N
 from orchestrator.output.results.run_data import RunData
-from orchestrator.output.results.seen_forces import loss_factor, spring_N_m
+from orchestrator.output.results.seen_forces import loss_factor, spring_N_per_m
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.catalogue import present
 from orchestrator.preflight.scene.moved_panel import MovedPanel
@@ -30,16 +30,12 @@ class SeenMotion:
         normal = self._data.deck_axes[:, 2]
         names = [body.name for body in self._scene.plan.bodies]
         largest_m = max((float(_half_range(self._moved(n) @ normal)) for n in names), default=0.0)
-        return self._scene.speed_rad_s**2 * largest_m / self._scene.gravity_m_s2
+        return self._scene.speed_rad_per_s**2 * largest_m / self._scene.gravity_m_per_s2
 
     def panels(self) -> tuple[MovedPanel, ...]:
         bend = present(self._data.case, "panel-deformation")
         return tuple(
-            replace(
-                panel,
-                stroke_m=self._stroke_m(spring),
-                shape=self._shape(panel) if bend else None,
-            )
+            replace(panel, stroke_m=self._stroke_m(spring), shape=self._shape(panel) if bend else None)
             for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True)
         )
 
@@ -48,13 +44,13 @@ class SeenMotion:
         nothing stretches one."""
         if not present(self._data.case, "panel-deformation"):
             return ()
-        speed = self._scene.speed_rad_s
+        speed = self._scene.speed_rad_per_s
         found = []
         for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True):
-            stiffness_N_m = spring_N_m(*self._pull(panel), self._stretch_m(spring), speed)
-            if stiffness_N_m is None:
+            stiffness_N_per_m = spring_N_per_m(*self._pull(panel), self._stretch_m(spring), speed)
+            if stiffness_N_per_m is None:
                 return ()
-            found.append(replace(spring, stiffness_N_m=stiffness_N_m))
+            found.append(replace(spring, stiffness_N_per_m=stiffness_N_per_m))
         return tuple(found)
 
     def loss_factor(self) -> float | None:
@@ -72,7 +68,7 @@ class SeenMotion:
             return None
         time_s, given_J = self._data.read("energy/time_s"), self._data.read(path)
         inside = self._inside(time_s)
-        slowest = min(exciters, key=lambda one: one.speed_rad_s)
+        slowest = min(exciters, key=lambda one: one.speed_rad_per_s)
         turned_rad = angle_rad(time_s, slowest)
         before_rad = turned_rad - 2 * np.pi
         before_J = np.interp(before_rad, turned_rad, given_J)
@@ -97,9 +93,7 @@ class SeenMotion:
         free = [name for name in free_frames(self._scene.plan) if self._translation_m(name) > 0]
         if not free or not present(self._data.case, effect):
             return None
-        ratio, name = max(
-            (self._part_m(name, part) / self._translation_m(name), name) for name in free
-        )
+        ratio, name = max((self._part_m(name, part) / self._translation_m(name), name) for name in free)
         return ratio, f"at the outermost clamp of {name}"
 
     def _part_m(self, frame: str, part: Part) -> float:
@@ -159,7 +153,7 @@ def angle_rad(time_s: Array, exciter: Exciter) -> Array:
     rising_s = np.minimum(since_s, run_up_s)
     lag_s = run_up_s / np.pi * np.sin(np.pi * rising_s / run_up_s) if run_up_s else 0.0
     turning_s = (rising_s - lag_s) / 2 + (since_s - rising_s)
-    return np.asarray(exciter.speed_rad_s * turning_s)
+    return np.asarray(exciter.speed_rad_per_s * turning_s)
 
 
 def _half_range(rows: Array) -> Array:

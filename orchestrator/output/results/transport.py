@@ -20,7 +20,7 @@ def residence_s(fed: Fed, removed: Removed) -> Array:
     return np.asarray(removed.time_s - entered)
 
 
-def passing_kg_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
+def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
     """(bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to the
     nearest bin."""
     inside = np.clip(along_m, edges_m[0], edges_m[-1])

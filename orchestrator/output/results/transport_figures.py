@@ -11,7 +11,7 @@ from orchestrator.output.records.deck_profile import bins_m
 from orchestrator.output.results import placement
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, per_cycle
 from orchestrator.output.results.steady_events import Events
-from orchestrator.output.results.transport import passing_kg_s_m, residence_s
+from orchestrator.output.results.transport import passing_kg_per_s_m, residence_s
 
 
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
@@ -27,12 +27,10 @@ def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
         np.repeat([0, 1], int(over.sum())),
         2,
     )
-    found: dict[str, Any] = {
-        "residence_s": events.figure(lambda s: placement.share(s[0], s[1]), sums)
-    }
+    found: dict[str, Any] = {"residence_s": events.figure(lambda s: placement.share(s[0], s[1]), sums)}
     if deck is not None:
         length = deck.length_m
-        found["residence_velocity_m_s"] = events.figure(
+        found["residence_velocity_m_per_s"] = events.figure(
             lambda s: length * placement.share(s[1], s[0]), sums
         )
         edges = bins_m(deck)
@@ -40,6 +38,6 @@ def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
         station = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
         found["passing"] = {
             "along_m": (edges[1:] + edges[:-1]) / 2,
-            "rate_kg_s_m": passing_kg_s_m(station, removed.mass_kg[under], edges, events.lasting_s),
+            "rate_kg_per_s_m": passing_kg_per_s_m(station, removed.mass_kg[under], edges, events.lasting_s),
         }
     return found

@@ -11,7 +11,7 @@ from orchestrator.ports import Array
 
 BAND_HZ = 500.0
 LARGEST_BAND = 0.9  # of half the rows' rate: up to there a filter can be made
-STANDARD_GRAVITY_M_S2 = 9.80665
+STANDARD_GRAVITY_M_PER_S2 = 9.80665
 
 
 @dataclass(frozen=True)
@@ -41,30 +41,30 @@ class Orbit:
     other_m: Array
 
 
-def acceleration_m_s2(velocity_m_s: Array, step_s: float) -> Array:
+def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
     """(n, 3) from (n, 3) at equal steps: band-limited to ``BAND_HZ`` by a Butterworth filter of
     fourth order run to and fro (no phase shift), then central differences."""
     limit = 2 * BAND_HZ * step_s
     if limit < LARGEST_BAND:  # else the steps themselves are the limit
-        velocity_m_s = sosfiltfilt(butter(4, limit, output="sos"), velocity_m_s, axis=0)
-    return np.asarray(np.gradient(velocity_m_s, step_s, axis=0))
+        velocity_m_per_s = sosfiltfilt(butter(4, limit, output="sos"), velocity_m_per_s, axis=0)
+    return np.asarray(np.gradient(velocity_m_per_s, step_s, axis=0))
 
 
 def band_hz(step_s: float) -> float:
-    """Up to which frequency ``acceleration_m_s2`` tells something."""
+    """Up to which frequency ``acceleration_m_per_s2`` tells something."""
     return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
 
 
-def shaking(acceleration_m_s2: Array, normal: Array) -> Shaking:
+def shaking(acceleration_m_per_s2: Array, normal: Array) -> Shaking:
     """Of (n, 3) in world axes; ``normal`` (3,) is a unit vector."""
-    size = np.linalg.norm(acceleration_m_s2, axis=1) / STANDARD_GRAVITY_M_S2
-    along = acceleration_m_s2 @ normal / STANDARD_GRAVITY_M_S2
+    size = np.linalg.norm(acceleration_m_per_s2, axis=1) / STANDARD_GRAVITY_M_PER_S2
+    along = acceleration_m_per_s2 @ normal / STANDARD_GRAVITY_M_PER_S2
     return Shaking(float(size.max()), _rms(size), float(np.abs(along).max()), _rms(along))
 
 
-def orbit(time_s: Array, place_m: Array, speed_rad_s: float) -> Orbit:
+def orbit(time_s: Array, place_m: Array, speed_rad_per_s: float) -> Orbit:
     """Least squares over (n,) times and (n, 3) places, which should span whole cycles."""
-    phase = speed_rad_s * time_s
+    phase = speed_rad_per_s * time_s
     terms = np.column_stack([np.cos(phase), np.sin(phase), np.ones_like(phase), time_s - time_s[0]])
     fit = np.linalg.lstsq(terms, place_m, rcond=None)[0]
     phasor = fit[0] - 1j * fit[1]

@@ -32,35 +32,33 @@ def wear_figures(
     for panel in single_panels(data.case):
         mean_m, depth_m = (data.read(f"wear/{panel.name}/{name}") for name in ("mean_m", "depth_m"))
         hours = (time[last] - time[first]) / HOUR_S
-        depth_m_h = (depth_m[last] - depth_m[first]) / hours
-        growth_m_h = np.diff(mean_m[span]) / np.diff(time[span]) * HOUR_S
-        rates.append(depth_m_h)
+        depth_m_per_h = (depth_m[last] - depth_m[first]) / hours
+        growth_m_per_h = np.diff(mean_m[span]) / np.diff(time[span]) * HOUR_S
+        rates.append(depth_m_per_h)
         panels[panel.name] = {
             "worn_m3": float(data.read(f"wear/{panel.name}/worn_m3")[-1]),
-            "mean_m_h": by_cycles(growth_m_h, cycle, is_steady),
-            **_deepest(depth_m_h, panel.table.thickness_m),
-            "depth_m_h": depth_m_h,
+            "mean_m_per_h": by_cycles(growth_m_per_h, cycle, is_steady),
+            **_deepest(depth_m_per_h, panel.table.thickness_m),
+            "depth_m_per_h": depth_m_per_h,
         }
     found: dict[str, Any] = {"start_s": time[first], "end_s": time[last], "panels": panels}
     return found | {"profile": _profile(data, names, rates, deck) if deck else None}
 
 
-def _deepest(depth_m_h: Array, thickness_m: float) -> dict[str, Any]:
+def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
     """The patch that wears fastest: its rate, its middle as shares of length and width, and when
     it is worn through."""
-    row, column = np.unravel_index(int(np.nanargmax(depth_m_h)), depth_m_h.shape)
-    rate = float(depth_m_h[row, column])
-    middle = (np.array([row, column]) + 0.5) / depth_m_h.shape
+    row, column = np.unravel_index(int(np.nanargmax(depth_m_per_h)), depth_m_per_h.shape)
+    rate = float(depth_m_per_h[row, column])
+    middle = (np.array([row, column]) + 0.5) / depth_m_per_h.shape
     return {
-        "largest_m_h": rate,
+        "largest_m_per_h": rate,
         "largest_at": middle,
         "worn_through_h": thickness_m / rate if rate > 0 else None,
     }
 
 
-def _profile(
-    data: RunData, names: list[str], rates: list[Array], deck: DeckLine
-) -> dict[str, Array]:
+def _profile(data: RunData, names: list[str], rates: list[Array], deck: DeckLine) -> dict[str, Array]:
     """Means across the width, along the deck."""
     points = [data.history[f"panels/{name}/centre_line_m"].shape[1] for name in names]
     along, mean, passed = [], [], 0
@@ -71,4 +69,4 @@ def _profile(
         middle = (np.arange(len(rows)) + 0.5) / len(rows)
         along.append(station_m[0] + middle * (station_m[-1] - station_m[0]))
         mean.append(np.nanmean(rows, axis=1))
-    return {"along_m": np.concatenate(along), "mean_m_h": np.concatenate(mean)}
+    return {"along_m": np.concatenate(along), "mean_m_per_h": np.concatenate(mean)}

@@ -65,9 +65,7 @@ class Save:
             aside.replace(run / name)
 
 
-def write(
-    run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any
-) -> None:
+def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
     """A new save in the folder of a run, of every rank of ``world``; ``about`` needs
     ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one
     cannot write; the saves before stay."""

@@ -13,9 +13,7 @@ def flat(saved: Saved, within: str = "") -> dict[str, Any]:
     """Names with slashes; one that ends with a slash stands for "nothing in here"."""
     table: dict[str, Any] = {} if saved else {within: np.empty(0)}
     for name, value in saved.items():
-        table |= (
-            flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
-        )
+        table |= flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
     return table
 
 

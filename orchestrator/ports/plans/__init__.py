@@ -9,13 +9,7 @@ from __future__ import annotations
 
 from orchestrator.ports.failures import SolverFailed, SolverMissing
 from orchestrator.ports.plans.frames import Body, Bushing, Drive, Exciter, FramesPlan, Motor
-from orchestrator.ports.plans.panel import (
-    LARGEST_MESHES_GIB,
-    Hyperelastic,
-    MeshSize,
-    PanelPlan,
-    Stop,
-)
+from orchestrator.ports.plans.panel import LARGEST_MESHES_GIB, Hyperelastic, MeshSize, PanelPlan, Stop
 from orchestrator.ports.plans.particles import (
     Exit,
     Feed,

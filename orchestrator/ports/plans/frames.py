@@ -21,8 +21,8 @@ class Body:
 class Bushing:
     """Linear spring and damper along three axes between two bodies ("ground" is the fixed one).
 
-    ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_m`` and
-    ``damping_N_s_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
+    ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_per_m`` and
+    ``damping_N_s_per_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
     t = 0 but for the preload that holds the bodies' weight when the frames are drawn at rest.
     """
 
@@ -30,19 +30,19 @@ class Bushing:
     bodies: tuple[str, str]
     position_m: Array
     axes: Array
-    stiffness_N_m: Array
-    damping_N_s_m: Array
+    stiffness_N_per_m: Array
+    damping_N_s_per_m: Array
 
 
 @dataclass(frozen=True)
 class Motor:
-    """An induction motor by its rating: lags behind ``synchronous_rad_s`` by ``rated_slip`` of it
+    """An induction motor by its rating: lags behind ``synchronous_rad_per_s`` by ``rated_slip`` of it
     at ``rated_power_W``; its breakdown torque is ``breakdown_ratio`` times the rated one.
     ``inertia_kg_m2`` of all that turns, the unbalance included; ``bearing_N_m_s`` torque lost per
     speed."""
 
     rated_power_W: float
-    synchronous_rad_s: float
+    synchronous_rad_per_s: float
     rated_slip: float
     breakdown_ratio: float
     inertia_kg_m2: float
@@ -54,7 +54,7 @@ class Exciter:
     """A rotating unbalance: force of size  mass_moment * speed^2  turning about ``axis``.
 
     It stands still until ``start_s``.  Then the angle runs up smoothly: with t from there,
-    speed(t) = speed_rad_s * (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``, then constant; at
+    speed(t) = speed_rad_per_s * (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``, then constant; at
     angle = ``phase_rad`` the force points along ``start`` (a unit vector normal to ``axis``;
     positive rotation about ``axis``).  The force is the unbalance's inertia force:
     mass_moment * (speed^2 radial - d(speed)/dt tangential).  With a ``motor``, where the solver
@@ -67,7 +67,7 @@ class Exciter:
     axis: Array
     start: Array
     mass_moment_kg_m: float
-    speed_rad_s: float
+    speed_rad_per_s: float
     run_up_s: float
     phase_rad: float = 0.0
     start_s: float = 0.0
@@ -88,7 +88,7 @@ class Drive:
 
     body: str
     center_m: Array
-    speed_rad_s: float
+    speed_rad_per_s: float
     amplitude_m: Array
     phase_rad: Array
     rotation_rad: Array
@@ -109,7 +109,7 @@ class FramesPlan:
     bushings: tuple[Bushing, ...]
     exciters: tuple[Exciter, ...]
     drives: tuple[Drive, ...]
-    gravity_m_s2: Array
+    gravity_m_per_s2: Array
     points_m: Array
     carrier: tuple[str, ...]
     reaction_N: Array

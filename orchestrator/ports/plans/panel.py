@@ -15,7 +15,7 @@ class Hyperelastic:
     isochoric invariants, and Maxwell branches for damping: each a pair (ratio of the branch's
     modulus to the elastic one, relaxation time in s)."""
 
-    density_kg_m3: float
+    density_kg_per_m3: float
     c10_Pa: float
     c01_Pa: float
     bulk_modulus_Pa: float
@@ -35,7 +35,7 @@ class Hyperelastic:
 class Stop:
     """The flat top of a beam under the free length of a panel from ``from_m`` to ``to_m``, carried
     by ``frame``, ``gap_m`` below the panel as it is mounted straight.  The layer on it has the
-    stiffness ``stiffness_Pa_m`` and the damping ``damping_Pa_s_m``: pressure per depth, per speed.
+    stiffness ``stiffness_Pa_per_m`` and the damping ``damping_Pa_s_per_m``: pressure per depth, per speed.
     """
 
     name: str
@@ -43,8 +43,8 @@ class Stop:
     from_m: float
     to_m: float
     gap_m: float
-    stiffness_Pa_m: float
-    damping_Pa_s_m: float
+    stiffness_Pa_per_m: float
+    damping_Pa_s_per_m: float
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class PanelPlan:
     frames: tuple[str, str]
     thickness_m: float
     material: Hyperelastic
-    gravity_m_s2: Array
+    gravity_m_per_s2: Array
     cells: tuple[int, int]
     step_s: float
     integrator: str

@@ -27,10 +27,10 @@ class ParticleList:
     diameters (n,), densities (n,), materials (n,) as indices.  Ids are given in order."""
 
     position_m: Array
-    velocity_m_s: Array
-    spin_rad_s: Array
+    velocity_m_per_s: Array
+    spin_rad_per_s: Array
     diameter_m: Array
-    density_kg_m3: Array
+    density_kg_per_m3: Array
     material: Indices
 
     def __len__(self) -> int:
@@ -74,20 +74,20 @@ class Exit:
 
 @dataclass(frozen=True)
 class Jkr:
-    """Adhesion after Johnson, Kendall and Roberts: ``work_J_m2`` (k, k) by material.
+    """Adhesion after Johnson, Kendall and Roberts: ``work_J_per_m2`` (k, k) by material.
 
     ``largest_stretch``: how far a neck reaches before it snaps, at most, as a share of a radius.
     """
 
-    work_J_m2: Array
+    work_J_per_m2: Array
     largest_stretch: float
 
 
 @dataclass(frozen=True)
 class Sjkr:
-    """LIGGGHTS's ``sjkr``: attraction ``energy_density_J_m3`` (k, k) times the area of contact."""
+    """LIGGGHTS's ``sjkr``: attraction ``energy_density_J_per_m3`` (k, k) times the area of contact."""
 
-    energy_density_J_m3: Array
+    energy_density_J_per_m3: Array
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class ParticlesPlan:
     """Particles, the surface they touch, and the laws between them.
 
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
-    ``wear_m3_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
+    ``wear_m3_per_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
     other per force and distance slid; None where nothing wears.
     ``responds``: whether the particles are to foretell their load (``ports.Responding``).
     ``rolling``: the law of rolling resistance, where its coefficient is not zero.
@@ -114,12 +114,12 @@ class ParticlesPlan:
     particles: ParticleList
     largest_diameter_m: float
     domain_m: Array
-    gravity_m_s2: Array
+    gravity_m_per_s2: Array
     step_s: float
     sync_interval_s: float
     adhesion: Jkr | Sjkr | None = None
     rolling: Literal["epsd2", "cdt"] = "epsd2"
-    wear_m3_N_m: Array | None = None
+    wear_m3_per_N_m: Array | None = None
     responds: bool = False
     feed: Feed | None = None
     exits: tuple[Exit, ...] = ()

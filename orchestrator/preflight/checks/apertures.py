@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from orchestrator.case.deck.panels import SinglePanel, perforated
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.geometry import Apertures
 from orchestrator.ports.plans import SolverMissing
@@ -14,7 +14,7 @@ THINNEST_LAND = 0.02  # of the longer pitch: thinner ones no unit cell's mesh re
 PLATE = 3.0  # thicknesses over an opening's larger pitch above which a panel is a block
 
 
-def openings(case: Case) -> Iterator[Mistake]:
+def openings(case: Case) -> Iterator[CaseProblem]:
     """Openings that overlap, do not fit, leave too little land, or are too round."""
     for panel, *_ in perforated(case):
         name = panel.table_name
@@ -24,10 +24,10 @@ def openings(case: Case) -> Iterator[Mistake]:
         yield from found or _thickness(key, panel, panel.apertures)
         if case.panel.solver == "solid" and panel.apertures.shape != "rectangle":
             what = f"{panel.apertures.shape}: the solid's cells are boxes and follow no round ends"
-            yield Mistake((*key, "shape"), what, 'take "rectangle", or panel.solver = "sheet"')
+            yield CaseProblem((*key, "shape"), what, 'take "rectangle", or panel.solver = "sheet"')
 
 
-def triangles(case: Case) -> Iterator[Mistake]:
+def triangles(case: Case) -> Iterator[CaseProblem]:
     """What the mesh generator makes of the openings.  One that is not installed is not asked:
     missing_solvers says so."""
     if not perforated(case):
@@ -38,12 +38,12 @@ def triangles(case: Case) -> Iterator[Mistake]:
     try:
         surface_grids(case)
     except BadMesh as bad:
-        yield Mistake(("panel", "surface_cells"), str(bad))
+        yield CaseProblem(("panel", "surface_cells"), str(bad))
     except SolverMissing:
         return
 
 
-def _lands(key: Key, apertures: Apertures) -> Iterator[Mistake]:
+def _lands(key: Key, apertures: Apertures) -> Iterator[CaseProblem]:
     for way, size_m, pitch_m in (
         ("along", apertures.length_m, apertures.pitch_along_m),
         ("across", apertures.width_m, apertures.pitch_across_m),
@@ -52,14 +52,14 @@ def _lands(key: Key, apertures: Apertures) -> Iterator[Mistake]:
         land_m = pitch_m - size_m
         if land_m <= 0:
             what = f"{pitch_m:g} m leaves no land between openings of {size_m:g} m {way}"
-            yield Mistake((*key, pitch), what, f"more than {size_m:g} m is wanted")
+            yield CaseProblem((*key, pitch), what, f"more than {size_m:g} m is wanted")
         elif land_m < THINNEST_LAND * max(apertures.pitch_along_m, apertures.pitch_across_m):
             what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
             hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
-            yield Mistake((*key, pitch), what, hint)
+            yield CaseProblem((*key, pitch), what, hint)
 
 
-def _room(key: Key, panel: SinglePanel) -> Iterator[Mistake]:
+def _room(key: Key, panel: SinglePanel) -> Iterator[CaseProblem]:
     apertures, rectangle = panel.apertures, panel.rectangle
     assert apertures is not None, "only panels with apertures are perforated"
     for way, count, whole_m, margin_m, pitch_m in zip(
@@ -72,15 +72,15 @@ def _room(key: Key, panel: SinglePanel) -> Iterator[Mistake]:
     ):
         if count == 0 and pitch_m > whole_m:
             what = f"{pitch_m:g} m is larger than the panel, {whole_m:g} m"
-            yield Mistake((*key, f"pitch_{way}_m"), what)
+            yield CaseProblem((*key, f"pitch_{way}_m"), what)
         elif count == 0:
             left_m = max(whole_m - 2 * margin_m, 0.0)
             what = f"{margin_m:g} m at both ends leaves {left_m:.3g} m of the panel's {whole_m:g} m"
             hint = f"one pitch needs {pitch_m:g} m"
-            yield Mistake((*key, f"margin_{way}_m"), what, hint)
+            yield CaseProblem((*key, f"margin_{way}_m"), what, hint)
 
 
-def _thickness(key: Key, panel: SinglePanel, apertures: Apertures) -> Iterator[Mistake]:
+def _thickness(key: Key, panel: SinglePanel, apertures: Apertures) -> Iterator[CaseProblem]:
     """Plate theory for the lands needs a plate."""
     pitch_m = max(apertures.pitch_along_m, apertures.pitch_across_m)
     if panel.table.thickness_m > PLATE * pitch_m:
@@ -88,4 +88,4 @@ def _thickness(key: Key, panel: SinglePanel, apertures: Apertures) -> Iterator[M
             f"the panel is {panel.table.thickness_m:g} m thick, its openings are only "
             f"{pitch_m:g} m apart: no plate"
         )
-        yield Mistake((*key[:-1], "thickness_m"), what, f"at most {PLATE * pitch_m:g} m is wanted")
+        yield CaseProblem((*key[:-1], "thickness_m"), what, f"at most {PLATE * pitch_m:g} m is wanted")

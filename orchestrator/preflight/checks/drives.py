@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Drive
 
 LARGEST_TILT_RAD = 1.4  # adapters.frames.exudyn's
 
 
-def driven_frames(case: Case) -> Iterator[Mistake]:
+def driven_frames(case: Case) -> Iterator[CaseProblem]:
     """What planar and exudyn ask of the frames that they drive: no exciter, and no leaving of the
     plane or turning over."""
     solver = case.frames.solver
@@ -24,7 +24,7 @@ def driven_frames(case: Case) -> Iterator[Mistake]:
     for name, exciter in case.screen.exciters.items():
         if exciter.frame in frames and frames[exciter.frame].drive is not None:
             what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
-            yield Mistake(("screen", "exciters", name, "frame"), what, "take one of them out")
+            yield CaseProblem(("screen", "exciters", name, "frame"), what, "take one of them out")
     for name, frame in frames.items():
         if frame.drive is not None:
             key: Key = ("screen", "frames", name, "drive")
@@ -32,20 +32,20 @@ def driven_frames(case: Case) -> Iterator[Mistake]:
             yield from bounds(key, frame.drive)
 
 
-def _in_plane(key: Key, drive: Drive) -> Iterator[Mistake]:
+def _in_plane(key: Key, drive: Drive) -> Iterator[CaseProblem]:
     if any((drive.amplitude_m[1], drive.rotation_rad[0], drive.rotation_rad[2])):
         what = "leaves the vertical plane, to which frames.solver planar is bound"
-        yield Mistake(key, what, 'frames.solver = "exudyn" has no such bounds')
+        yield CaseProblem(key, what, 'frames.solver = "exudyn" has no such bounds')
 
 
-def _upright(key: Key, drive: Drive) -> Iterator[Mistake]:
+def _upright(key: Key, drive: Drive) -> Iterator[CaseProblem]:
     largest_rad = np.linalg.norm(drive.rotation_rad)
     if largest_rad > LARGEST_TILT_RAD:
         what = f"may add up to {largest_rad:.3g} rad; exudyn's limit is {LARGEST_TILT_RAD:g}"
-        yield Mistake((*key, "rotation_rad"), what, 'frames.solver = "prescribed" has none')
+        yield CaseProblem((*key, "rotation_rad"), what, 'frames.solver = "prescribed" has none')
 
 
-def start_of_drives(case: Case) -> Iterator[Mistake]:
+def start_of_drives(case: Case) -> Iterator[CaseProblem]:
     """A drive without run-up must start from the place in which its frame is drawn."""
     for name, frame in case.screen.frames.items():
         drive = frame.drive
@@ -59,7 +59,7 @@ def start_of_drives(case: Case) -> Iterator[Mistake]:
             jump = float(np.abs(np.multiply(size, np.sin(phase_rad))).max())
             if jump > 1e-9:
                 what = f"the frame would jump by {jump:.3g} {unit} at t = 0"
-                yield Mistake((*key, phase), what, "give run_up_s, or 0")
+                yield CaseProblem((*key, phase), what, "give run_up_s, or 0")
 
 
 def sudden_drives(case: Case) -> Iterator[str]:
@@ -73,12 +73,12 @@ def sudden_drives(case: Case) -> Iterator[str]:
         moving = np.multiply(drive.amplitude_m, np.cos(drive.phase_rad))
         turning = np.multiply(drive.rotation_rad, np.cos(drive.rotation_phase_rad))
         speeds = [
-            f"{drive.speed_rad_s * size:.3g} {unit}"
+            f"{drive.speed_rad_per_s * size:.3g} {unit}"
             for size, unit in ((np.linalg.norm(moving), "m/s"), (np.linalg.norm(turning), "rad/s"))
             if size > 0
         ]
         if speeds:
-            cycles_s = 2 * 2 * np.pi / drive.speed_rad_s
+            cycles_s = 2 * 2 * np.pi / drive.speed_rad_per_s
             more = f" and {len(held) - 1} more" if len(held) > 1 else ""
             yield (
                 f'frame "{name}" moves at {" and ".join(speeds)} from t = 0, while panel '

@@ -8,31 +8,31 @@ from itertools import combinations, product
 import numpy as np
 
 from orchestrator.case.deck.panels import single_panels, to_world
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 
 SAME_PLACE_M = 1e-6  # neighbouring exits may share a face
 
 
-def exits(case: Case) -> Iterator[Mistake]:
+def exits(case: Case) -> Iterator[CaseProblem]:
     """All that is wrong with ``[screen.exits]``."""
     boxes_m = {name: np.array(row.box_m) for name, row in case.screen.exits.items()}
     for name, box_m in boxes_m.items():
         key: Key = ("screen", "exits", name, "box_m")
         if not (box_m[0] < box_m[1]).all():
-            yield Mistake(key, "is empty", "give the lowest corner, then the highest")
+            yield CaseProblem(key, "is empty", "give the lowest corner, then the highest")
             return
         corners_m = to_world(case, np.array(list(product(*box_m.T))))
         low, high = np.array(case.domain_m)
         if ((corners_m < low).all(axis=0) | (corners_m > high).all(axis=0)).any():
-            yield Mistake(key, "is outside domain_m: no particle gets there")
+            yield CaseProblem(key, "is outside domain_m: no particle gets there")
         for panel, part_m in _decks_m(case).items():
             if _overlap(box_m, part_m):
-                yield Mistake(key, f"panel {panel} reaches into it")
+                yield CaseProblem(key, f"panel {panel} reaches into it")
     for (one, first_m), (two, second_m) in combinations(boxes_m.items(), 2):
         if _overlap(first_m, second_m):
-            yield Mistake(("screen", "exits", two, "box_m"), f'overlaps exit "{one}"')
+            yield CaseProblem(("screen", "exits", two, "box_m"), f'overlaps exit "{one}"')
 
 
 def _decks_m(case: Case) -> dict[str, Array]:

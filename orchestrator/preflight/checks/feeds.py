@@ -10,14 +10,14 @@ import numpy as np
 
 from orchestrator.case.bed.feed import RateFeed, apart
 from orchestrator.case.bed.sources import batch_s, inlets
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.planning import material_numbers
 from orchestrator.case.tables.case import Case
 
 SLACK_M = 1e-9  # rounding when boxes are turned
 
 
-def feeds(case: Case) -> Iterator[Mistake]:
+def feeds(case: Case) -> Iterator[CaseProblem]:
     """All that is wrong with ``[bed.feeds]``."""
     low, high = np.array(case.domain_m)
     found = inlets(case, material_numbers(case))
@@ -25,22 +25,22 @@ def feeds(case: Case) -> Iterator[Mistake]:
         key: Key = ("bed", "feeds", name)
         if inlet.start_s >= case.duration_s:
             what = f"{inlet.start_s:g} s is not before the end, duration_s = {case.duration_s:g} s"
-            yield Mistake((*key, "start_s"), what)
+            yield CaseProblem((*key, "start_s"), what)
         if inlet.stop_s <= inlet.start_s:
             what = f"{inlet.stop_s:g} s is not after start_s = {inlet.start_s:g} s"
-            yield Mistake((*key, "stop_s"), what)
+            yield CaseProblem((*key, "stop_s"), what)
         if (inlet.corners_m < low - SLACK_M).any() or (inlet.corners_m > high + SLACK_M).any():
-            yield Mistake((*key, "box_m"), "is not inside domain_m")
-        if inlet.rate_kg_s > inlet.largest_rate_kg_s:
-            what = f"{inlet.rate_kg_s:g} kg/s find no room in the box"
+            yield CaseProblem((*key, "box_m"), "is not inside domain_m")
+        if inlet.rate_kg_per_s > inlet.largest_rate_kg_per_s:
+            what = f"{inlet.rate_kg_per_s:g} kg/s find no room in the box"
             hint = (
-                f"the largest rate is {inlet.largest_rate_kg_s:.3g} kg/s; a larger box or "
-                "velocity_m_s takes more"
+                f"the largest rate is {inlet.largest_rate_kg_per_s:.3g} kg/s; a larger box or "
+                "velocity_m_per_s takes more"
             )
-            yield Mistake((*key, "rate_kg_s"), what, hint)
+            yield CaseProblem((*key, "rate_kg_per_s"), what, hint)
     for (one, first), (two, second) in combinations(found.items(), 2):
         if not apart(first, second):
-            yield Mistake(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
+            yield CaseProblem(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
 
 
 ENOUGH = 0.8  # of what is due by the end
@@ -60,7 +60,7 @@ def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
             yield (
                 f'feed "{name}" feeds nothing in {case.duration_s:g} s: {when}, when '
                 f"{comes_kg:.3g} kg are due and its first particle has {first_kg:.3g} kg; a longer "
-                "run, a higher rate_kg_s, an earlier start_s or a shorter "
+                "run, a higher rate_kg_per_s, an earlier start_s or a shorter "
                 "particles.feed_interval_s helps"
             )
         elif comes_kg < ENOUGH * due_kg:

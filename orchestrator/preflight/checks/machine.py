@@ -10,14 +10,14 @@ from scipy.spatial.transform import Rotation
 
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.file.contents import has_particles
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter, Motor
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.case.tables.screen import Panel
 
 
-def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
+def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
     """Masses for frames that forces move, and drives only for solvers that know them."""
     solver = case.frames.solver
     if solver == "prescribed":
@@ -27,16 +27,16 @@ def frames_and_their_solver(case: Case) -> Iterator[Mistake]:
         if frame.drive is not None:
             if solver == "two-mass":
                 hint = 'take the drive out, or frames.solver = "planar" or "exudyn"'
-                yield Mistake((*key, "drive"), "frames.solver two-mass knows no drives", hint)
+                yield CaseProblem((*key, "drive"), "frames.solver two-mass knows no drives", hint)
             continue
         if frame.mass_kg is None:
             hint = "or move it by a drive, with another solver than two-mass"
-            yield Mistake((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
+            yield CaseProblem((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
         if frame.inertia_kg_m2 is None and solver != "two-mass":
-            yield Mistake((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
+            yield CaseProblem((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
 
 
-def possible_inertia(case: Case) -> Iterator[Mistake]:
+def possible_inertia(case: Case) -> Iterator[CaseProblem]:
     """Principal moments are positive and none exceeds the sum of the others (it would take
     negative mass)."""
     for name, frame in case.screen.frames.items():
@@ -49,10 +49,10 @@ def possible_inertia(case: Case) -> Iterator[Mistake]:
             said = ", ".join(f"{moment:.4g}" for moment in moments)
             key: Key = ("screen", "frames", name, "inertia_kg_m2")
             hint = "none may exceed the sum of the others"
-            yield Mistake(key, f"no body has the principal moments {said} kg m2", hint)
+            yield CaseProblem(key, f"no body has the principal moments {said} kg m2", hint)
 
 
-def held_frames(case: Case) -> Iterator[Mistake]:
+def held_frames(case: Case) -> Iterator[CaseProblem]:
     """Frames drawn at rest need bushings that can hold their weight, to the ground or to driven
     frames: the static equations K u = weight, translations only, must have a solution."""
     if case.frames.solver == "prescribed" or not case.screen.drawn_at_rest:
@@ -62,112 +62,108 @@ def held_frames(case: Case) -> Iterator[Mistake]:
     stiffness = np.zeros((3 * len(names), 3 * len(names)))
     for row in case.screen.bushings.values():
         turn = Rotation.from_euler("xyz", row.rotation_deg, degrees=True).as_matrix()
-        spring = len(row.positions_m) * (turn * row.stiffness_N_m) @ turn.T
-        ends = [
-            (sign, names.index(n))
-            for sign, n in zip((1, -1), row.between, strict=True)
-            if n in names
-        ]
+        spring = len(row.positions_m) * (turn * row.stiffness_N_per_m) @ turn.T
+        ends = [(sign, names.index(n)) for sign, n in zip((1, -1), row.between, strict=True) if n in names]
         for (one, i), (two, j) in product(ends, ends):
             stiffness[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] += one * two * spring
-    gravity = np.array(case.gravity_m_s2) @ axes(case)
+    gravity = np.array(case.gravity_m_per_s2) @ axes(case)
     weight = np.array([(f.mass_kg or 0.0) * gravity for f in free.values()]).ravel()
     unmet = weight - stiffness @ np.linalg.lstsq(stiffness, weight, rcond=1e-12)[0]
     for name, left_N in zip(names, unmet.reshape(-1, 3), strict=True):
         if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():
             what = "no bushing holds its weight"
             hint = "add bushings to the ground, or let it drop: screen.drawn_at_rest = false"
-            yield Mistake(("screen", "frames", name), what, hint)
+            yield CaseProblem(("screen", "frames", name), what, hint)
 
 
-def bushings_and_exciters(case: Case) -> Iterator[Mistake]:
+def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
     """Bushings between two different bodies, exciters on a frame with a proper shaft."""
     for name, bushing in case.screen.bushings.items():
         key: Key = ("screen", "bushings", name)
         if bushing.between[0] == bushing.between[1]:
-            yield Mistake((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
-        if not any(bushing.stiffness_N_m):
-            yield Mistake((*key, "stiffness_N_m"), "is zero in every direction")
+            yield CaseProblem((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
+        if not any(bushing.stiffness_N_per_m):
+            yield CaseProblem((*key, "stiffness_N_per_m"), "is zero in every direction")
     for name, exciter in case.screen.exciters.items():
         key = ("screen", "exciters", name)
         if exciter.frame == GROUND:
-            yield Mistake((*key, "frame"), "the ground cannot be excited", "name a frame")
+            yield CaseProblem((*key, "frame"), "the ground cannot be excited", "name a frame")
         yield from _right_angle(key, "axis", exciter.axis, "start", exciter.start)
         if exciter.motor is not None:
             yield from _motor(case, (*key, "motor"), exciter, exciter.motor)
 
 
-def _motor(case: Case, key: Key, exciter: Exciter, motor: Motor) -> Iterator[Mistake]:
-    synchronous = motor.synchronous_speed_rad_s
-    if exciter.speed_rad_s > synchronous:
-        what = f"{synchronous:g} is below the exciter's speed_rad_s = {exciter.speed_rad_s:g}"
-        yield Mistake((*key, "synchronous_speed_rad_s"), what, "a motor lags behind it")
+def _motor(case: Case, key: Key, exciter: Exciter, motor: Motor) -> Iterator[CaseProblem]:
+    synchronous = motor.synchronous_speed_rad_per_s
+    if exciter.speed_rad_per_s > synchronous:
+        what = f"{synchronous:g} is below the exciter's speed_rad_per_s = {exciter.speed_rad_per_s:g}"
+        yield CaseProblem((*key, "synchronous_speed_rad_per_s"), what, "a motor lags behind it")
     if case.frames.solver == "planar" and (exciter.axis[0] or exciter.axis[2]):
         what = "turns a shaft that is not across the deck, which planar frames know alone"
-        yield Mistake(key, what, "axis = [0, 1, 0], or another frames.solver, without slip")
+        yield CaseProblem(key, what, "axis = [0, 1, 0], or another frames.solver, without slip")
 
 
-def panel_solver(case: Case) -> Iterator[Mistake]:
+def panel_solver(case: Case) -> Iterator[CaseProblem]:
     """Settings that the strip does not have."""
     if case.panel.solver == "strip" and case.panel.integrator == "implicit":
         hint = 'take "explicit", or panel.solver = "sheet"'
-        yield Mistake(("panel", "integrator"), "the strip is explicit only", hint)
+        yield CaseProblem(("panel", "integrator"), "the strip is explicit only", hint)
     if case.panel.solver == "strip" and case.panel.cells[0] < 2:
-        yield Mistake(("panel", "cells", 0), "a strip needs at least two cells")
+        yield CaseProblem(("panel", "cells", 0), "a strip needs at least two cells")
 
 
-def panels(case: Case) -> Iterator[Mistake]:
+def panels(case: Case) -> Iterator[CaseProblem]:
     """One of tension and span, a pitch for a row, and directions that span a rectangle."""
     if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
-        yield Mistake(("screen", "panels"), "missing: there is nothing for particles to touch")
+        yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
     for name, panel in case.screen.panels.items():
         key: Key = ("screen", "panels", name)
         yield from _one_span(key, panel)
         if panel.count > 1 and panel.pitch_m is None:
-            yield Mistake((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
+            yield CaseProblem((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
         yield from _right_angle(key, "along", panel.along, "across", panel.across)
 
 
-def _one_span(key: Key, panel: Panel) -> Iterator[Mistake]:
+def _one_span(key: Key, panel: Panel) -> Iterator[CaseProblem]:
     if panel.tension_m is not None and panel.span_m is not None:
         hint = "give one of the two"
-        yield Mistake((*key, "span_m"), "contradicts tension_m, which gives the span, too", hint)
+        yield CaseProblem((*key, "span_m"), "contradicts tension_m, which gives the span, too", hint)
     if panel.tension_m is None and panel.span_m is None:
-        yield Mistake((*key, "tension_m"), "missing", "give tension_m or span_m")
+        yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m")
     span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
     if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
         given = "span_m" if panel.span_m is not None else "tension_m"
         what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
-        yield Mistake((*key, given), what, "0.5 to 1.5 of the free length is wanted")
+        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
     if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < span + 2 * panel.clamp_m:
         what = f"{panel.pitch_m:g} m lets neighbours overlap"
         hint = f"span and two clamps need {span + 2 * panel.clamp_m:g} m"
-        yield Mistake((*key, "pitch_m"), what, hint)
+        yield CaseProblem((*key, "pitch_m"), what, hint)
 
 
 def _right_angle(
     key: Key, one: str, one_vector: tuple[float, ...], two: str, two_vector: tuple[float, ...]
-) -> Iterator[Mistake]:
+) -> Iterator[CaseProblem]:
     sizes = np.linalg.norm([one_vector, two_vector], axis=1)
     for name, size in zip((one, two), sizes, strict=True):
         if size == 0:
-            yield Mistake((*key, name), "is zero", "give a direction")
+            yield CaseProblem((*key, name), "is zero", "give a direction")
     if sizes.all() and abs(np.dot(one_vector, two_vector)) > 1e-9 * sizes.prod():
-        yield Mistake((*key, two), f"is not at right angles to {one}")
+        yield CaseProblem((*key, two), f"is not at right angles to {one}")
 
 
-def probes(case: Case) -> Iterator[Mistake]:
+def probes(case: Case) -> Iterator[CaseProblem]:
     """Each probe is on exactly one thing and says where on it."""
     for name, probe in case.probes.items():
         key: Key = ("probes", name)
         on = [kind for kind in ("frame", "panel", "particle") if getattr(probe, kind) is not None]
         if len(on) != 1:
             what = f"is on {' and '.join(on)}" if on else "is on nothing"
-            yield Mistake(key, what, "give one of frame, panel, particle")
+            yield CaseProblem(key, what, "give one of frame, panel, particle")
         for kind, place in (("frame", "point_m"), ("panel", "at")):
             given = getattr(probe, place) is not None
             if (kind in on) != given:
                 what = f"is for a probe on a {kind}" if given else f"missing: where on the {kind}?"
-                yield Mistake((*key, place), what)
+                yield CaseProblem((*key, place), what)
         if probe.frame == GROUND:
-            yield Mistake((*key, "frame"), "the ground does not move", "name a frame")
+            yield CaseProblem((*key, "frame"), "the ground does not move", "name a frame")

@@ -7,35 +7,35 @@ from collections.abc import Iterator
 from itertools import combinations_with_replacement
 
 from orchestrator.case.bed.size_distribution import Source, classes, faults, finer_share
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
 
 
-def complete_materials(case: Case) -> Iterator[Mistake]:
+def complete_materials(case: Case) -> Iterator[CaseProblem]:
     """A law for panels; elastic constants for what particles touch."""
     for name, panel in case.screen.panels.items():
         material = case.materials.get(panel.material)
         if material is not None and material.hyperelastic is None:
             key: Key = ("materials", panel.material, "hyperelastic")
-            yield Mistake(key, f"missing: panel {name} is made of it")
+            yield CaseProblem(key, f"missing: panel {name} is made of it")
     for name, material in case.materials.items():
         if material.hyperelastic is None:
             for field in ("youngs_modulus_Pa", "poisson_ratio"):
                 if getattr(material, field) is None:
-                    yield Mistake(("materials", name, field), "missing")
+                    yield CaseProblem(("materials", name, field), "missing")
         elif material.hyperelastic.c10_Pa + material.hyperelastic.c01_Pa == 0:
             key = ("materials", name, "hyperelastic", "c10_Pa")
-            yield Mistake(key, "C10 and C01 are both zero: no stiffness")
+            yield CaseProblem(key, "C10 and C01 are both zero: no stiffness")
 
 
-def complete_contacts(case: Case) -> Iterator[Mistake]:
+def complete_contacts(case: Case) -> Iterator[CaseProblem]:
     """Every pair that can meet, once."""
     given: set[frozenset[str]] = set()
     for number, contact in enumerate(case.contacts):
         pair = frozenset(contact.between)
         if pair in given:
             named = " and ".join(contact.between)
-            yield Mistake(("contacts", number, "between"), f"{named} are given twice")
+            yield CaseProblem(("contacts", number, "between"), f"{named} are given twice")
         given.add(pair)
     bed = case.bed
     grains = {row.material for row in (*bed.particles.values(), *bed.sources)}
@@ -46,10 +46,10 @@ def complete_contacts(case: Case) -> Iterator[Mistake]:
     for one, two in pairs:
         if frozenset((one, two)) not in given:
             hint = f'give [[contacts]] with between = ["{one}", "{two}"]'
-            yield Mistake(("contacts",), f"{one} and {two} can meet but have no contact", hint)
+            yield CaseProblem(("contacts",), f"{one} and {two} can meet but have no contact", hint)
 
 
-def worn_surfaces(case: Case) -> Iterator[Mistake]:
+def worn_surfaces(case: Case) -> Iterator[CaseProblem]:
     """Specific wear needs a surface that is worn, and particles that do it."""
     bed, screen = case.bed, case.screen
     grains = {row.material for row in (*bed.particles.values(), *bed.sources)}
@@ -58,17 +58,15 @@ def worn_surfaces(case: Case) -> Iterator[Mistake]:
     for number, contact in enumerate(case.contacts):
         one, two = contact.between
         meets = (one in grains and two in surfaces) or (two in grains and one in surfaces)
-        if contact.specific_wear_m3_N_m and not meets:
+        if contact.specific_wear_m3_per_N_m and not meets:
             what = f"particles of {one} or {two} never meet a panel or surface of the other"
             hint = "it belongs to the contact of a particle's material with a surface's"
-            yield Mistake(("contacts", number, "specific_wear_m3_N_m"), what, hint)
+            yield CaseProblem(("contacts", number, "specific_wear_m3_per_N_m"), what, hint)
 
 
-def boxes_and_sizes(case: Case) -> Iterator[Mistake]:
+def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
     """Corners in order, sizes in order, shares that add up to 1."""
-    boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [
-        (("domain_m",), case.domain_m)
-    ]
+    boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [(("domain_m",), case.domain_m)]
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
             key: Key = ("bed", kind, name)
@@ -76,16 +74,16 @@ def boxes_and_sizes(case: Case) -> Iterator[Mistake]:
             for number, size in enumerate(row.sizes):
                 if size.smallest_m > size.largest_m:
                     what = f"is larger than largest_m = {size.largest_m:g}"
-                    yield Mistake((*key, "sizes", number, "smallest_m"), what)
+                    yield CaseProblem((*key, "sizes", number, "smallest_m"), what)
             for field, what, hint in faults(row):
-                yield Mistake((*key, field), what, hint)
+                yield CaseProblem((*key, field), what, hint)
             total = sum(size.mass_fraction for size in row.sizes)
             if row.sizes and abs(total - 1) > 1e-6:
-                yield Mistake((*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1")
+                yield CaseProblem((*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1")
     for key, (low, high) in boxes:
         if not all(a < b for a, b in zip(low, high, strict=True)):
             hint = "give the lowest corner, then the highest"
-            yield Mistake(key, f"{list(low)} is not below {list(high)} in every direction", hint)
+            yield CaseProblem(key, f"{list(low)} is not below {list(high)} in every direction", hint)
 
 
 def fines(case: Case) -> Iterator[str]:
@@ -100,7 +98,7 @@ def fines(case: Case) -> Iterator[str]:
             )
 
 
-def larger_than_the_box(case: Case) -> Iterator[Mistake]:
+def larger_than_the_box(case: Case) -> Iterator[CaseProblem]:
     """Sources whose largest particles stick out of their box."""
     for kind, rows in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds)):
         for name, row in rows.items():
@@ -108,13 +106,13 @@ def larger_than_the_box(case: Case) -> Iterator[Mistake]:
             side_m = min(b - a for a, b in zip(*row.box_m, strict=True))
             if largest_m > side_m:
                 what = f"particles of {largest_m:g} m do not fit in {side_m:.4g} m"
-                yield Mistake(("bed", kind, name, "box_m"), what, "enlarge the box")
+                yield CaseProblem(("bed", kind, name, "box_m"), what, "enlarge the box")
 
 
 FULLEST = 0.38  # share of a box that spheres at random places can fill (bed/packing.py)
 
 
-def crowded_blocks(case: Case) -> Iterator[Mistake]:
+def crowded_blocks(case: Case) -> Iterator[CaseProblem]:
     """Boxes that could not hold their particles even if all had the smallest size: found here
     before anybody tries to place them."""
     for name, block in case.bed.blocks.items():
@@ -124,4 +122,4 @@ def crowded_blocks(case: Case) -> Iterator[Mistake]:
         if least_m3 > FULLEST * box_m3:
             what = f"{block.count} particles fill {least_m3 / box_m3:.3g} times the box or more"
             hint = f"random places end at {FULLEST:g}; enlarge the box"
-            yield Mistake(("bed", "blocks", name, "count"), what, hint)
+            yield CaseProblem(("bed", "blocks", name, "count"), what, hint)

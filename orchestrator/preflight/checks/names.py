@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.file.errors import Key, Mistake, did_you_mean
+from orchestrator.case.file.errors import CaseProblem, Key, did_you_mean
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import GROUND
 
 
-def unknown_names(case: Case) -> Iterator[Mistake]:
+def unknown_names(case: Case) -> Iterator[CaseProblem]:
     """Frames, materials, panels and particles that are referred to but not there."""
     frames = [*case.screen.frames, GROUND]
     for key, name in _frames_named(case):
@@ -23,7 +23,7 @@ def unknown_names(case: Case) -> Iterator[Mistake]:
             yield from _known(("probes", name, "panel"), probe.panel, panels, "panel")
 
 
-def shared_names(case: Case) -> Iterator[Mistake]:
+def shared_names(case: Case) -> Iterator[CaseProblem]:
     """Frames, panels and surfaces, and frames and probes, are told apart by name alone."""
     screen = case.screen
     taken: dict[str, Key] = {GROUND: ("screen", "frames", GROUND)}
@@ -33,16 +33,16 @@ def shared_names(case: Case) -> Iterator[Mistake]:
     for name, key in keys:
         if name in taken:
             what = "is the ground's" if name == GROUND else f"is taken by {taken[name][1]}"
-            yield Mistake(key, f'the name "{name}" {what}', "take another name")
+            yield CaseProblem(key, f'the name "{name}" {what}', "take another name")
         taken[name] = key
     for name in case.probes:
         if name in screen.frames:
-            yield Mistake(("probes", name), f'the name "{name}" is a frame\'s', "take another name")
+            yield CaseProblem(("probes", name), f'the name "{name}" is a frame\'s', "take another name")
 
 
-def _known(key: Key, name: str, known: Iterable[str], kind: str) -> Iterator[Mistake]:
+def _known(key: Key, name: str, known: Iterable[str], kind: str) -> Iterator[CaseProblem]:
     if name not in known:
-        yield Mistake(key, f'no {kind} "{name}"', did_you_mean(name, known, f"{kind}s"))
+        yield CaseProblem(key, f'no {kind} "{name}"', did_you_mean(name, known, f"{kind}s"))
 
 
 def _frames_named(case: Case) -> Iterator[tuple[Key, str]]:
@@ -73,10 +73,6 @@ def _materials_named(case: Case) -> Iterator[tuple[Key, str]]:
         for name, row in rows.items():
             yield ("screen", kind, name, "material"), row.material
     bed = case.bed
-    for kind, grains in (
-        ("particles", bed.particles),
-        ("blocks", bed.blocks),
-        ("feeds", bed.feeds),
-    ):
+    for kind, grains in (("particles", bed.particles), ("blocks", bed.blocks), ("feeds", bed.feeds)):
         for name, grain in grains.items():
             yield ("bed", kind, name, "material"), grain.material

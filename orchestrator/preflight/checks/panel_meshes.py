@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.file.errors import Mistake
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.planning.panel_meshes import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.plans import LARGEST_MESHES_GIB
@@ -14,7 +14,7 @@ from orchestrator.ports.plans import LARGEST_MESHES_GIB
 GIB = 2**30
 
 
-def too_large(case: Case) -> Iterator[Mistake]:
+def too_large(case: Case) -> Iterator[CaseProblem]:
     """With what they need, and what would fit."""
     needed_GiB = memory_GiB(case)
     if needed_GiB <= LARGEST_MESHES_GIB:
@@ -25,7 +25,7 @@ def too_large(case: Case) -> Iterator[Mistake]:
         along, across = case.panel.cells
         panels = len(single_panels(case))
         what = f"{along} x {across} cells on each of {panels} panels need {allowed}"
-        yield Mistake(("panel", "cells"), what, "some ten to thirty along are usual")
+        yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual")
         return
     widest_m = max(panel.rectangle.width_m for panel in single_panels(case))
     what = (
@@ -34,7 +34,7 @@ def too_large(case: Case) -> Iterator[Mistake]:
     )
     fits_mm = int(1e3 * widest_m * LARGEST_MESHES_GIB / needed_GiB)
     hint = f'panels {fits_mm} mm wide would fit: take a slice, or panel.solver = "sheet"'
-    yield Mistake(("panel", "solver"), what, hint)
+    yield CaseProblem(("panel", "solver"), what, hint)
 
 
 def beyond_this_machine(case: Case) -> Iterator[str]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from orchestrator.case import recording_file
-from orchestrator.case.file.errors import Mistake
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.toml_file import is_outside
 from orchestrator.case.playback import NoMatch, playbacks, turning
 from orchestrator.case.tables.case import Case
@@ -15,31 +15,31 @@ KEY = ("panel", "recording")
 OTHER_SPEED = 0.01
 
 
-def named_recording(case: Case) -> Iterator[Mistake]:
+def named_recording(case: Case) -> Iterator[CaseProblem]:
     """The solver "recorded" needs a file, and a machine whose angle it can follow."""
     if case.panel.solver != "recorded":
         return
     if case.panel.recording is None:
-        yield Mistake(KEY, "missing: what is to be played back?", "flipflow record makes a file")
+        yield CaseProblem(KEY, "missing: what is to be played back?", "flipflow record makes a file")
     if turning(case) is None:
-        yield Mistake(("panel", "solver"), "recorded needs an exciter or a drive to follow")
+        yield CaseProblem(("panel", "solver"), "recorded needs an exciter or a drive to follow")
 
 
-def own_recording(case: Case, folder: Path, source: str) -> Iterator[Mistake]:
+def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem]:
     """A file of somebody else, named by a file of the case and not by the user: ``source``."""
     if case.panel.solver != "recorded" or case.panel.recording is None or source == "--set":
         return
     file = folder / case.panel.recording
     if file.is_file() and is_outside(file, folder):
-        yield Mistake(KEY, "is outside of the case's folder", "copy it there, or name it by --set")
+        yield CaseProblem(KEY, "is outside of the case's folder", "copy it there, or name it by --set")
 
 
-def fitting_recording(case: Case, folder: Path) -> Iterator[Mistake]:
+def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
     """A file that is none, or of other panels."""
     try:
         playbacks(case, folder)
     except (NoMatch, recording_file.Unreadable) as error:
-        yield Mistake(KEY, str(error))
+        yield CaseProblem(KEY, str(error))
 
 
 def other_speed(case: Case, folder: Path) -> Iterator[str]:
@@ -47,9 +47,9 @@ def other_speed(case: Case, folder: Path) -> Iterator[str]:
     machine = turning(case)
     if case.panel.solver != "recorded" or case.panel.recording is None or machine is None:
         return
-    recorded = recording_file.read(folder / case.panel.recording).speed_rad_s
-    if abs(machine.speed_rad_s / recorded - 1) > OTHER_SPEED:
+    recorded = recording_file.read(folder / case.panel.recording).speed_rad_per_s
+    if abs(machine.speed_rad_per_s / recorded - 1) > OTHER_SPEED:
         yield (
             f"panel.recording was made at {recorded:.4g} rad/s and is played back at "
-            f"{machine.speed_rad_s:.4g} rad/s: panels would move otherwise there"
+            f"{machine.speed_rad_per_s:.4g} rad/s: panels would move otherwise there"
         )

@@ -10,21 +10,21 @@ import numpy as np
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.panels import walls
 from orchestrator.case.file.contents import has_particles
-from orchestrator.case.file.errors import Mistake
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
 from orchestrator.case.tables.case import Case
 
 FEWEST_DIAMETERS = 3.0  # a particle must not meet itself, or a neighbour twice
 
 
-def too_narrow(case: Case) -> Iterator[Mistake]:
+def too_narrow(case: Case) -> Iterator[CaseProblem]:
     """Periodic sides so close that particles would touch each other on both sides."""
     if case.slice is None or case.slice.sides == "walls" or not has_particles(case):
         return
     least_m = FEWEST_DIAMETERS * largest_diameter_m(case)
     if case.slice.width_m < least_m:
         what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
-        yield Mistake(("slice", "width_m"), what, f"take {least_m:.3g} m or more")
+        yield CaseProblem(("slice", "width_m"), what, f"take {least_m:.3g} m or more")
 
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import grid
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.planning import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
@@ -21,12 +21,12 @@ from orchestrator.ports.triangles import overlap_m, reach_into
 ALLOWED = 1e-6  # overlap over diameter that counts as touching
 
 
-def particles_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
+def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     """Slack panels are looked at in ``at_rest``: how they hang only their solvers know."""
     try:
         particles = initial_particles(case, material_numbers(case))
     except NoRoom as full:
-        yield Mistake(("bed", "blocks", full.block, "count"), str(full))
+        yield CaseProblem(("bed", "blocks", full.block, "count"), str(full))
         return
     if len(particles) == 0:
         return
@@ -36,31 +36,29 @@ def particles_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
         yield from in_surface(case, particles, name, corners_m)
 
 
-def feeds_at_start(case: Case, folder: Path) -> Iterator[Mistake]:
+def feeds_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
     """Feed boxes that a surface reaches into: what appeared there would be inside it."""
     for name, corners_m in _surfaces(case, folder) if case.bed.feeds else ():
         yield from in_feed_box(case, name, corners_m)
 
 
-def in_surface(
-    case: Case, particles: ParticleList, surface: str, corners_m: Array
-) -> Iterator[Mistake]:
+def in_surface(case: Case, particles: ParticleList, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
     """Particles whose centres are nearer to the triangles (m, 3, 3) than their radius."""
     depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
     found = np.flatnonzero(depth_m > ALLOWED * particles.diameter_m)
     if len(found):
         deepest = found[np.argmax(depth_m[found])]
         key, name = _named(case, deepest)
-        yield Mistake(key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_more(found)}")
+        yield CaseProblem(key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_more(found)}")
 
 
-def in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[Mistake]:
+def in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
     """Feed boxes into which one of the triangles (m, 3, 3) reaches."""
     for feed, inlet in inlets(case, material_numbers(case)).items():
         low, high = inlet.box_m
         rim_m = ALLOWED * (high - low)  # a box may stand against a wall
         if reach_into(corners_m @ inlet.axes, np.stack([low + rim_m, high - rim_m])).any():
-            yield Mistake(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
+            yield CaseProblem(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
 
 
 def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
@@ -75,17 +73,17 @@ def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
         yield f"surface {wall.name}", wall.position_m[wall.triangles]
 
 
-def _outside(case: Case, particles: ParticleList) -> Iterator[Mistake]:
+def _outside(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
     low, high = np.array(case.domain_m)
     outside = ((particles.position_m < low) | (particles.position_m > high)).any(axis=1)
     numbers = np.flatnonzero(outside)
     if len(numbers):
         key, name = _named(case, numbers[0])
         place = np.round(particles.position_m[numbers[0]], 4).tolist()
-        yield Mistake(key, f"{name} at {place} is outside domain_m{_more(numbers)}")
+        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_more(numbers)}")
 
 
-def _overlapping(case: Case, particles: ParticleList) -> Iterator[Mistake]:
+def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
     """Pairs nearer than the sum of their radii, by a k-d tree."""
     tree = cKDTree(particles.position_m)
     pairs = tree.query_pairs(particles.diameter_m.max(), output_type="ndarray")
@@ -98,7 +96,7 @@ def _overlapping(case: Case, particles: ParticleList) -> Iterator[Mistake]:
         key, name = _named(case, one[deepest])
         overlap_m = (radii_m - distance_m)[deepest]
         other = _named(case, two[deepest])[1]
-        yield Mistake(key, f"{name} overlaps {other} by {overlap_m:.3g} m{_more(found)}")
+        yield CaseProblem(key, f"{name} overlaps {other} by {overlap_m:.3g} m{_more(found)}")
 
 
 def _more(found: Indices) -> str:

@@ -9,13 +9,13 @@ from orchestrator.case.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
 from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.case.file.contents import has_particles
-from orchestrator.case.file.errors import Mistake
+from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.planning import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 
 
-def particle_step(case: Case) -> Iterator[Mistake]:
+def particle_step(case: Case) -> Iterator[CaseProblem]:
     """A step above 0.2 of the Rayleigh time does not resolve a contact."""
     if not has_particles(case):
         return
@@ -27,10 +27,10 @@ def particle_step(case: Case) -> Iterator[Mistake]:
             f"a step of {step_s:.3g} s is {step_s / rayleigh_s:.2g} of the smallest particle's "
             f"Rayleigh time {rayleigh_s:.3g} s; the limit is {limit_s:.3g} s"
         )
-        yield Mistake(("particles", key), what, f"take {0.75 * limit_s:.2g} s or less")
+        yield CaseProblem(("particles", key), what, f"take {0.75 * limit_s:.2g} s or less")
 
 
-def adhesive_step(case: Case) -> Iterator[Mistake]:
+def adhesive_step(case: Case) -> Iterator[CaseProblem]:
     """A step too long for contacts that stick."""
     step_s, limit_s = particle_step_s(case), adhesive_step_s(case)
     if has_particles(case) and step_s > limit_s * (1 + 1e-9):
@@ -38,10 +38,10 @@ def adhesive_step(case: Case) -> Iterator[Mistake]:
             f"a step of {step_s:.3g} s is longer than 1/{STEPS_PER_CONTACT} of the shortest "
             f"contact of particles that stick, {limit_s:.3g} s"
         )
-        yield Mistake(("particles", "step_s"), what, "take 0 for the longest possible")
+        yield CaseProblem(("particles", "step_s"), what, "take 0 for the longest possible")
 
 
-def panel_step(case: Case) -> Iterator[Mistake]:
+def panel_step(case: Case) -> Iterator[CaseProblem]:
     """A step given for the panels against the solver's own limit, where it tells one.  A
     solver that is not installed is not asked: missing_solvers says so; nor is one that finds no
     resting shape: the run says so."""
@@ -60,10 +60,10 @@ def panel_step(case: Case) -> Iterator[Mistake]:
     if case.panel.step_s > limit_s:
         what = f"{case.panel.step_s:g} s is above the limit {limit_s:.3g} s of panel.solver "
         hint = f"take {0.9 * limit_s:.2g} s, or 0 for the solver's own"
-        yield Mistake(("panel", "step_s"), what + case.panel.solver, hint)
+        yield CaseProblem(("panel", "step_s"), what + case.panel.solver, hint)
 
 
-def whole_times(case: Case) -> Iterator[Mistake]:
+def whole_times(case: Case) -> Iterator[CaseProblem]:
     """A sync interval that is longer than the run or than the time between records."""
     interval_s = case.coupling.sync_interval_s
     for key, time_s in (
@@ -74,7 +74,7 @@ def whole_times(case: Case) -> Iterator[Mistake]:
     ):
         if time_s < interval_s:
             what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"
-            yield Mistake(key, what)
+            yield CaseProblem(key, what)
 
 
 def missing_solvers(case: Case) -> Iterator[str]:

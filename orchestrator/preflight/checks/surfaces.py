@@ -10,12 +10,12 @@ import numpy as np
 
 from orchestrator.case.deck import stl
 from orchestrator.case.deck.panels import plate_corners_m, single_panels, to_world
-from orchestrator.case.file.errors import Key, Mistake
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 
 
-def stl_files(case: Case, folder: Path) -> Iterator[Mistake]:
+def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
     """All that is wrong with the files of ``[screen.surfaces]``."""
     for name, surface in case.screen.surfaces.items():
         if surface.stl is None:
@@ -24,42 +24,42 @@ def stl_files(case: Case, folder: Path) -> Iterator[Mistake]:
         try:
             facets = stl.read(folder, surface.stl)
         except stl.Unreadable as error:
-            yield Mistake(key, f'"{surface.stl}": {error}')
+            yield CaseProblem(key, f'"{surface.stl}": {error}')
             continue
         for what, hint in faults(facets):
-            yield Mistake(key, f'"{surface.stl}": {what}', hint)
+            yield CaseProblem(key, f'"{surface.stl}": {what}', hint)
         position_m = to_world(case, facets.position_m)
         outside = _outside(case, position_m)
         if outside:
             extent = np.ptp(position_m, axis=0).max()
             millimetres = "is it in mm? m are wanted" if extent > 50 else ""
-            yield Mistake(key, f'"{surface.stl}": {outside}', millimetres or "enlarge domain_m")
+            yield CaseProblem(key, f'"{surface.stl}": {outside}', millimetres or "enlarge domain_m")
 
 
-def plates(case: Case) -> Iterator[Mistake]:
+def plates(case: Case) -> Iterator[CaseProblem]:
     """Each surface is a file or a plate, and a plate has an area."""
     for name, surface in case.screen.surfaces.items():
         key: Key = ("screen", "surfaces", name)
         given = [surface.corner_m is not None, surface.edges_m is not None]
         if surface.stl is not None and any(given):
-            yield Mistake(key, "is a file and a plate", "give stl, or corner_m and edges_m")
+            yield CaseProblem(key, "is a file and a plate", "give stl, or corner_m and edges_m")
         elif surface.stl is None and not all(given):
-            yield Mistake(key, "is no surface", "give stl, or corner_m and edges_m")
+            yield CaseProblem(key, "is no surface", "give stl, or corner_m and edges_m")
         elif surface.edges_m is not None:
             longest_m = max(math.hypot(*edge) for edge in surface.edges_m)
             one, two = np.array(surface.edges_m) / (longest_m or 1.0)
             if not np.linalg.norm(np.cross(one, two)) > 1e-9:
-                yield Mistake((*key, "edges_m"), "span no area", "give two edges at an angle")
+                yield CaseProblem((*key, "edges_m"), "span no area", "give two edges at an angle")
 
 
-def panels_inside(case: Case) -> Iterator[Mistake]:
+def panels_inside(case: Case) -> Iterator[CaseProblem]:
     """Panels and plates with corners outside the domain."""
     for name, surface in case.screen.surfaces.items():
         if surface.edges_m is not None:
             outside = _outside(case, to_world(case, plate_corners_m(surface)))
             if outside:
                 plate: Key = ("screen", "surfaces", name, "corner_m")
-                yield Mistake(plate, f"surface {name}: {outside}", "enlarge domain_m")
+                yield CaseProblem(plate, f"surface {name}: {outside}", "enlarge domain_m")
     for panel in single_panels(case):
         r = panel.rectangle
         s = np.array([-r.clamp_m, r.length_m + r.clamp_m])
@@ -68,7 +68,7 @@ def panels_inside(case: Case) -> Iterator[Mistake]:
         if outside:
             row = panel.name if panel.table.count == 1 else panel.name.rpartition("-")[0]
             key: Key = ("screen", "panels", row, "corner_m")
-            yield Mistake(key, f"panel {panel.name}: {outside}", "enlarge domain_m")
+            yield CaseProblem(key, f"panel {panel.name}: {outside}", "enlarge domain_m")
 
 
 def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:

@@ -40,9 +40,9 @@ def _pulls(case: Case) -> Iterator[tuple[float, float]]:
         if math.isinf(min(radii)):
             continue
         name = row.between[radii.index(min(radii))]
-        weight_N = 9.81 * 4 / 3 * math.pi * min(radii) ** 3 * case.materials[name].density_kg_m3
+        weight_N = 9.81 * 4 / 3 * math.pi * min(radii) ** 3 * case.materials[name].density_kg_per_m3
         reduced_m = 1 / (1 / radii[0] + 1 / radii[1])
-        yield 1.5 * math.pi * reduced_m / weight_N, row.work_of_adhesion_J_m2 / k
+        yield 1.5 * math.pi * reduced_m / weight_N, row.work_of_adhesion_J_per_m2 / k
 
 
 def _would_matter(scene: Scene, apart: float) -> str:
@@ -52,7 +52,7 @@ def _would_matter(scene: Scene, apart: float) -> str:
 
 EFFECT = contact_law(
     judge,
-    coefficient="work_of_adhesion_J_m2",
+    coefficient="work_of_adhesion_J_per_m2",
     law="adhesion",
     laws=("jkr", "sjkr"),
     without="nothing sticks",

@@ -59,7 +59,7 @@ def _changes_of_stroke(scene: Scene) -> tuple[float, float, str]:
 def _stroke_m(scene: Scene, share: Any) -> float:
     """With a share of the stiffness that openings leave: of the panels' that the scene has."""
     springs = tuple(
-        replace(spring, stiffness_N_m=spring.stiffness_N_m * _against(scene, panel, share))
+        replace(spring, stiffness_N_per_m=spring.stiffness_N_per_m * _against(scene, panel, share))
         for panel, spring in zip(scene.panels, scene.springs, strict=True)
     )
     moved = replace(scene, springs=springs, shaken=shakings(scene.plan, springs))

@@ -34,9 +34,7 @@ def _sag_over_gaps(panel: MovedPanel) -> list[float]:
     """A sine arch over the middle of each stop."""
     table = panel.panel.table
     return [
-        panel.sag_m
-        * math.sin(math.pi * (stop.from_m + stop.to_m) / 2 / table.length_m)
-        / stop.gap_m
+        panel.sag_m * math.sin(math.pi * (stop.from_m + stop.to_m) / 2 / table.length_m) / stop.gap_m
         for stop in table.stops.values()
     ]
 

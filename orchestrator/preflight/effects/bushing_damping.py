@@ -15,7 +15,7 @@ def judge(scene: Scene) -> Verdict | None:
     """None without bushings on free frames."""
     if not scene.plan.bushings or not free_frames(scene.plan):
         return None
-    given = any(bushing.damping_N_s_m.any() for bushing in scene.plan.bushings)
+    given = any(bushing.damping_N_s_per_m.any() for bushing in scene.plan.bushings)
     what = "without damping" if given else f"with a loss factor of {RUBBER:g}, as rubber has"
     other = shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
     change, why = change_of_stroke(scene, other, what)
@@ -23,7 +23,7 @@ def judge(scene: Scene) -> Verdict | None:
     swings = "" if matters else "; yet the start's swinging would never die out"
     return Verdict(
         number="change of the stroke",
-        value=abs(change) if scene.speed_rad_s else None,
+        value=abs(change) if scene.speed_rad_per_s else None,
         threshold="0.1",
         matters=matters,
         why=why + swings,
@@ -32,12 +32,12 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def described(case: Case) -> bool:
-    damped = any(any(row.damping_N_s_m) for row in case.screen.bushings.values())
+    damped = any(any(row.damping_N_s_per_m) for row in case.screen.bushings.values())
     return damped and bool(moved_by_forces(case))
 
 
 def overlay(case: Case) -> Overlay:
-    undamped = {name: {"damping_N_s_m": [0.0, 0.0, 0.0]} for name in case.screen.bushings}
+    undamped = {name: {"damping_N_s_per_m": [0.0, 0.0, 0.0]} for name in case.screen.bushings}
     return {"screen": {"bushings": undamped}} if undamped else {}
 
 
@@ -47,6 +47,6 @@ EFFECT = Effect(
     described=described,
     overlay=overlay,
     needs=("frame-dynamics",),
-    key="screen.bushings.<name>.damping_N_s_m",
-    checked_by="panels_N_m",
+    key="screen.bushings.<name>.damping_N_s_per_m",
+    checked_by="panels_N_per_m",
 )

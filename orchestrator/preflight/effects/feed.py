@@ -26,6 +26,6 @@ EFFECT = Effect(
     described=lambda case: bool(case.bed.feeds),
     overlay=lambda case: {"bed": {"feeds": None}} if case.bed.feeds else {},
     key="bed.feeds.<name>",
-    checked_by="transport_m_s",
+    checked_by="transport_m_per_s",
     about=("particles",),
 )

@@ -11,7 +11,7 @@ def judge(scene: Scene) -> Verdict | None:
     """None without frames or panels."""
     if not scene.panels or not scene.plan.bodies:
         return None
-    shaken = scene.speed_rad_s > 0
+    shaken = scene.speed_rad_per_s > 0
     matters = True if scene.throw > TENTH else None
     thrown = f"panels' middles are thrown with {scene.panels_throw:.2g} g"
     if matters is None:
@@ -27,8 +27,8 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def left_out(case: Case) -> str:
-    off = "hand_over.frame_motion is off: clamps stay where they are"
-    return "" if case.hand_over.frame_motion else off
+    off = "exchange.frame_motion is off: clamps stay where they are"
+    return "" if case.exchange.frame_motion else off
 
 
 EFFECT = Effect(
@@ -36,7 +36,7 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: bool(case.screen.panels) and bool(case.screen.frames),
     left_out=left_out,
-    overlay=lambda case: {"hand_over": {"frame_motion": False}},
-    key="hand_over.frame_motion",
+    overlay=lambda case: {"exchange": {"frame_motion": False}},
+    key="exchange.frame_motion",
     checked_by="frames_throw",
 )

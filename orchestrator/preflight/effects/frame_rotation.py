@@ -12,7 +12,7 @@ from orchestrator.preflight.scene.turning import at_outermost_clamps, turned
 
 def judge(scene: Scene) -> Verdict | None:
     """None without free frames."""
-    if not free_frames(scene.plan) or scene.speed_rad_s == 0:
+    if not free_frames(scene.plan) or scene.speed_rad_per_s == 0:
         return None
     ratio, why = scene.seen.rotation or at_outermost_clamps(scene, turned)
     return Verdict(

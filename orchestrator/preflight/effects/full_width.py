@@ -34,9 +34,5 @@ def left_out(case: Case) -> str:
 
 
 EFFECT = Effect(
-    part="machine",
-    judge=judge,
-    described=lambda case: True,
-    left_out=left_out,
-    key="slice.width_m",
+    part="machine", judge=judge, described=lambda case: True, left_out=left_out, key="slice.width_m"
 )

@@ -27,7 +27,7 @@ def judge(scene: Scene) -> Verdict:
 EFFECT = Effect(
     part="machine",
     judge=judge,
-    described=lambda case: any(case.gravity_m_s2),
-    key="gravity_m_s2",
+    described=lambda case: any(case.gravity_m_per_s2),
+    key="gravity_m_per_s2",
     checked_by="frames_throw",
 )

@@ -11,7 +11,7 @@ LARGE_DEFLECTION = 0.2
 def judge(scene: Scene) -> Verdict:
     ratio = max(panel.sag_m / panel.panel.table.thickness_m for panel in scene.panels)
     sag_m = max(panel.sag_m for panel in scene.panels)
-    moves = scene.speed_rad_s > 0 or ratio > 0
+    moves = scene.speed_rad_per_s > 0 or ratio > 0
     return Verdict(
         number="sag / thickness",
         value=ratio if moves else None,

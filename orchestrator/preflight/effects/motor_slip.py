@@ -33,16 +33,16 @@ def judge(scene: Scene) -> Verdict | None:
         return None
     slip, share = max(_slip(scene, *one) for one in motors)
     slower = tuple(
-        replace(one, speed_rad_s=(1 - slip) * one.speed_rad_s) for one in scene.plan.exciters
+        replace(one, speed_rad_per_s=(1 - slip) * one.speed_rad_per_s) for one in scene.plan.exciters
     )
     now_m = largest_stroke_m(scene, scene.shaken)
     then = shakings(replace(scene.plan, exciters=slower), scene.springs)
     change = abs(largest_stroke_m(scene, then) / now_m - 1) if now_m else 0.0
     why = f"the machine takes {share:.2g} of the rated power in the mean: a slip of {slip:.2g}"
-    held, at_rad_s = max(_held(scene, *one) for one in motors)
+    held, at_rad_per_s = max(_held(scene, *one) for one in motors)
     takes = "took" if scene.seen.turned is not None else "takes, if it stays there,"
     passing = (
-        f"at {at_rad_s:.3g} rad/s, on its way up, the machine {takes} {held:.2g} of the torque "
+        f"at {at_rad_per_s:.3g} rad/s, on its way up, the machine {takes} {held:.2g} of the torque "
         "that the motor has"
     )
     slipping = Verdict(
@@ -71,7 +71,7 @@ def _slip(scene: Scene, exciter: Exciter, motor: Motor) -> tuple[float, float]:
     power_W = sum(_power_W(exciter, one) for one in scene.shaken)
     if scene.seen.turned is not None:
         power_W = scene.seen.turned.power_W
-    power_W += motor.bearing_loss_N_m_s * exciter.speed_rad_s**2
+    power_W += motor.bearing_loss_N_m_s * exciter.speed_rad_per_s**2
     share = power_W / motor.rated_power_W
     return motor.rated_slip * share, share
 
@@ -83,38 +83,38 @@ def _held(scene: Scene, exciter: Exciter, motor: Motor) -> tuple[float, float]:
     Limited Power Supply, 1969).  The motor has its breakdown torque at most, and what is left of it
     where the supply is at its full speed already."""
     found = []
-    for speed_rad_s in np.linspace(0.1, 0.95, SPEEDS) * exciter.speed_rad_s:
-        turned = replace(exciter, speed_rad_s=float(speed_rad_s))
+    for speed_rad_per_s in np.linspace(0.1, 0.95, SPEEDS) * exciter.speed_rad_per_s:
+        turned = replace(exciter, speed_rad_per_s=float(speed_rad_per_s))
         plan = replace(scene.plan, exciters=(turned,))
         power_W = sum(_power_W(turned, one) for one in shakings(plan, scene.springs))
-        taken_N_m = power_W / speed_rad_s + motor.bearing_loss_N_m_s * speed_rad_s
-        found.append((taken_N_m / _left_N_m(motor, float(speed_rad_s)), float(speed_rad_s)))
-    most, at_rad_s = max(found)
+        taken_N_m = power_W / speed_rad_per_s + motor.bearing_loss_N_m_s * speed_rad_per_s
+        found.append((taken_N_m / _left_N_m(motor, float(speed_rad_per_s)), float(speed_rad_per_s)))
+    most, at_rad_per_s = max(found)
     if scene.seen.turned is not None:
-        most = scene.seen.turned.largest_N_m / _left_N_m(motor, at_rad_s)
-    return most, at_rad_s
+        most = scene.seen.turned.largest_N_m / _left_N_m(motor, at_rad_per_s)
+    return most, at_rad_per_s
 
 
-def _left_N_m(motor: Motor, speed_rad_s: float) -> float:
+def _left_N_m(motor: Motor, speed_rad_per_s: float) -> float:
     """Torque at a speed of the shaft with the supply at its full one, after Kloss, Archiv fuer
     Elektrotechnik 5, 1916, 59-87."""
-    rated_rad_s = motor.rated_slip * motor.synchronous_speed_rad_s
-    rated_N_m = motor.rated_power_W / (motor.synchronous_speed_rad_s - rated_rad_s)
+    rated_rad_per_s = motor.rated_slip * motor.synchronous_speed_rad_per_s
+    rated_N_m = motor.rated_power_W / (motor.synchronous_speed_rad_per_s - rated_rad_per_s)
     surplus = motor.breakdown_ratio
-    breakdown_rad_s = rated_rad_s * (surplus + math.sqrt(surplus**2 - 1))
-    lag_rad_s = motor.synchronous_speed_rad_s - speed_rad_s
-    both = lag_rad_s**2 + breakdown_rad_s**2
-    return 2 * surplus * rated_N_m * lag_rad_s * breakdown_rad_s / both
+    breakdown_rad_per_s = rated_rad_per_s * (surplus + math.sqrt(surplus**2 - 1))
+    lag_rad_per_s = motor.synchronous_speed_rad_per_s - speed_rad_per_s
+    both = lag_rad_per_s**2 + breakdown_rad_per_s**2
+    return 2 * surplus * rated_N_m * lag_rad_per_s * breakdown_rad_per_s / both
 
 
 def _power_W(exciter: Exciter, shaking: Shaking) -> float:
     """Mean power of its force on the frame's motion, at its own speed."""
-    if shaking.speed_rad_s != exciter.speed_rad_s:
+    if shaking.speed_rad_per_s != exciter.speed_rad_per_s:
         return 0.0
-    size_N = exciter.mass_moment_kg_m * exciter.speed_rad_s**2 * np.exp(1j * exciter.phase_rad)
+    size_N = exciter.mass_moment_kg_m * exciter.speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
     force_N = size_N * (exciter.start - 1j * np.cross(exciter.axis, exciter.start))
-    velocity_m_s = 1j * exciter.speed_rad_s * shaking.amplitude_m[exciter.body]
-    return float((force_N.conj() @ velocity_m_s).real / 2)
+    velocity_m_per_s = 1j * exciter.speed_rad_per_s * shaking.amplitude_m[exciter.body]
+    return float((force_N.conj() @ velocity_m_per_s).real / 2)
 
 
 def described(case: Case) -> bool:
@@ -124,7 +124,7 @@ def described(case: Case) -> bool:
 def left_out(case: Case) -> str:
     solver = case.frames.solver
     lacks = described(case) and solver not in KNOW_MOTORS
-    return f"frames.solver {solver}: shafts turn at their speed_rad_s" if lacks else ""
+    return f"frames.solver {solver}: shafts turn at their speed_rad_per_s" if lacks else ""
 
 
 def overlay(case: Case) -> Overlay:

@@ -14,10 +14,10 @@ HARMONICS = 20  # of the excitation: to some hundred Hz
 
 
 def judge(scene: Scene) -> Verdict:
-    if scene.speed_rad_s == 0:
-        speed, where = min(panel.frequency_rad_s for panel in scene.panels), "its own frequency"
+    if scene.speed_rad_per_s == 0:
+        speed, where = min(panel.frequency_rad_per_s for panel in scene.panels), "its own frequency"
     else:
-        speed, where = scene.speed_rad_s, "the excitation's frequency"
+        speed, where = scene.speed_rad_per_s, "the excitation's frequency"
     factor = max(loss_factor(panel.material, speed) for panel in scene.panels)
     if scene.seen.loss_factor is not None:
         factor, where = scene.seen.loss_factor, "the frequencies of the panels' pull"
@@ -49,7 +49,7 @@ def _at_harmonics(scene: Scene) -> float:
     cycle: their pull is a train of pulses."""
     slack = [panel for panel in scene.panels if panel.sag_m > 0]
     every = (
-        loss_factor(panel.material, number * scene.speed_rad_s)
+        loss_factor(panel.material, number * scene.speed_rad_per_s)
         for panel in slack
         for number in range(1, HARMONICS + 1)
     )

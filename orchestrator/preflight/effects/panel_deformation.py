@@ -16,11 +16,11 @@ def judge(scene: Scene) -> Verdict:
     """The largest of three shares: throw of the panels' middles of the frames'; what the clamps'
     motion alone, normal to a panel, makes of its middle; and what becomes of the stroke, as flat
     panels do not pull."""
-    shaken = scene.speed_rad_s > 0
+    shaken = scene.speed_rad_per_s > 0
     shares = _slackening(scene), _answering(scene), _pulling(scene)
     number, ratio, why = max(shares, key=_size)
     matters: bool | None = ratio > TENTH
-    if not matters and scene.bed_kg_m2 > TENTH * min(panel.mass_kg_m2 for panel in scene.panels):
+    if not matters and scene.bed_kg_per_m2 > TENTH * min(panel.mass_kg_per_m2 for panel in scene.panels):
         matters, why = None, f"{why}; what the bed does to them, only a run tells"
     return Verdict(
         number=number,
@@ -52,10 +52,10 @@ def _slackening(scene: Scene) -> Share:
 def _answering(scene: Scene) -> Share:
     """The panel nearest to its resonance."""
     ratio, lowest = max(
-        (answer(scene.speed_rad_s / one.frequency_rad_s), one.frequency_rad_s)
+        (answer(scene.speed_rad_per_s / one.frequency_rad_per_s), one.frequency_rad_per_s)
         for one in scene.panels
     )
-    why = f"panels with {lowest:.3g} rad/s of their own answer a shaking of {scene.speed_rad_s:.3g}"
+    why = f"panels with {lowest:.3g} rad/s of their own answer a shaking of {scene.speed_rad_per_s:.3g}"
     return "answer of the middle / of the clamps", ratio, why
 
 

@@ -7,9 +7,9 @@ from orchestrator.preflight.scene.scene import ELASTIC, NOTHING_MOVES, Scene
 
 
 def judge(scene: Scene) -> Verdict:
-    frequency = min(panel.frequency_rad_s for panel in scene.panels)
-    ratio = (scene.speed_rad_s / frequency) ** 2
-    shaken = scene.speed_rad_s > 0
+    frequency = min(panel.frequency_rad_per_s for panel in scene.panels)
+    ratio = (scene.speed_rad_per_s / frequency) ** 2
+    shaken = scene.speed_rad_per_s > 0
     return Verdict(
         number="(speed / lowest frequency)^2",
         value=ratio if shaken else None,
@@ -22,8 +22,5 @@ def judge(scene: Scene) -> Verdict:
 
 
 EFFECT = Effect(
-    part="panels",
-    judge=judge,
-    described=lambda case: bool(case.screen.panels),
-    needs=("panel-deformation",),
+    part="panels", judge=judge, described=lambda case: bool(case.screen.panels), needs=("panel-deformation",)
 )

@@ -9,7 +9,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
-    shaken = scene.speed_rad_s > 0
+    shaken = scene.speed_rad_per_s > 0
     matters = True if scene.throw > TENTH else None
     thrown = f"particles are thrown with {scene.throw:.2g} g"
     if matters is None:
@@ -26,8 +26,8 @@ def judge(scene: Scene) -> Verdict:
 
 
 def left_out(case: Case) -> str:
-    off = "hand_over.panel_motion is off: particles see the surface as it was at t = 0"
-    return "" if case.hand_over.panel_motion else off
+    off = "exchange.panel_motion is off: particles see the surface as it was at t = 0"
+    return "" if case.exchange.panel_motion else off
 
 
 EFFECT = Effect(
@@ -35,8 +35,8 @@ EFFECT = Effect(
     judge=judge,
     described=has_particles,
     left_out=left_out,
-    overlay=lambda case: {"hand_over": {"panel_motion": False}},
-    key="hand_over.panel_motion",
+    overlay=lambda case: {"exchange": {"panel_motion": False}},
+    key="exchange.panel_motion",
     checked_by="frames_throw",
     about=("particles",),
 )

@@ -8,7 +8,7 @@ import math
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import bushing_N_m, free_frames, shakings
+from orchestrator.preflight.scene.shaking import bushing_N_per_m, free_frames, shakings
 from orchestrator.preflight.scene.strokes import change_of_stroke, moved_by_forces
 
 
@@ -42,15 +42,15 @@ def _panels_share(scene: Scene) -> float:
         springs = [one for one in scene.springs if frozenset(one.frames) == pair]
         along = springs[0].along
         joints = [one for one in scene.plan.bushings if frozenset(one.bodies) == pair]
-        bushings_N_m = sum(along @ bushing_N_m(one, 0.0, None).real @ along for one in joints)
-        panels_N_m = sum(spring.stiffness_N_m for spring in springs)
-        found.append(float(panels_N_m / bushings_N_m) if bushings_N_m else math.inf)
+        bushings_N_per_m = sum(along @ bushing_N_per_m(one, 0.0, None).real @ along for one in joints)
+        panels_N_per_m = sum(spring.stiffness_N_per_m for spring in springs)
+        found.append(float(panels_N_per_m / bushings_N_per_m) if bushings_N_per_m else math.inf)
     return max(found)
 
 
 def left_out(case: Case) -> str:
-    off = "hand_over.panel_reaction is off: frames do not feel panels and walls"
-    return "" if case.hand_over.panel_reaction else off
+    off = "exchange.panel_reaction is off: frames do not feel panels and walls"
+    return "" if case.exchange.panel_reaction else off
 
 
 EFFECT = Effect(
@@ -58,8 +58,8 @@ EFFECT = Effect(
     judge=judge,
     described=lambda case: bool(moved_by_forces(case)) and bool(case.screen.panels),
     left_out=left_out,
-    overlay=lambda case: {"hand_over": {"panel_reaction": False}},
+    overlay=lambda case: {"exchange": {"panel_reaction": False}},
     needs=("frame-dynamics",),
-    key="hand_over.panel_reaction",
-    checked_by="panels_N_m",
+    key="exchange.panel_reaction",
+    checked_by="panels_N_per_m",
 )

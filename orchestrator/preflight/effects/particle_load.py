@@ -12,8 +12,8 @@ def judge(scene: Scene) -> Verdict | None:
     """None without particles."""
     if not has_particles(scene.case):
         return None
-    bed = scene.bed_kg_m2
-    ratio = bed / min(panel.mass_kg_m2 for panel in scene.panels)
+    bed = scene.bed_kg_per_m2
+    ratio = bed / min(panel.mass_kg_per_m2 for panel in scene.panels)
     matters: bool | None = ratio > TENTH
     why = f"the bed has up to {bed:.3g} kg/m2"
     if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
@@ -37,8 +37,8 @@ def described(case: Case) -> bool:
 
 
 def left_out(case: Case) -> str:
-    if not case.hand_over.particle_load:
-        return "hand_over.particle_load is off: panels do not feel the particles"
+    if not case.exchange.particle_load:
+        return "exchange.particle_load is off: panels do not feel the particles"
     recorded = "panel.solver recorded: no load bends the panels; it goes on to the frames"
     return recorded if case.panel.solver == "recorded" else ""
 
@@ -48,9 +48,9 @@ EFFECT = Effect(
     judge=judge,
     described=described,
     left_out=left_out,
-    overlay=lambda case: {"hand_over": {"particle_load": False}},
+    overlay=lambda case: {"exchange": {"particle_load": False}},
     needs=("panel-deformation",),
-    key="hand_over.particle_load",
-    checked_by="bed_kg_m2",
+    key="exchange.particle_load",
+    checked_by="bed_kg_per_m2",
     about=("panels",),
 )

@@ -19,6 +19,6 @@ EFFECT = Effect(
     described=lambda case: has_particles(case) and bool(case.screen.exits),
     overlay=lambda case: {"screen": {"exits": None}} if case.screen.exits else {},
     key="screen.exits.<name>",
-    checked_by="transport_m_s",
+    checked_by="transport_m_per_s",
     about=("particles",),
 )

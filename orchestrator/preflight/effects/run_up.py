@@ -31,8 +31,8 @@ def judge(scene: Scene) -> Verdict | None:
 def _cycles(case: Case) -> float | None:
     """Fewest of all exciters and drives."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    found_rad = [row.run_up_s * row.speed_rad_s for row in drives]
-    found_rad += [row.run_up_s * row.speed_rad_s for row in case.screen.exciters.values()]
+    found_rad = [row.run_up_s * row.speed_rad_per_s for row in drives]
+    found_rad += [row.run_up_s * row.speed_rad_per_s for row in case.screen.exciters.values()]
     return min(found_rad) / (2 * math.pi) if found_rad else None
 
 

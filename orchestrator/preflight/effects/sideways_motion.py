@@ -13,7 +13,7 @@ from orchestrator.preflight.scene.turning import at_outermost_clamps, out_of_pla
 
 def judge(scene: Scene) -> Verdict | None:
     """None without free frames."""
-    if not free_frames(scene.plan) or scene.speed_rad_s == 0:
+    if not free_frames(scene.plan) or scene.speed_rad_per_s == 0:
         return None
     ratio, why = scene.seen.sideways or at_outermost_clamps(scene, out_of_plane)
     return Verdict(

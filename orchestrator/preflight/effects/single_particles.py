@@ -20,10 +20,8 @@ def judge(scene: Scene) -> Verdict | None:
     if k == 1.0:
         return None
     diameter_m = largest_diameter_m(scene.case)
-    densest = max(
-        scene.case.materials[name].density_kg_m3 for name in smallest_diameters_m(scene.case)
-    )
-    layers = scene.bed_kg_m2 / (math.pi / 6 * densest * diameter_m)
+    densest = max(scene.case.materials[name].density_kg_per_m3 for name in smallest_diameters_m(scene.case))
+    layers = scene.bed_kg_per_m2 / (math.pi / 6 * densest * diameter_m)
     return Verdict(
         number="layers of coarse particles",
         value=layers,
@@ -46,6 +44,6 @@ EFFECT = Effect(
     described=has_particles,
     left_out=left_out,
     key="particles.coarse_graining",
-    checked_by="bed_kg_m2",
+    checked_by="bed_kg_per_m2",
     about=("particles",),
 )

@@ -53,22 +53,18 @@ def pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
     case, cap_Pa = scene.case, scene.case.particles.largest_youngs_modulus_Pa
     found = []
     for grain in smallest_diameters_m(case):
-        mass_kg = math.pi / 6 * case.materials[grain].density_kg_m3 * diameter_m**3
-        force_N = mass_kg * scene.gravity_m_s2 * (1 + scene.throw)
+        mass_kg = math.pi / 6 * case.materials[grain].density_kg_per_m3 * diameter_m**3
+        force_N = mass_kg * scene.gravity_m_per_s2 * (1 + scene.throw)
         for panel in {row.panel.table.material for row in scene.panels}:
             moduli = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, panel))
-            found.append(
-                hertz_static_overlap_m(force_N, diameter_m / 2, reduced_modulus_Pa(*moduli))
-            )
+            found.append(hertz_static_overlap_m(force_N, diameter_m / 2, reduced_modulus_Pa(*moduli)))
     return max(found, default=0.0)
 
 
 def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
     """Mass between the opening and what overlaps on both sides make of it, over the mass below;
     infinite where nothing is finer, 0 where nothing is between."""
-    more = sum(
-        kg * share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in _masses(scene)
-    )
+    more = sum(kg * share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in _masses(scene))
     finer = sum(kg * share_between(row, 0.0, opening_m) for kg, row in _masses(scene))
     if more == 0.0:
         return 0.0
@@ -88,16 +84,13 @@ def _masses(scene: Scene) -> Iterator[tuple[float, Class]]:
     """Mass in kg of every class, of real particles."""
     case, k = scene.case, scene.case.particles.coarse_graining
     for one in case.bed.particles.values():
-        mass_kg = math.pi / 6 * case.materials[one.material].density_kg_m3 * one.diameter_m**3
+        mass_kg = math.pi / 6 * case.materials[one.material].density_kg_per_m3 * one.diameter_m**3
         yield mass_kg, Class(one.diameter_m / k, one.diameter_m / k, 1.0)
     blocks = (
-        (
-            classes(block),
-            block.count * mean_mass_kg(classes(block), _density(scene, block.material)),
-        )
+        (classes(block), block.count * mean_mass_kg(classes(block), _density(scene, block.material)))
         for block in case.bed.blocks.values()
     )
-    feeds = ((classes(feed), feed.rate_kg_s * case.duration_s) for feed in case.bed.feeds.values())
+    feeds = ((classes(feed), feed.rate_kg_per_s * case.duration_s) for feed in case.bed.feeds.values())
     for rows, mass_kg in (*blocks, *feeds):
         for row in rows:
             real = Class(row.smallest_m / k, row.largest_m / k, row.mass_fraction)
@@ -105,7 +98,7 @@ def _masses(scene: Scene) -> Iterator[tuple[float, Class]]:
 
 
 def _density(scene: Scene, material: str) -> float:
-    return scene.case.materials[material].density_kg_m3
+    return scene.case.materials[material].density_kg_per_m3
 
 
 EFFECT = Effect(

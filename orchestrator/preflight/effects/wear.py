@@ -12,54 +12,54 @@ from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.slope_friction import on_deck
 
 SERVICE_S = 1000 * 3600.0
-HARSHEST_M3_N_M = 1e-10  # a polyurethane on abrasive paper: docs/theory/wear.md
+HARSHEST_M3_PER_N_M = 1e-10  # a polyurethane on abrasive paper: docs/theory/wear.md
 
 
 def judge(scene: Scene) -> Verdict | None:
     """None without panels."""
     if not scene.panels:
         return None
-    rate_m3_N_m = max((row.specific_wear_m3_N_m for row in on_deck(scene.case)), default=0.0)
-    share = _worn_share(scene, rate_m3_N_m)
+    rate_m3_per_N_m = max((row.specific_wear_m3_per_N_m for row in on_deck(scene.case)), default=0.0)
+    share = _worn_share(scene, rate_m3_per_N_m)
     given = f"after 1000 hours at most {share:.1%} of the thinnest panel is worn off"
-    harshest = _worn_share(scene, HARSHEST_M3_N_M)
+    harshest = _worn_share(scene, HARSHEST_M3_PER_N_M)
     unknown = (
-        f"no contact has specific wear; with {HARSHEST_M3_N_M:g} m3/(N m), as on abrasive paper, "
+        f"no contact has specific wear; with {HARSHEST_M3_PER_N_M:g} m3/(N m), as on abrasive paper, "
         f"1000 hours would take {harshest:.1%} of the thickness at most"
     )
     return Verdict(
         number="worn in 1000 h / thickness",
-        value=share if rate_m3_N_m else None,
+        value=share if rate_m3_per_N_m else None,
         threshold="0.1",
-        matters=share > TENTH if rate_m3_N_m else None,
+        matters=share > TENTH if rate_m3_per_N_m else None,
         limit=TENTH,
-        why=given if rate_m3_N_m else unknown,
+        why=given if rate_m3_per_N_m else unknown,
         cost="a few products per contact and step",
     )
 
 
-def _worn_share(scene: Scene, rate_m3_N_m: float) -> float:
-    pressure_Pa = scene.bed_kg_m2 * scene.gravity_m_s2
-    worn_m = rate_m3_N_m * pressure_Pa * _sliding_m_s(scene) * SERVICE_S
+def _worn_share(scene: Scene, rate_m3_per_N_m: float) -> float:
+    pressure_Pa = scene.bed_kg_per_m2 * scene.gravity_m_per_s2
+    worn_m = rate_m3_per_N_m * pressure_Pa * _sliding_m_per_s(scene) * SERVICE_S
     return worn_m / min(panel.panel.table.thickness_m for panel in scene.panels)
 
 
-def _sliding_m_s(scene: Scene) -> float:
+def _sliding_m_per_s(scene: Scene) -> float:
     """The mean speed of the fastest frame along the deck, and that of the material."""
     along = axes(scene.case)[:, 0]
-    shaking_m_s = (
-        sum(one.speed_rad_s * abs(one.amplitude_m[body.name] @ along) for one in scene.shaken)
+    shaking_m_per_s = (
+        sum(one.speed_rad_per_s * abs(one.amplitude_m[body.name] @ along) for one in scene.shaken)
         for body in scene.plan.bodies
     )
-    return 2 / math.pi * float(max(shaking_m_s, default=0.0)) + scene.transport_m_s
+    return 2 / math.pi * float(max(shaking_m_per_s, default=0.0)) + scene.transport_m_per_s
 
 
 EFFECT = contact_law(
     judge,
-    coefficient="specific_wear_m3_N_m",
+    coefficient="specific_wear_m3_per_N_m",
     law="wear",
     laws=("archard",),
     without="nothing wears",
-    key="contacts.<n>.specific_wear_m3_N_m",
-    checked_by="bed_kg_m2",
+    key="contacts.<n>.specific_wear_m3_per_N_m",
+    checked_by="bed_kg_per_m2",
 )

@@ -25,7 +25,7 @@ def _found() -> dict[str, Effect]:
 
 
 EFFECTS = _found()
-FLAT = ("frames", "panel", "particles", "hand_over")
+FLAT = ("frames", "panel", "particles", "exchange")
 """Tables of the case that have no tables in them: solvers and hand-overs."""
 
 

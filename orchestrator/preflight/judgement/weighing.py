@@ -22,13 +22,7 @@ from dataclasses import replace
 
 from orchestrator.case.scalars import is_of_separation, part_of
 from orchestrator.case.tables.case import Case
-from orchestrator.preflight.judgement.catalogue import (
-    EFFECTS,
-    Judged,
-    judged,
-    needs_of,
-    taken_along,
-)
+from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
 from orchestrator.preflight.judgement.pair import Change, Pair
 from orchestrator.preflight.scene.effect import MARGIN, TENTH, Part, Verdict, in_words
 
@@ -100,9 +94,7 @@ def measured(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
 
 
 def _figures(change: Change) -> str:
-    with_it, without = (
-        "none" if one is None else f"{one:.3g}" for one in (change.with_it, change.without)
-    )
+    with_it, without = ("none" if one is None else f"{one:.3g}" for one in (change.with_it, change.without))
     chance = "" if change.uncertain is None else f", +- {100 * change.uncertain:.2g} % by chance"
     return f"{with_it} with it, {without} without{chance}"
 
@@ -121,9 +113,7 @@ def _about(one: Judged, parts: Set[str]) -> Judged:
         return one
     if not one.present or not one.can_go or not parts.isdisjoint(about):
         return one
-    return _cannot_say(
-        one, f"what that changes of the {' and '.join(sorted(parts))} it does not say"
-    )
+    return _cannot_say(one, f"what that changes of the {' and '.join(sorted(parts))} it does not say")
 
 
 def _cannot_say(one: Judged, because: str) -> Judged:

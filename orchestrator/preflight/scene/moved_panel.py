@@ -62,39 +62,39 @@ class MovedPanel:
         return pattern.material_share(self.panel.rectangle) if pattern else 1.0
 
     @property
-    def mass_kg_m2(self) -> float:
+    def mass_kg_per_m2(self) -> float:
         """Per area of the free panel, its openings counted in."""
         thickness_m = self.panel.table.thickness_m
-        return self.material.density_kg_m3 * thickness_m * self.material_share
+        return self.material.density_kg_per_m3 * thickness_m * self.material_share
 
     @property
     def free_mass_kg(self) -> float:
-        return self.mass_kg_m2 * self.length_m * self.panel.rectangle.width_m
+        return self.mass_kg_per_m2 * self.length_m * self.panel.rectangle.width_m
 
     @property
     def whole_mass_kg(self) -> float:
         """With what is under the clamps."""
         clamps_m2 = 2 * self.panel.rectangle.clamp_m * self.panel.rectangle.width_m
         law, thickness_m = self.material, self.panel.table.thickness_m
-        return self.free_mass_kg + law.density_kg_m3 * thickness_m * clamps_m2
+        return self.free_mass_kg + law.density_kg_per_m3 * thickness_m * clamps_m2
 
     @property
-    def frequency_rad_s(self) -> float:
+    def frequency_rad_per_s(self) -> float:
         """Lowest: bending between clamps and, where the panel is mounted taut, a string's."""
         law, thickness_m = self.material, self.panel.table.thickness_m
         plate_N_m = law.youngs_modulus_Pa * thickness_m**3 / 9  # E t^3 / (12 (1 - 1/4))
-        areal_kg_m2 = law.density_kg_m3 * thickness_m
-        bending = 22.37 * math.sqrt(plate_N_m / areal_kg_m2) / self.length_m**2
+        areal_kg_per_m2 = law.density_kg_per_m3 * thickness_m
+        bending = 22.37 * math.sqrt(plate_N_m / areal_kg_per_m2) / self.length_m**2
         strain = max(0.0, self.tension_m) / self.length_m
-        wave_m_s = math.sqrt(law.youngs_modulus_Pa * strain / law.density_kg_m3)
-        return math.hypot(bending, math.pi / self.length_m * wave_m_s)
+        wave_m_per_s = math.sqrt(law.youngs_modulus_Pa * strain / law.density_kg_per_m3)
+        return math.hypot(bending, math.pi / self.length_m * wave_m_per_s)
 
     @property
-    def taut_stiffness_N_m(self) -> float:
+    def taut_stiffness_N_per_m(self) -> float:
         """Along itself while it is taut, for small strain."""
         area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
-        whole_N_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
-        return whole_N_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
+        whole_N_per_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
+        return whole_N_per_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
 
     @property
     def stiffening(self) -> float:
@@ -102,12 +102,10 @@ class MovedPanel:
         return 1.0 + sum(ratio for ratio, _ in self.material.branches)
 
     @property
-    def spring_N_m(self) -> float:
+    def spring_N_per_m(self) -> float:
         """Of the spring that has the first harmonic of a panel which pulls while taut only."""
-        ratio = (
-            self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
-        )
-        return self.taut_stiffness_N_m * one_sided(ratio)
+        ratio = self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
+        return self.taut_stiffness_N_per_m * one_sided(ratio)
 
 
 def sine_arch_m(length_m: float, approach_m: float) -> float:
@@ -184,6 +182,6 @@ def mooney_ratio(law: Hyperelastic, strain: float) -> float:
     return stress_Pa / (law.youngs_modulus_Pa * strain)
 
 
-def loss_factor(law: Hyperelastic, speed_rad_s: float) -> float:
+def loss_factor(law: Hyperelastic, speed_rad_per_s: float) -> float:
     """Of the elastic spring with its Maxwell branches, at an angular frequency."""
-    return float(moduli(law.branches, np.array([speed_rad_s]))[1][0])
+    return float(moduli(law.branches, np.array([speed_rad_per_s]))[1][0])

@@ -18,17 +18,17 @@ THROWN = "is as fast as what throws it"
 
 def passage(scene: Scene, cost: str) -> Verdict:
     """Share of the bed that is replaced in the run."""
-    slow_m_s, fast_m_s, how = speeds_m_s(scene)
+    slow_m_per_s, fast_m_per_s, how = speeds_m_per_s(scene)
     per_speed = scene.case.duration_s / max(deck_length_m(scene.case), 1e-9)
-    low, high = per_speed * slow_m_s, per_speed * fast_m_s
+    low, high = per_speed * slow_m_per_s, per_speed * fast_m_per_s
     why = (
-        f"in the run {low:.0%} to {high:.0%} of the bed goes over the deck, at {slow_m_s:.2g} to "
-        f"{fast_m_s:.2g} m/s{how}"
+        f"in the run {low:.0%} to {high:.0%} of the bed goes over the deck, at {slow_m_per_s:.2g} to "
+        f"{fast_m_per_s:.2g} m/s{how}"
     )
     matters: bool | None = True if low > TENTH else None if high > TENTH else False
     if matters is False and falls_through(scene):
         matters, why = None, f"{why}; yet some pass the openings and fall to what is below"
-    if scene.slope < 1e-9 and scene.seen.transport_m_s is None:
+    if scene.slope < 1e-9 and scene.seen.transport_m_per_s is None:
         matters = None
         why = "the deck is level: whether it carries the bed along, only a run tells"
     return Verdict(
@@ -42,17 +42,17 @@ def passage(scene: Scene, cost: str) -> Verdict:
     )
 
 
-def speeds_m_s(scene: Scene) -> tuple[float, float, str]:
+def speeds_m_per_s(scene: Scene) -> tuple[float, float, str]:
     """Slowest and fastest speed of the bed along the deck that can be, and what the fastest is of:
     what slides down all the deck without friction, or is as fast as the frames and panels that
     throw it.  Of a run, its own."""
-    seen = scene.seen.transport_m_s
+    seen = scene.seen.transport_m_per_s
     if seen is not None:
         return seen, seen, ", by the run"
     drop_m = deck_length_m(scene.case) * math.sin(math.atan(scene.slope))
-    sliding_m_s = math.sqrt(2 * scene.gravity_m_s2 * drop_m)
-    fast_m_s, how = max((sliding_m_s, SLIDING), (scene.impact_m_s, THROWN))
-    return min(SLOWEST_M_S, fast_m_s), fast_m_s, f", if it {how}"
+    sliding_m_per_s = math.sqrt(2 * scene.gravity_m_per_s2 * drop_m)
+    fast_m_per_s, how = max((sliding_m_per_s, SLIDING), (scene.impact_m_per_s, THROWN))
+    return min(SLOWEST_M_S, fast_m_per_s), fast_m_per_s, f", if it {how}"
 
 
 def falls_through(scene: Scene) -> bool:

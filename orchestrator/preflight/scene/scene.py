@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from orchestrator.case.bed.contact_times import impact_speed_m_s, smallest_diameters_m
+from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
 from orchestrator.case.bed.particle_sizes import mean_mass_kg
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.bed.sources import largest_diameter_m
@@ -26,7 +26,7 @@ from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_answe
 from orchestrator.preflight.scene.seen import Seen
 from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, shakings
 
-STANDARD_GRAVITY_M_S2 = 9.81
+STANDARD_GRAVITY_M_PER_S2 = 9.81
 RESONANT = (0.7, 1.4)  # of the lowest frequency: one oscillator answers twice as much or more
 ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
 NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
@@ -46,14 +46,14 @@ class Scene:
     seen: Seen = field(default_factory=Seen)
 
     @property
-    def speed_rad_s(self) -> float:
+    def speed_rad_per_s(self) -> float:
         """The fastest excitation; 0 where nothing shakes."""
-        return max((one.speed_rad_s for one in self.shaken), default=0.0)
+        return max((one.speed_rad_per_s for one in self.shaken), default=0.0)
 
     @property
-    def gravity_m_s2(self) -> float:
+    def gravity_m_per_s2(self) -> float:
         """Its size; the standard one where the case has none, as a unit."""
-        return float(np.linalg.norm(self.case.gravity_m_s2)) or STANDARD_GRAVITY_M_S2
+        return float(np.linalg.norm(self.case.gravity_m_per_s2)) or STANDARD_GRAVITY_M_PER_S2
 
     @property
     def frames_throw(self) -> float:
@@ -63,16 +63,16 @@ class Scene:
         normal = axes(self.case)[:, 2]
         names = [body.name for body in self.plan.bodies]
         found = [
-            sum(one.speed_rad_s**2 * abs(one.amplitude_m[name] @ normal) for one in self.shaken)
+            sum(one.speed_rad_per_s**2 * abs(one.amplitude_m[name] @ normal) for one in self.shaken)
             for name in names
         ]
-        return float(max(found, default=0.0)) / self.gravity_m_s2
+        return float(max(found, default=0.0)) / self.gravity_m_per_s2
 
     @property
     def panels_throw(self) -> float:
         """Throw intensity w^2 s / g of the middle of the panel that travels farthest."""
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
-        return self.speed_rad_s**2 * travel_m / self.gravity_m_s2
+        return self.speed_rad_per_s**2 * travel_m / self.gravity_m_per_s2
 
     @property
     def throw(self) -> float:
@@ -80,15 +80,15 @@ class Scene:
         return max(self.frames_throw, self.panels_throw)
 
     @property
-    def bed_kg_m2(self) -> float:
+    def bed_kg_per_m2(self) -> float:
         """Mass of the particles per area of the deck, at most."""
-        seen = self.seen.bed_kg_m2
-        return bed_kg_m2(self.case) if seen is None else max(seen, _lying_kg_m2(self.case))
+        seen = self.seen.bed_kg_per_m2
+        return bed_kg_per_m2(self.case) if seen is None else max(seen, _lying_kg_per_m2(self.case))
 
     @property
-    def transport_m_s(self) -> float:
+    def transport_m_per_s(self) -> float:
         """Speed of the bed along the deck."""
-        seen = self.seen.transport_m_s
+        seen = self.seen.transport_m_per_s
         return TRANSPORT_M_S if seen is None else seen
 
     @property
@@ -100,25 +100,25 @@ class Scene:
     def near_resonance(self, panel: MovedPanel) -> bool:
         """Whether the excitation is so near to a panel's lowest frequency that its answer is
         several times the static one."""
-        ratio = self.speed_rad_s / panel.frequency_rad_s
+        ratio = self.speed_rad_per_s / panel.frequency_rad_per_s
         return RESONANT[0] < ratio < RESONANT[1]
 
     def change_of_answer(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
         """Largest change of the amplitude of a panel's middle without a loss factor or a mass upon
         it (``moved_panel.change_of_answer``), if all panels are taut all the time and shaken; else
         None: a slack panel is no oscillator."""
-        if self.speed_rad_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
+        if self.speed_rad_per_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
             return None
         return max(
-            change_of_answer(self.speed_rad_s / one.frequency_rad_s, loss_factor, mass_ratio)
+            change_of_answer(self.speed_rad_per_s / one.frequency_rad_per_s, loss_factor, mass_ratio)
             for one in self.panels
         )
 
     @property
-    def impact_m_s(self) -> float:
+    def impact_m_per_s(self) -> float:
         """The case's own (1 m/s, or the highest it gives), or the panels' middles' speed."""
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
-        return max(impact_speed_m_s(self.case), self.speed_rad_s * travel_m)
+        return max(impact_speed_m_per_s(self.case), self.speed_rad_per_s * travel_m)
 
 
 def scene(case: Case) -> Scene:
@@ -145,31 +145,28 @@ def _together(
 ) -> tuple[tuple[MovedPanel, ...], tuple[PanelSpring, ...], tuple[Shaking, ...]]:
     """Panels pull as the stroke lets them, the stroke is as the panels let it."""
     panels = tuple(
-        MovedPanel(one, hyperelastic(case.materials[one.table.material]), 0.0)
-        for one in single_panels(case)
+        MovedPanel(one, hyperelastic(case.materials[one.table.material]), 0.0) for one in single_panels(case)
     )
-    stiffness_N_m = np.array([panel.taut_stiffness_N_m / 2 for panel in panels])
+    stiffness_N_per_m = np.array([panel.taut_stiffness_N_per_m / 2 for panel in panels])
     for _ in range(ROUNDS):
-        springs = tuple(_spring(*row) for row in zip(panels, stiffness_N_m, strict=True))
+        springs = tuple(_spring(*row) for row in zip(panels, stiffness_N_per_m, strict=True))
         shaken = shakings(plan, springs)
         panels = tuple(
             MovedPanel(panel.panel, panel.material, stroke_m(shaken, spring))
             for panel, spring in zip(panels, springs, strict=True)
         )
-        wanted_N_m = np.array([panel.spring_N_m for panel in panels])
-        if np.allclose(wanted_N_m, stiffness_N_m, rtol=1e-9, atol=0.0):
+        wanted_N_per_m = np.array([panel.spring_N_per_m for panel in panels])
+        if np.allclose(wanted_N_per_m, stiffness_N_per_m, rtol=1e-9, atol=0.0):
             break
-        stiffness_N_m = (stiffness_N_m + wanted_N_m) / 2
+        stiffness_N_per_m = (stiffness_N_per_m + wanted_N_per_m) / 2
     return panels, springs, shaken
 
 
-def _spring(panel: MovedPanel, stiffness_N_m: float) -> PanelSpring:
+def _spring(panel: MovedPanel, stiffness_N_per_m: float) -> PanelSpring:
     at = panel.panel.rectangle
     first_m = at.corner_m + at.across * at.width_m / 2
     ends_m = np.stack([first_m, first_m + at.span_m * at.along])
-    return PanelSpring(
-        panel.panel.frames, ends_m, at.along, float(stiffness_N_m), panel.free_mass_kg
-    )
+    return PanelSpring(panel.panel.frames, ends_m, at.along, float(stiffness_N_per_m), panel.free_mass_kg)
 
 
 def deck_m2(case: Case) -> float:
@@ -177,13 +174,13 @@ def deck_m2(case: Case) -> float:
     return sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
 
 
-def bed_kg_m2(case: Case) -> float:
+def bed_kg_per_m2(case: Case) -> float:
     """Mass of the particles per area of the deck, at most: what is there at the start, and what a
     feed brings in the time that material stays.  At least that of the largest particle over the
     square of its diameter: so much lies where it lies.  0 without particles or panels."""
     if not has_particles(case) or not case.screen.panels:
         return 0.0
-    return max(bed_kg(case) / deck_m2(case), _lying_kg_m2(case))
+    return max(bed_kg(case) / deck_m2(case), _lying_kg_per_m2(case))
 
 
 def bed_kg(case: Case) -> float:
@@ -192,19 +189,19 @@ def bed_kg(case: Case) -> float:
     return sum(_masses_kg(case))
 
 
-def _lying_kg_m2(case: Case) -> float:
+def _lying_kg_per_m2(case: Case) -> float:
     """Of the largest particle."""
-    densest = max(case.materials[name].density_kg_m3 for name in smallest_diameters_m(case))
+    densest = max(case.materials[name].density_kg_per_m3 for name in smallest_diameters_m(case))
     return math.pi / 6 * densest * largest_diameter_m(case)
 
 
 def _masses_kg(case: Case) -> Iterator[float]:
     for one in case.bed.particles.values():
-        yield math.pi / 6 * case.materials[one.material].density_kg_m3 * one.diameter_m**3
+        yield math.pi / 6 * case.materials[one.material].density_kg_per_m3 * one.diameter_m**3
     for block in case.bed.blocks.values():
-        density = case.materials[block.material].density_kg_m3
+        density = case.materials[block.material].density_kg_per_m3
         yield block.count * mean_mass_kg(classes(block), density)
     for feed in case.bed.feeds.values():
         stop_s = min(case.duration_s, feed.stop_s or math.inf)
         fed_s = min(stay_s(case), max(0.0, stop_s - feed.start_s))
-        yield feed.rate_kg_s * (1 - share_left_out(feed)) * fed_s
+        yield feed.rate_kg_per_s * (1 - share_left_out(feed)) * fed_s

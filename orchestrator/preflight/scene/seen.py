@@ -57,21 +57,21 @@ class Seen:
 
     ``frames_throw``: throw intensity of the frame that moves most normal to the deck; with it,
     the scene's panels have the strokes and, where they bend, the shapes of the run.
-    ``bed_kg_m2``: largest mass on the deck per area.  ``rotation`` and
+    ``bed_kg_per_m2``: largest mass on the deck per area.  ``rotation`` and
     ``sideways``: displacement of a frame's outermost clamp by rotation, and out of the vertical
-    plane, over its translation, and words about it.  ``transport_m_s``: speed of the bed along the
-    deck.  ``panels_N_m``: stiffness of all panels along themselves, pull over stretch; with it the
+    plane, over its translation, and words about it.  ``transport_m_per_s``: speed of the bed along the
+    deck.  ``panels_N_per_m``: stiffness of all panels along themselves, pull over stretch; with it the
     scene's springs have the run's, and ``shaken`` is the frames' motion with them.
     ``loss_factor``: largest of the panels', at the frequencies of their pull.  ``closed``: the
     panels of the run have no openings.  ``turned``: what the run's exciters took.
     """
 
     frames_throw: float | None = None
-    bed_kg_m2: float | None = None
+    bed_kg_per_m2: float | None = None
     rotation: tuple[float, str] | None = None
     sideways: tuple[float, str] | None = None
-    transport_m_s: float | None = None
-    panels_N_m: float | None = None
+    transport_m_per_s: float | None = None
+    panels_N_per_m: float | None = None
     loss_factor: float | None = None
     bearing: Bearing | None = None
     deepest: Deepest | None = None
@@ -82,11 +82,11 @@ class Seen:
 
 What = Literal[
     "frames_throw",
-    "bed_kg_m2",
+    "bed_kg_per_m2",
     "rotation",
     "sideways",
-    "transport_m_s",
-    "panels_N_m",
+    "transport_m_per_s",
+    "panels_N_per_m",
     "loss_factor",
     "bearing",
     "deepest",

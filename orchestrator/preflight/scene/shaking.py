@@ -29,7 +29,7 @@ class PanelSpring:
     frames: tuple[str, str]
     ends_m: Array
     along: Array
-    stiffness_N_m: float
+    stiffness_N_per_m: float
     mass_kg: float
 
 
@@ -37,7 +37,7 @@ class PanelSpring:
 class Shaking:
     """Amplitudes (3,), complex, of all frames and the ground at one speed of excitation."""
 
-    speed_rad_s: float
+    speed_rad_per_s: float
     amplitude_m: dict[str, Array]
     angle_rad: dict[str, Array]
 
@@ -52,18 +52,15 @@ class Joint:
 
     frames: tuple[str, str]
     places_m: tuple[Array, Array]
-    stiffness_N_m: Array
+    stiffness_N_per_m: Array
 
 
 def shakings(
-    plan: FramesPlan,
-    springs: Sequence[PanelSpring] = (),
-    loss_factor: float | None = None,
-    freedoms: int = 3,
+    plan: FramesPlan, springs: Sequence[PanelSpring] = (), loss_factor: float | None = None, freedoms: int = 3
 ) -> tuple[Shaking, ...]:
     """One for each speed of exciters and drives.  ``loss_factor``: of all bushings, in place of
     their own damping (0: none).  ``freedoms`` 3, or 6 with rotations."""
-    speeds = {one.speed_rad_s for one in plan.exciters} | {one.speed_rad_s for one in plan.drives}
+    speeds = {one.speed_rad_per_s for one in plan.exciters} | {one.speed_rad_per_s for one in plan.drives}
     return tuple(_shaking(plan, springs, loss_factor, freedoms, w) for w in sorted(speeds))
 
 
@@ -73,18 +70,18 @@ def free_frames(plan: FramesPlan) -> list[str]:
     return [body.name for body in plan.bodies if body.name not in driven and body.mass_kg > 0]
 
 
-def _exciter_N(exciter: Exciter, speed_rad_s: float) -> Array:
+def _exciter_N(exciter: Exciter, speed_rad_per_s: float) -> Array:
     """Complex amplitude (3,): the force turns from ``start`` about ``axis``."""
-    size_N = exciter.mass_moment_kg_m * speed_rad_s**2 * np.exp(1j * exciter.phase_rad)
+    size_N = exciter.mass_moment_kg_m * speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
     return np.asarray(size_N * (exciter.start - 1j * np.cross(exciter.axis, exciter.start)))
 
 
 def _joints(
-    plan: FramesPlan, springs: Sequence[PanelSpring], loss_factor: float | None, speed_rad_s: float
+    plan: FramesPlan, springs: Sequence[PanelSpring], loss_factor: float | None, speed_rad_per_s: float
 ) -> Iterator[Joint]:
     for bushing in plan.bushings:
         place_m = bushing.position_m
-        stiffness = bushing_N_m(bushing, speed_rad_s, loss_factor)
+        stiffness = bushing_N_per_m(bushing, speed_rad_per_s, loss_factor)
         yield Joint(bushing.bodies, (place_m, place_m), stiffness)
     yield from panel_joints(springs)
 
@@ -92,16 +89,16 @@ def _joints(
 def panel_joints(springs: Iterable[PanelSpring]) -> Iterator[Joint]:
     """Panels as springs along themselves."""
     for spring in springs:
-        stiffness = spring.stiffness_N_m * np.outer(spring.along, spring.along)
+        stiffness = spring.stiffness_N_per_m * np.outer(spring.along, spring.along)
         yield Joint(spring.frames, (spring.ends_m[0], spring.ends_m[1]), stiffness)
 
 
-def bushing_N_m(bushing: Bushing, speed_rad_s: float, loss_factor: float | None) -> Array:
+def bushing_N_per_m(bushing: Bushing, speed_rad_per_s: float, loss_factor: float | None) -> Array:
     """Complex stiffness (3, 3) in world axes."""
     if loss_factor is None:
-        along = bushing.stiffness_N_m + 1j * speed_rad_s * bushing.damping_N_s_m
+        along = bushing.stiffness_N_per_m + 1j * speed_rad_per_s * bushing.damping_N_s_per_m
     else:
-        along = bushing.stiffness_N_m * (1 + 1j * loss_factor)
+        along = bushing.stiffness_N_per_m * (1 + 1j * loss_factor)
     return np.asarray(bushing.axes.T @ (along[:, None] * bushing.axes))
 
 
@@ -117,18 +114,18 @@ def _shaking(
     springs: Sequence[PanelSpring],
     loss_factor: float | None,
     freedoms: int,
-    speed_rad_s: float,
+    speed_rad_per_s: float,
 ) -> Shaking:
     numbers = numbered(plan)
-    joints = _joints(plan, springs, loss_factor, speed_rad_s)
+    joints = _joints(plan, springs, loss_factor, speed_rad_per_s)
     dynamic = assembled(plan, joints, freedoms)
     for number, body in enumerate(plan.bodies):
-        dynamic[number, :, number] -= speed_rad_s**2 * mass_of(body, springs)[:freedoms, :freedoms]
-    found = _solved(plan, numbers, dynamic, speed_rad_s)
+        dynamic[number, :, number] -= speed_rad_per_s**2 * mass_of(body, springs)[:freedoms, :freedoms]
+    found = _solved(plan, numbers, dynamic, speed_rad_per_s)
     still = np.zeros(3, dtype=complex)
     turned = {name: row[3:] if freedoms > 3 else still for name, row in found.items()}
     moved = {name: row[:3] for name, row in found.items()}
-    return Shaking(speed_rad_s, moved | {GROUND: still}, turned | {GROUND: still})
+    return Shaking(speed_rad_per_s, moved | {GROUND: still}, turned | {GROUND: still})
 
 
 def numbered(plan: FramesPlan) -> dict[str, int]:
@@ -147,34 +144,32 @@ def assembled(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array
             if name in numbers
         ]
         for (row, one), (column, two) in product(ends, ends):
-            whole[row, :, column] += one.T @ joint.stiffness_N_m @ two
+            whole[row, :, column] += one.T @ joint.stiffness_N_per_m @ two
     return whole
 
 
 def mass_of(body: Body, springs: Sequence[PanelSpring] = ()) -> Array:
     """(6, 6) of a frame; the panels' share rides at the centre of mass."""
-    halves_kg = [
-        spring.mass_kg / 2 for spring in springs for end in spring.frames if end == body.name
-    ]
+    halves_kg = [spring.mass_kg / 2 for spring in springs for end in spring.frames if end == body.name]
     return np.asarray(block_diag((body.mass_kg + sum(halves_kg)) * np.eye(3), body.inertia_kg_m2))
 
 
 def _solved(
-    plan: FramesPlan, numbers: dict[str, int], dynamic: Array, speed_rad_s: float
+    plan: FramesPlan, numbers: dict[str, int], dynamic: Array, speed_rad_per_s: float
 ) -> dict[str, Array]:
     """Amplitudes: driven frames as given, free ones from the equations, others stand still."""
     freedoms = dynamic.shape[1]
     amplitude = np.zeros((len(numbers), freedoms), dtype=complex)
     load = np.zeros_like(amplitude)
     for drive in plan.drives:
-        if drive.speed_rad_s == speed_rad_s:  # amplitude * sin(w t + phase)
+        if drive.speed_rad_per_s == speed_rad_per_s:  # amplitude * sin(w t + phase)
             phasor = drive.amplitude_m * np.exp(1j * (drive.phase_rad - np.pi / 2))
             amplitude[numbers[drive.body], :3] = phasor
     for exciter in plan.exciters:
-        if exciter.speed_rad_s == speed_rad_s:
+        if exciter.speed_rad_per_s == speed_rad_per_s:
             number = numbers[exciter.body]
             arm = _moved(plan.bodies[number], exciter.position_m, freedoms)
-            load[number] += arm.T @ _exciter_N(exciter, speed_rad_s)
+            load[number] += arm.T @ _exciter_N(exciter, speed_rad_per_s)
     free = [numbers[name] for name in free_frames(plan)]
     if free:
         load = load - np.einsum("aibj,bj->ai", dynamic, amplitude)

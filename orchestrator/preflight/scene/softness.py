@@ -47,7 +47,7 @@ def softness(scene: Scene) -> Softness:
     grains = set(smallest_diameters_m(case))
     overlaps = [_overlap(scene, *pair, both=pair[1] in grains) for pair in _meeting(case)]
     cap_Pa = case.particles.largest_youngs_modulus_Pa
-    overlap, where = max(overlaps, default=0.0), f"at {scene.impact_m_s:.2g} m/s"
+    overlap, where = max(overlaps, default=0.0), f"at {scene.impact_m_per_s:.2g} m/s"
     if scene.seen.deepest is not None:
         overlap, where = 2.0 * scene.seen.deepest.per_diameter, "deepest of the run"
     return Softness(overlap, where, cap_Pa, softened(case))
@@ -79,5 +79,5 @@ def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
     one, two = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, other))
     reduced_Pa = reduced_modulus_Pa(one, two)
     half = 0.5 if both else 1.0
-    mass_kg = half * 4 / 3 * math.pi * case.materials[grain].density_kg_m3
-    return hertz_overlap_m(mass_kg, half, reduced_Pa, scene.impact_m_s)
+    mass_kg = half * 4 / 3 * math.pi * case.materials[grain].density_kg_per_m3
+    return hertz_overlap_m(mass_kg, half, reduced_Pa, scene.impact_m_per_s)

@@ -17,7 +17,7 @@ from orchestrator.preflight.stability import frame_bounds, panel_bounds
 from orchestrator.preflight.stability.bound import Bound, Card, StepBound
 from orchestrator.preflight.stability.facts import facts
 from orchestrator.preflight.stability.frame_modes import frame_matrices
-from orchestrator.preflight.stability.panel_modes import highest_rad_s
+from orchestrator.preflight.stability.panel_modes import highest_rad_per_s
 from orchestrator.preflight.stability.surface_bounds import surface_bounds
 
 RAYLEIGH = "Li, Xu and Thornton 2005, and the share that is usual"
@@ -26,13 +26,13 @@ RAYLEIGH = "Li, Xu and Thornton 2005, and the share that is usual"
 def card(case: Case) -> Card:
     """All bounds of a case without mistakes that names its scheme (choice.py: ``settled_card``)."""
     there = scene(case)
-    modes_rad_s, unknown = highest_rad_s(case)
+    modes_rad_per_s, unknown = highest_rad_per_s(case)
     frames = frame_matrices(there)
     bounds: list[Bound] = []
     if has_particles(case):
         bounds += surface_bounds(there)
     if has_particles(case) and there.panels:
-        bounds += panel_bounds.contacts(there, modes_rad_s, frames)
+        bounds += panel_bounds.contacts(there, modes_rad_per_s, frames)
     if frames is not None and there.panels:
         bounds += frame_bounds.panels_on_frames(case, frames)
     return Card(
@@ -40,7 +40,7 @@ def card(case: Case) -> Card:
         interval_s=case.coupling.sync_interval_s,
         bounds=tuple(bounds),
         steps=tuple(particle_steps(case)),
-        facts=facts(there, modes_rad_s, unknown, frames),
+        facts=facts(there, modes_rad_per_s, unknown, frames),
     )
 
 

@@ -1,7 +1,7 @@
 """The longest stable sync interval for contacts on a surface point, scheme by scheme.
 
 A contact of stiffness k and damping g (its force k times overlap + g times its rate) touches a
-surface point of effective mass M.  ``mode_rad_s`` is the highest angular frequency w with which
+surface point of effective mass M.  ``mode_rad_per_s`` is the highest angular frequency w with which
 that point can vibrate; 0 for a free mass.  Derivations and the limits found by bisection:
 docs/theory/stability.md.
 """
@@ -24,7 +24,7 @@ FORETOLD = 0.5
 
 
 def light_point_s(
-    stiffness_N_m: float, damping_N_s_m: float, mass_kg: float, mode_rad_s: float = 0.0
+    stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
     """particles-first: the surface drifts through the interval H, so the contact pushes it back
     too late.  The point swings from side to side, interval by interval, from
@@ -33,11 +33,11 @@ def light_point_s(
 
     on; of a free mass (w = 0) from H = (sqrt(g^2 + 4 k M) - g) / k.
     """
-    k, g, mass = stiffness_N_m, damping_N_s_m, HELD * mass_kg
+    k, g, mass = stiffness_N_per_m, damping_N_s_per_m, HELD * mass_kg
     free_s = 2 * mass / g if k == 0 else 4 * mass / (math.sqrt(g * g + 4 * k * mass) + g)
-    if mode_rad_s == 0:
+    if mode_rad_per_s == 0:
         return free_s
-    w, end = mode_rad_s, math.pi / mode_rad_s
+    w, end = mode_rad_per_s, math.pi / mode_rad_per_s
 
     def excess(share: float) -> float:
         h = share * end
@@ -46,7 +46,7 @@ def light_point_s(
     return end * _root(excess)
 
 
-def resting_mode_s(stiffness_N_m: float, damping_N_s_m: float, mode_rad_s: float) -> float:
+def resting_mode_s(stiffness_N_per_m: float, damping_N_s_per_m: float, mode_rad_per_s: float) -> float:
     """particles-first, a contact that lasts on a vibrating surface: within the interval its damper
     sees an old velocity and its spring an old place, and together they drive the mode unless
 
@@ -54,18 +54,16 @@ def resting_mode_s(stiffness_N_m: float, damping_N_s_m: float, mode_rad_s: float
 
     Infinite without a damper: such a contact does not last.
     """
-    k, g, w = stiffness_N_m, damping_N_s_m, mode_rad_s
+    k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if g == 0 or w == 0:
         return math.inf
     return 2 / w * _phase(g * w / k if k > 0 else math.inf)
 
 
-def rocking_s(
-    stiffness_N_m: float, damping_N_s_m: float, sphere_kg: float, mass_kg: float
-) -> float:
+def rocking_s(stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float) -> float:
     """particles-first, a free sphere m that stays on a free point: like ``resting_mode_s`` with the
     frequency of the pair, w^2 = k / m + k / M, and the point's share in it, m / (m + M)."""
-    k, g = stiffness_N_m, damping_N_s_m
+    k, g = stiffness_N_per_m, damping_N_s_per_m
     if g == 0 or k == 0:
         return math.inf
     w = math.sqrt(k / sphere_kg + k / mass_kg)
@@ -74,7 +72,7 @@ def rocking_s(
 
 
 def foreseen_mode_s(
-    stiffness_N_m: float, damping_N_s_m: float, mass_kg: float, mode_rad_s: float
+    stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float
 ) -> float:
     """robin: the chord of a mode is foreseen as if a change of the load moved a free mass.  It
     moves less by b = H^2 / (2 M) (1 - sin^2(w H / 2) / (w H / 2)^2), which is told an interval
@@ -84,7 +82,7 @@ def foreseen_mode_s(
 
     Infinite for a free mass.  Without a damper contacts do not last: as ``light_point_s``.
     """
-    k, g, w = stiffness_N_m, damping_N_s_m, mode_rad_s
+    k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if w == 0:
         return math.inf
     if g == 0:
@@ -99,7 +97,7 @@ def foreseen_mode_s(
 
 
 def foreseen_sphere_s(
-    stiffness_N_m: float, damping_N_s_m: float, sphere_kg: float, mass_kg: float
+    stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
     """robin: a free sphere m on a free point M; the midpoint rule that foretells its load is off by
     k H^2 / (12 m) and (g H / m)^2 / 12 of it, and H / (2 M) times the impedance, k H / 2 + g twice,
@@ -109,7 +107,7 @@ def foreseen_sphere_s(
 
     An estimate: checked against the loop, not derived.
     """
-    k, g, m = stiffness_N_m, damping_N_s_m, sphere_kg
+    k, g, m = stiffness_N_per_m, damping_N_s_per_m, sphere_kg
     if k == 0 and g == 0:
         return math.inf
     unit_s = math.sqrt(m / k) if k > 0 else m / g
@@ -123,7 +121,7 @@ def foreseen_sphere_s(
 
 
 def late_contact_s(
-    stiffness_N_m: float, damping_N_s_m: float, mass_kg: float, mode_rad_s: float = 0.0
+    stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
     """serial-staggered: the force comes an interval late, which is the damping -k H; and a damper
     that comes late overshoots.  Stable below
@@ -132,7 +130,7 @@ def late_contact_s(
 
     0 without a damper: nothing takes out what the late force adds.
     """
-    k, g, w = stiffness_N_m, damping_N_s_m, mode_rad_s
+    k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if k == 0 and g == 0:
         return math.inf
     if g == 0:
@@ -142,11 +140,11 @@ def late_contact_s(
 
 
 def late_rocking_s(
-    stiffness_N_m: float, damping_N_s_m: float, sphere_kg: float, mass_kg: float
+    stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
     """serial-staggered, a free sphere m on a free point; as ``late_contact_s`` with the frequency
     of the pair, and the damper over the point's share m / (m + M)."""
-    k, g = stiffness_N_m, damping_N_s_m
+    k, g = stiffness_N_per_m, damping_N_s_per_m
     if g == 0:
         return 0.0 if k > 0 else math.inf
     w = math.sqrt(k / sphere_kg + k / mass_kg)

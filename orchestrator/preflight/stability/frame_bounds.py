@@ -22,17 +22,17 @@ SOURCE = "docs/theory/stability.md, "
 def panels_on_frames(case: Case, frames: FrameMatrices) -> Iterator[Bound]:
     """Springs and masses that frames carry, where motion and force are handed over."""
     scheme = case.coupling.scheme
-    if not (case.hand_over.panel_reaction and case.hand_over.frame_motion):
+    if not (case.exchange.panel_reaction and case.exchange.frame_motion):
         return
     if scheme in LARGEST_MASS:
         yield _carried_mass(scheme, frames)
     if scheme in AHEAD:
-        limit_s = extrapolated_clamps_s(frames.mass, frames.panels_N_m)
+        limit_s = extrapolated_clamps_s(frames.mass, frames.panels_N_per_m)
         why = "frames alone on the panels as springs"
         yield Bound("extrapolated clamps", limit_s, SOURCE + "extrapolated clamps", why)
     if scheme == "serial-staggered":
         _, shapes = frames.modes()
-        limit_s = late_reaction_s(shapes, frames.panels_N_m, frames.damping_N_s_m)
+        limit_s = late_reaction_s(shapes, frames.panels_N_per_m, frames.damping_N_s_per_m)
         why = "bushings' damping over panels' stiffness, in the mode where it is least"
         yield Bound("late reaction", limit_s, SOURCE + "late reaction", why)
 

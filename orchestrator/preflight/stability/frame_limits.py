@@ -13,12 +13,7 @@ from scipy.linalg import eigh
 
 from orchestrator.ports import Array
 
-AHEAD = (
-    "particles-first",
-    "robin",
-    "aitken",
-    "quasi-newton",
-)  # schemes that extrapolate the clamps
+AHEAD = ("particles-first", "robin", "aitken", "quasi-newton")  # schemes that extrapolate the clamps
 LARGEST_MASS = dict.fromkeys(AHEAD, 1 / 3) | {"serial-staggered": 0.95}
 """Mass that a frame carries stiffly over its own mass, r, above which its acceleration, fed
 back through the panels' inertia, grows at any interval.  ``AHEAD`` schemes extrapolate it,
@@ -28,18 +23,18 @@ Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied Mechanics and Enginee
 4506-4527, doi 10.1016/j.cma.2004.12.005, on loads from more mass than they act on."""
 
 
-def extrapolated_clamps_s(mass: Array, panels_N_m: Array) -> float:
+def extrapolated_clamps_s(mass: Array, panels_N_per_m: Array) -> float:
     """``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs.  Stable for
     w H < 1, w the highest frequency of the frames on the panels alone; damped below."""
-    highest = float(eigh(panels_N_m, mass, eigvals_only=True)[-1])
+    highest = float(eigh(panels_N_per_m, mass, eigvals_only=True)[-1])
     return 1 / math.sqrt(highest) if highest > 0 else math.inf
 
 
-def late_reaction_s(shapes: Array, panels_N_m: Array, damping_N_s_m: Array) -> float:
+def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Array) -> float:
     """serial-staggered: the panels' force comes an interval late, which is the damping -K H.  Of
     every mode X (a column), the machine's own damping must be larger: H < X C X / X K X."""
-    driven = np.einsum("im,ij,jm->m", shapes, panels_N_m, shapes)
-    damped = np.einsum("im,ij,jm->m", shapes, damping_N_s_m, shapes)
+    driven = np.einsum("im,ij,jm->m", shapes, panels_N_per_m, shapes)
+    damped = np.einsum("im,ij,jm->m", shapes, damping_N_s_per_m, shapes)
     felt = driven > 1e-9 * driven.max(initial=0.0)
     return float(np.min(damped[felt] / driven[felt], initial=math.inf))
 

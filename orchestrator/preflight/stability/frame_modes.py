@@ -14,7 +14,7 @@ from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import (
     Joint,
     assembled,
-    bushing_N_m,
+    bushing_N_per_m,
     free_frames,
     mass_of,
     numbered,
@@ -25,14 +25,14 @@ from orchestrator.preflight.scene.shaking import (
 @dataclass(frozen=True)
 class FrameMatrices:
     """Square, over all coordinates of the free frames (3 each, or 6 with rotations):
-    ``mass`` of the frames alone, ``carried`` of the panels whose ends are on them, ``panels_N_m``
-    taut and at their stiffest, ``bushings_N_m`` and their ``damping_N_s_m``."""
+    ``mass`` of the frames alone, ``carried`` of the panels whose ends are on them, ``panels_N_per_m``
+    taut and at their stiffest, ``bushings_N_per_m`` and their ``damping_N_s_per_m``."""
 
     mass: Array
     carried: Array
-    panels_N_m: Array
-    bushings_N_m: Array
-    damping_N_s_m: Array
+    panels_N_per_m: Array
+    bushings_N_per_m: Array
+    damping_N_s_per_m: Array
     freedoms: int
 
     @property
@@ -42,7 +42,7 @@ class FrameMatrices:
 
     def modes(self) -> tuple[Array, Array]:
         """Angular frequencies, and shapes as columns, of frames with panels on them."""
-        square, shapes = eigh(self.panels_N_m + self.bushings_N_m, self.mass + self.carried)
+        square, shapes = eigh(self.panels_N_per_m + self.bushings_N_per_m, self.mass + self.carried)
         return np.sqrt(np.maximum(square, 0.0)), shapes
 
 
@@ -53,7 +53,7 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
         return None
     freedoms = 3 if case.frames.solver == "two-mass" else 6
     springs = [
-        replace(spring, stiffness_N_m=panel.taut_stiffness_N_m * panel.stiffening)
+        replace(spring, stiffness_N_per_m=panel.taut_stiffness_N_per_m * panel.stiffening)
         for spring, panel in zip(scene.springs, scene.panels, strict=True)
     ]
     if case.panel.solver in ("rigid", "recorded"):  # no springs
@@ -66,14 +66,14 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
         for name, end_m in zip(spring.frames, spring.ends_m, strict=True)
     ]
     joints = [(one, (one.position_m, one.position_m)) for one in plan.bushings]
-    static = [Joint(b.bodies, places, bushing_N_m(b, 0.0, None)) for b, places in joints]
-    at_one = [Joint(b.bodies, places, bushing_N_m(b, 1.0, None)) for b, places in joints]
+    static = [Joint(b.bodies, places, bushing_N_per_m(b, 0.0, None)) for b, places in joints]
+    at_one = [Joint(b.bodies, places, bushing_N_per_m(b, 1.0, None)) for b, places in joints]
     return FrameMatrices(
         mass=np.asarray(block_diag(*masses)),
         carried=_free(plan, halves, freedoms).real,
-        panels_N_m=_free(plan, panel_joints(springs), freedoms).real,
-        bushings_N_m=_free(plan, static, freedoms).real,
-        damping_N_s_m=_free(plan, at_one, freedoms).imag,
+        panels_N_per_m=_free(plan, panel_joints(springs), freedoms).real,
+        bushings_N_per_m=_free(plan, static, freedoms).real,
+        damping_N_s_per_m=_free(plan, at_one, freedoms).imag,
         freedoms=freedoms,
     )
 

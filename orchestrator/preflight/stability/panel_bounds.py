@@ -18,7 +18,7 @@ from orchestrator.preflight.stability.contact_limits import (
     rocking_s,
 )
 from orchestrator.preflight.stability.frame_modes import FrameMatrices
-from orchestrator.preflight.stability.panel_masses import areal_kg_m2, lightest_point_kg
+from orchestrator.preflight.stability.panel_masses import areal_kg_per_m2, lightest_point_kg
 from orchestrator.preflight.stability.touching import Contact, Touch, touches
 
 CARRIED = ("rigid", "recorded")  # panels that hand every load to their frames
@@ -32,17 +32,17 @@ class Seat:
     panel: str
     touch: Touch
     mass_kg: float
-    mode_rad_s: float
+    mode_rad_per_s: float
 
 
 def contacts(
-    scene: Scene, modes_rad_s: dict[str, float], frames: FrameMatrices | None
+    scene: Scene, modes_rad_per_s: dict[str, float], frames: FrameMatrices | None
 ) -> Iterator[Bound]:
     """Of all particles on all panels, where their load moves what they touch."""
-    wanted = scene.case.hand_over
+    wanted = scene.case.exchange
     if not (wanted.particle_load and wanted.panel_motion):
         return
-    seats = list(_seats(scene, modes_rad_s, frames))
+    seats = list(_seats(scene, modes_rad_per_s, frames))
     rules = {"particles-first": _drifting, "robin": _foreseen, "serial-staggered": _late}
     scheme = scene.case.coupling.scheme
     if scheme == "robin" and scene.case.panel.solver in CARRIED:
@@ -55,7 +55,7 @@ def _drifting(seats: list[Seat]) -> Iterator[Bound]:
     """particles-first."""
     yield _worst("light points", seats, _deepest, lambda s, k, g: light_point_s(k, g, *_point(s)))
     modes = "lasting contacts, panels' modes"
-    yield _worst(modes, seats, _resting, lambda s, k, g: resting_mode_s(k, g, s.mode_rad_s))
+    yield _worst(modes, seats, _resting, lambda s, k, g: resting_mode_s(k, g, s.mode_rad_per_s))
     pairs = "lasting contacts, light points"
     yield _worst(pairs, seats, _resting, lambda s, k, g: rocking_s(k, g, *_masses(s)))
 
@@ -84,7 +84,7 @@ def _resting(seat: Seat) -> Contact:
 
 
 def _point(seat: Seat) -> tuple[float, float]:
-    return seat.mass_kg, seat.mode_rad_s
+    return seat.mass_kg, seat.mode_rad_per_s
 
 
 def _masses(seat: Seat) -> tuple[float, float]:
@@ -100,39 +100,35 @@ def _worst(
     """Of the seats, the one that allows least."""
 
     def allows_s(seat: Seat) -> float:
-        return limit_s(seat, contact(seat).stiffness_N_m, contact(seat).damping_N_s_m)
+        return limit_s(seat, contact(seat).stiffness_N_per_m, contact(seat).damping_N_s_per_m)
 
     seat = min(seats, key=allows_s)
     touching = contact(seat)
     why = (
-        f"{seat.touch} on {seat.panel}: {touching.stiffness_N_m:.3g} N/m and "
-        f"{touching.damping_N_s_m:.3g} N s/m on {1e3 * seat.mass_kg:.3g} g"
+        f"{seat.touch} on {seat.panel}: {touching.stiffness_N_per_m:.3g} N/m and "
+        f"{touching.damping_N_s_per_m:.3g} N s/m on {1e3 * seat.mass_kg:.3g} g"
     )
     where = f"{seat.touch} on {seat.panel}"
     return Bound(name, allows_s(seat), SOURCE + name, why, where=where)
 
 
-def _seats(
-    scene: Scene, modes_rad_s: dict[str, float], frames: FrameMatrices | None
-) -> Iterator[Seat]:
+def _seats(scene: Scene, modes_rad_per_s: dict[str, float], frames: FrameMatrices | None) -> Iterator[Seat]:
     """What carries a sphere: the lightest point where it is alone, of many side by side the area
     that each takes, and of a few that crowd on the lightest point its share."""
     for name, panel in scene.case.screen.panels.items():
         for touch in touches(scene, panel.material):
             mass_kg = _mass_kg(scene, panel, touch, frames)
             if mass_kg is not None:
-                yield Seat(name, touch, mass_kg, modes_rad_s.get(name, 0.0))
+                yield Seat(name, touch, mass_kg, modes_rad_per_s.get(name, 0.0))
 
 
-def _mass_kg(
-    scene: Scene, panel: Panel, touch: Touch, frames: FrameMatrices | None
-) -> float | None:
+def _mass_kg(scene: Scene, panel: Panel, touch: Touch, frames: FrameMatrices | None) -> float | None:
     """None where nothing moves under a load."""
     if scene.case.panel.solver not in CARRIED:
         alone_kg = lightest_point_kg(scene.case, panel)
-        crowded_kg = areal_kg_m2(scene.case, panel) * touch.area_m2
+        crowded_kg = areal_kg_per_m2(scene.case, panel) * touch.area_m2
         return min(alone_kg, max(crowded_kg, alone_kg / touch.most))
-    wanted = scene.case.hand_over
+    wanted = scene.case.exchange
     if frames is None or not (wanted.panel_reaction and wanted.frame_motion):
         return None
     area_m2 = sum(p.panel.rectangle.span_m * p.panel.rectangle.width_m for p in scene.panels)

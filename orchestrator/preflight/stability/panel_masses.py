@@ -15,16 +15,16 @@ from orchestrator.ports.geometry import Apertures
 MIDDLE_OF_SOLID = 2 / 3  # of the mass under a point: what the solid's mid-surface nodes carry
 
 
-def areal_kg_m2(case: Case, panel: Panel) -> float:
+def areal_kg_per_m2(case: Case, panel: Panel) -> float:
     """Mass of the perforated part per area."""
     solid = Apertures(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
-    return solid * case.materials[panel.material].density_kg_m3 * panel.thickness_m
+    return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
 
 
 def lightest_point_kg(case: Case, panel: Panel) -> float:
     """Of a panel that is no rigid one: effective mass of the lightest point of its surface."""
     if case.panel.solver == "strip":  # a row moves as one
-        return areal_kg_m2(case, panel) * panel.width_m * panel.length_m / case.panel.cells[0]
+        return areal_kg_per_m2(case, panel) * panel.width_m * panel.length_m / case.panel.cells[0]
     if panel.apertures and (sizes := mesh_sizes(case)):  # rims of openings are in the mesh
         return min(size.lightest_kg for size in sizes.values())
     share = MIDDLE_OF_SOLID if case.panel.solver == "solid" else 1.0
@@ -46,7 +46,7 @@ def lightest_node_kg(case: Case, panel: Panel) -> float:
         _mobility(np.append(np.arange(1, m) * n / m, lightest)).max(initial=0.75)
         for n, m in zip(cells, surface, strict=True)
     ]
-    return float(areal_kg_m2(case, panel) * cell_m2 / math.prod(mobility))
+    return float(areal_kg_per_m2(case, panel) * cell_m2 / math.prod(mobility))
 
 
 def _mobility(cells_from_edge: Array) -> Array:

@@ -23,13 +23,12 @@ def largest_steps_s(case: Case) -> dict[str, float]:
     if not explicit:
         return {}
     rows = {
-        single.table_name: plan
-        for single, plan in zip(single_panels(case), panel_plans(case), strict=True)
+        single.table_name: plan for single, plan in zip(single_panels(case), panel_plans(case), strict=True)
     }
     return {name: float(solver.largest_step_s(plan)) for name, plan in rows.items()}
 
 
-def highest_rad_s(case: Case) -> tuple[dict[str, float], str]:
+def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
     """Name of each row of panels -> highest frequency that its steps make; and why not, if none.
 
     Implicit steps longer than the mesh's periods have none that matters here: their phase

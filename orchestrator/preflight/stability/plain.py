@@ -18,8 +18,7 @@ BECAUSE = {
     "foreseen contacts, spheres": "the load of {where}, which jumps off light spots of the panel, "
     "is foreseen wrongly",
     "late contacts": "the load of {where} comes an exchange late and feeds the panel's vibration",
-    "late contacts, light points": "the load of {where} on a light spot of the panel comes an "
-    "exchange late",
+    "late contacts, light points": "the load of {where} on a light spot of the panel comes an exchange late",
     "extrapolated clamps": "the frames swing on their panels faster than exchanges can follow",
     "late reaction": "the panels' pull on the frames comes an exchange late and feeds their swing",
     "carried mass": "the panels are too heavy for a frame that carries them",
@@ -56,8 +55,7 @@ def lines(card: Card) -> Iterator[str]:
         yield f"  sure to be stable up to {card.safe_s:.3g} s: {because(card.stable)}"
     if card.accurate is not None:
         yield (
-            f"  accurate by the usual rules up to {card.accurate.interval_s:.3g} s: "
-            f"{because(card.accurate)}"
+            f"  accurate by the usual rules up to {card.accurate.interval_s:.3g} s: {because(card.accurate)}"
         )
     yield "  (--detail: all limits, and the numbers behind them)"
 
@@ -108,6 +106,4 @@ def _too_long(card: Card, stable: Bound) -> str:
     if stable.interval_s == 0:
         return f"no interval is short enough: {because(stable)}; {remedy(stable)}"
     times = card.interval_s / stable.interval_s
-    return (
-        f"{times:.2g} times what is sure to be stable, {stable.interval_s:.2g} s: {because(stable)}"
-    )
+    return f"{times:.2g} times what is sure to be stable, {stable.interval_s:.2g} s: {because(stable)}"

@@ -33,35 +33,35 @@ HERMITE = 1 / 384
 class Met:
     """A surface that particles meet, a panel or a wall.  ``known``: a drive has it, or it stands
     still; ``yields``: its points give way to loads by themselves, as only elastic panels' do;
-    ``acceleration_m_s2`` is the largest that the scene gives it."""
+    ``acceleration_m_per_s2`` is the largest that the scene gives it."""
 
     name: str
     material: str
     known: bool
     yields: bool
-    acceleration_m_s2: float
+    acceleration_m_per_s2: float
 
 
 def met(scene: Scene) -> list[Met]:
     """Every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
     middles or as the frames, whichever is more."""
-    case, moves = scene.case, scene.case.hand_over.frame_motion
+    case, moves = scene.case, scene.case.exchange.frame_motion
     yields = case.panel.solver not in CARRIED
     panels_throw = scene.frames_throw if case.panel.solver == "rigid" else scene.throw
     found = []
     for name, panel in case.screen.panels.items():
         known = not yields and (not moves or _known(scene, *panel.frames))
-        acceleration_m_s2 = panels_throw * scene.gravity_m_s2 if moves else 0.0
-        found.append(Met(name, panel.material, known, yields, acceleration_m_s2))
+        acceleration_m_per_s2 = panels_throw * scene.gravity_m_per_s2 if moves else 0.0
+        found.append(Met(name, panel.material, known, yields, acceleration_m_per_s2))
     for name, wall in case.screen.surfaces.items():
         known = not moves or _known(scene, wall.frame)
         throw = scene.frames_throw if moves and wall.frame != GROUND else 0.0
-        found.append(Met(name, wall.material, known, False, throw * scene.gravity_m_s2))
+        found.append(Met(name, wall.material, known, False, throw * scene.gravity_m_per_s2))
     return found
 
 
 def _known(scene: Scene, *frames: str) -> bool:
-    unmoved = scene.case.frames.solver == "prescribed" or not scene.case.hand_over.panel_reaction
+    unmoved = scene.case.frames.solver == "prescribed" or not scene.case.exchange.panel_reaction
     known = {drive.body for drive in scene.plan.drives} | {GROUND}
     return unmoved or known.issuperset(frames)
 
@@ -70,7 +70,7 @@ def surface_bounds(scene: Scene) -> Iterator[Bound]:
     """Of all particles on all that they meet."""
     surfaces = met(scene)
     yield from shortest_impact(scene, [one for one in surfaces if not one.known])
-    if scene.case.hand_over.panel_motion:
+    if scene.case.exchange.panel_motion:
         yield from _worst("moving surface", scene, surfaces, _extrapolated_s)
         yield from _worst("driven surface", scene, surfaces, _smoothed_s)
 
@@ -78,9 +78,9 @@ def surface_bounds(scene: Scene) -> Iterator[Bound]:
 def _extrapolated_s(scene: Scene, surface: Met, off_m: float) -> float:
     """The interval in which a surface that is free is off by ``off_m``."""
     share = _share(scene.case.coupling.scheme, surface.yields)
-    if surface.known or surface.acceleration_m_s2 == 0.0 or share == 0.0:
+    if surface.known or surface.acceleration_m_per_s2 == 0.0 or share == 0.0:
         return math.inf
-    return math.sqrt(off_m / (share * surface.acceleration_m_s2))
+    return math.sqrt(off_m / (share * surface.acceleration_m_per_s2))
 
 
 def _share(scheme: str, yields: bool) -> float:
@@ -93,17 +93,14 @@ def _share(scheme: str, yields: bool) -> float:
 
 def _smoothed_s(scene: Scene, surface: Met, off_m: float) -> float:
     """The interval in which the smooth path of a driven surface, H^4 a w^2, is off by ``off_m``."""
-    if not surface.known or surface.acceleration_m_s2 == 0.0:
+    if not surface.known or surface.acceleration_m_per_s2 == 0.0:
         return math.inf
-    fourth_m_s4 = surface.acceleration_m_s2 * scene.speed_rad_s**2
-    return math.pow(off_m / (HERMITE * fourth_m_s4), 1 / 4)
+    fourth_m_per_s4 = surface.acceleration_m_per_s2 * scene.speed_rad_per_s**2
+    return math.pow(off_m / (HERMITE * fourth_m_per_s4), 1 / 4)
 
 
 def _worst(
-    name: str,
-    scene: Scene,
-    surfaces: list[Met],
-    allowed_s: Callable[[Scene, Met, float], float],
+    name: str, scene: Scene, surfaces: list[Met], allowed_s: Callable[[Scene, Met, float], float]
 ) -> Iterator[Bound]:
     """The shortest of all particles and surfaces; none where nothing limits."""
     found = [
@@ -118,7 +115,7 @@ def _worst(
             interval_s,
             MOVING,
             f"{touch} lies {touch.resting_m:.2g} m deep in {one.name}, which speeds up by up to "
-            f"{one.acceleration_m_s2:.3g} m/s2; off by {SHARE_OF_OVERLAP:g} of that depth",
+            f"{one.acceleration_m_per_s2:.3g} m/s2; off by {SHARE_OF_OVERLAP:g} of that depth",
             "accuracy",
             f"{touch} on {one.name}",
         )
@@ -134,7 +131,7 @@ def shortest_impact(scene: Scene, surfaces: list[Met]) -> Iterator[Bound]:
             "shortest impact",
             shortest.impact_s / INTERVALS_PER_CONTACT,
             IMPACT,
-            f"{shortest} at {scene.impact_m_s:.3g} m/s for {shortest.impact_s:.3g} s, "
+            f"{shortest} at {scene.impact_m_per_s:.3g} m/s for {shortest.impact_s:.3g} s, "
             f"{INTERVALS_PER_CONTACT} intervals",
             "accuracy",
             str(shortest),

@@ -23,8 +23,8 @@ HEXAGONAL = math.sqrt(3) / 2  # of the square of the diameter: what each needs, 
 class Contact:
     """Linear, about some depth."""
 
-    stiffness_N_m: float
-    damping_N_s_m: float
+    stiffness_N_per_m: float
+    damping_N_s_per_m: float
 
 
 @dataclass(frozen=True)
@@ -60,24 +60,24 @@ def touches(scene: Scene, panel_material: str) -> list[Touch]:
 
 
 def _touch(scene: Scene, name: str, diameter_m: float, panel_material: str) -> Touch:
-    case, speed_m_s = scene.case, scene.impact_m_s
+    case, speed_m_per_s = scene.case, scene.impact_m_per_s
     cap_Pa, grain = case.particles.largest_youngs_modulus_Pa, case.materials[name]
     reduced_Pa = reduced_modulus_Pa(
         contact_moduli(grain, cap_Pa), contact_moduli(case.materials[panel_material], cap_Pa)
     )
-    mass_kg, radius_m = math.pi / 6 * diameter_m**3 * grain.density_kg_m3, diameter_m / 2
+    mass_kg, radius_m = math.pi / 6 * diameter_m**3 * grain.density_kg_per_m3, diameter_m / 2
     area_m2 = HEXAGONAL * diameter_m**2
     pressed_N = _pressure_Pa(scene) * area_m2
     pressed_m = _pressed_m(pressed_N, reduced_Pa, radius_m)
-    depth_m = max(pressed_m, hertz_overlap_m(mass_kg, radius_m, reduced_Pa, speed_m_s))
+    depth_m = max(pressed_m, hertz_overlap_m(mass_kg, radius_m, reduced_Pa, speed_m_per_s))
     restitution = _restitution(case, name, panel_material)
     deepest, resting = (
         _contact(2 * reduced_Pa * math.sqrt(radius_m * one_m), mass_kg, restitution)
         for one_m in (depth_m, pressed_m)
     )
-    impact_s = hertz_s(mass_kg, radius_m, reduced_Pa, speed_m_s)
+    impact_s = hertz_s(mass_kg, radius_m, reduced_Pa, speed_m_per_s)
     most = max(1.0, bed_kg(case) / mass_kg)
-    lying_N = max(scene.bed_kg_m2 * area_m2, mass_kg) * scene.gravity_m_s2
+    lying_N = max(scene.bed_kg_per_m2 * area_m2, mass_kg) * scene.gravity_m_per_s2
     resting_m = _pressed_m(lying_N, reduced_Pa, radius_m)
     return Touch(name, diameter_m, mass_kg, deepest, resting, resting_m, impact_s, area_m2, most)
 
@@ -87,19 +87,19 @@ def _pressed_m(force_N: float, reduced_Pa: float, radius_m: float) -> float:
     return float((3 * force_N / (4 * reduced_Pa * math.sqrt(radius_m))) ** (2 / 3))
 
 
-def _contact(stiffness_N_m: float, mass_kg: float, restitution: float) -> Contact:
+def _contact(stiffness_N_per_m: float, mass_kg: float, restitution: float) -> Contact:
     """Hertz's stiffness 2 E* sqrt(R depth) with the damping
     2 sqrt(5/6) beta sqrt(stiffness m), beta = -ln e / sqrt(ln^2 e + pi^2)
     (Tsuji, Tanaka and Ishida, Powder Technology 71, 1992, 239-250,
     doi 10.1016/0032-5910(92)88030-L, in the form of LIGGGHTS's model hertz)."""
     log_e = math.log(restitution)
     beta = -log_e / math.hypot(log_e, math.pi)
-    return Contact(stiffness_N_m, 2 * math.sqrt(5 / 6) * beta * math.sqrt(stiffness_N_m * mass_kg))
+    return Contact(stiffness_N_per_m, 2 * math.sqrt(5 / 6) * beta * math.sqrt(stiffness_N_per_m * mass_kg))
 
 
 def _pressure_Pa(scene: Scene) -> float:
     """Of the bed on a panel that throws it."""
-    return scene.bed_kg_m2 * scene.gravity_m_s2 * (1 + scene.panels_throw)
+    return scene.bed_kg_per_m2 * scene.gravity_m_per_s2 * (1 + scene.panels_throw)
 
 
 def _restitution(case: Case, one: str, two: str) -> float:

@@ -48,8 +48,7 @@ def figures(card: Card) -> dict[str, Any]:
         "limited_by": card.stable.name if card.stable else None,
         "advice": plain.advice(card) if plain.beyond(card) else None,
         "bounds_s": {
-            bound.name: bound.interval_s if math.isfinite(bound.interval_s) else None
-            for bound in card.bounds
+            bound.name: bound.interval_s if math.isfinite(bound.interval_s) else None for bound in card.bounds
         },
     }
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.tables.numerics import Save as Wanted
+from orchestrator.case.tables.numerics import CheckpointSettings as Wanted
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does
 from orchestrator.coupling.schemes.exchange import State
@@ -68,7 +68,7 @@ class Keeper:
             return
         if self._guard.pace.trusted:
             self._good = done
-        books = {"recorder": self._recorder.save(), "watch": self._guard.save()}
+        books = {"recorder": self._recorder.save(), "monitor": self._guard.save()}
         if self._machine.material is not None:
             books["material"] = self._machine.material.save()
         saved = {"members": self._members(), "coupling": as_arrays(state)} | books
@@ -91,7 +91,7 @@ class Keeper:
         if self._machine.scheme.memory is not None:
             self._machine.scheme.memory.restore(saved["scheme"])
         self._recorder.restore(saved["recorder"])
-        self._guard.restore(saved["watch"])
+        self._guard.restore(saved["monitor"])
         self._last, self._good = save.sync_points, save.good
         state: State = like(start, saved["coupling"])
         return state

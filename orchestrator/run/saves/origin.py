@@ -17,7 +17,7 @@ from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, re
 from orchestrator.output.saves.files import SAID_OF_ORIGIN, Save
 from orchestrator.preflight.levels import LoadedCase
 
-FREE = {"title", "description", "default_level", "output", "save", "watch"}
+FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
 SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
 
 

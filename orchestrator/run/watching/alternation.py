@@ -21,49 +21,49 @@ TURNS = 8  # as often in succession
 ROUND = 0.8  # of the way at least, as a cosine
 GROWTH = 2.0  # as large after so many turns
 
-_STATE = ("_before_m_s", "_step_m_s", "_change_m_s", "_first", "_turns")
-_ALL = (*_STATE, "_quick_m_s", "_growing_m_s")
+_STATE = ("_before_m_per_s", "_step_m_per_s", "_change_m_per_s", "_first", "_turns")
+_ALL = (*_STATE, "_quick_m_per_s", "_growing_m_per_s")
 
 
 class Alternation:
     """Of the surface's points, (points, 3) velocities at successive sync points.  Points are looked
     at one by one only where one alternates with the share ``least`` of the surface's speed."""
 
-    def __init__(self, velocity_m_s: Array, least: float) -> None:
+    def __init__(self, velocity_m_per_s: Array, least: float) -> None:
         self._least = least
-        self._quick_m_s, self._growing_m_s = SLOW_M_S, 0.0
-        self._begin(velocity_m_s)
+        self._quick_m_per_s, self._growing_m_per_s = SLOW_M_S, 0.0
+        self._begin(velocity_m_per_s)
 
-    def _begin(self, velocity_m_s: Array) -> None:
-        self._before_m_s = velocity_m_s
-        self._step_m_s, self._change_m_s = np.zeros((2, *velocity_m_s.shape))
+    def _begin(self, velocity_m_per_s: Array) -> None:
+        self._before_m_per_s = velocity_m_per_s
+        self._step_m_per_s, self._change_m_per_s = np.zeros((2, *velocity_m_per_s.shape))
         # making room anew takes longer than filling it
-        self._room: tuple[Array, Array] = (np.empty_like(velocity_m_s), np.empty_like(velocity_m_s))
-        self._first: Array = np.zeros(len(velocity_m_s))
-        self._turns: Indices = np.zeros(len(velocity_m_s), dtype=np.int64)
+        self._room: tuple[Array, Array] = (np.empty_like(velocity_m_per_s), np.empty_like(velocity_m_per_s))
+        self._first: Array = np.zeros(len(velocity_m_per_s))
+        self._turns: Indices = np.zeros(len(velocity_m_per_s), dtype=np.int64)
 
-    def add(self, velocity_m_s: Array) -> None:
-        step_m_s, change_m_s = self._room
-        np.subtract(velocity_m_s, self._before_m_s, out=step_m_s)
-        np.subtract(step_m_s, self._step_m_s, out=change_m_s)
-        if points := len(velocity_m_s):
-            quick_m_s = sqrt(np.vdot(velocity_m_s, velocity_m_s) / points)
-            self._quick_m_s = max(self._quick_m_s, quick_m_s)
-            self._count(change_m_s, self._loud(change_m_s))
-        self._before_m_s, self._room = velocity_m_s, (self._step_m_s, self._change_m_s)
-        self._step_m_s, self._change_m_s = step_m_s, change_m_s
+    def add(self, velocity_m_per_s: Array) -> None:
+        step_m_per_s, change_m_per_s = self._room
+        np.subtract(velocity_m_per_s, self._before_m_per_s, out=step_m_per_s)
+        np.subtract(step_m_per_s, self._step_m_per_s, out=change_m_per_s)
+        if points := len(velocity_m_per_s):
+            quick_m_per_s = sqrt(np.vdot(velocity_m_per_s, velocity_m_per_s) / points)
+            self._quick_m_per_s = max(self._quick_m_per_s, quick_m_per_s)
+            self._count(change_m_per_s, self._loud(change_m_per_s))
+        self._before_m_per_s, self._room = (velocity_m_per_s, (self._step_m_per_s, self._change_m_per_s))
+        self._step_m_per_s, self._change_m_per_s = step_m_per_s, change_m_per_s
 
-    def _loud(self, change_m_s: Array) -> bool:
+    def _loud(self, change_m_per_s: Array) -> bool:
         """Whether a point may alternate fast enough to count; the norm, no smaller than any of its
         parts, is the quickest to find."""
-        least_m_s = 4 * self._least * self._quick_m_s
-        if np.vdot(change_m_s, change_m_s) < least_m_s**2:
+        least_m_per_s = 4 * self._least * self._quick_m_per_s
+        if np.vdot(change_m_per_s, change_m_per_s) < least_m_per_s**2:
             return False
-        return bool(max(change_m_s.max(), -change_m_s.min()) > least_m_s)
+        return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
 
-    def _count(self, change_m_s: Array, loud: bool) -> None:
+    def _count(self, change_m_per_s: Array, loud: bool) -> None:
         """How often each point has turned round in succession."""
-        self._growing_m_s = 0.0
+        self._growing_m_per_s = 0.0
         if not loud:
             if self._turns.any():
                 self._turns = np.zeros_like(self._turns)
@@ -71,9 +71,9 @@ class Alternation:
         square, before, along = (
             np.einsum("ij,ij->i", *pair)
             for pair in (
-                (change_m_s, change_m_s),
-                (self._change_m_s, self._change_m_s),
-                (change_m_s, self._change_m_s),
+                (change_m_per_s, change_m_per_s),
+                (self._change_m_per_s, self._change_m_per_s),
+                (change_m_per_s, self._change_m_per_s),
             )
         )
         turned = (along < -ROUND * np.sqrt(square * before)) & (square > before)
@@ -81,17 +81,17 @@ class Alternation:
         self._first = np.where(self._turns > 1, self._first, square)
         grows = (self._turns >= TURNS) & (square > GROWTH**2 * self._first)
         if grows.any():
-            self._growing_m_s = float(np.sqrt(square[grows].max())) / 4
+            self._growing_m_per_s = float(np.sqrt(square[grows].max())) / 4
 
     def share(self) -> float:
         """Speed of the fastest point that alternates and grows, of the surface's largest speed so
         far (the root mean square of all points')."""
-        return self._growing_m_s / self._quick_m_s
+        return self._growing_m_per_s / self._quick_m_per_s
 
     def begin_anew(self) -> None:
         """Where intervals are of another length."""
-        self._growing_m_s = 0.0
-        self._begin(self._before_m_s)
+        self._growing_m_per_s = 0.0
+        self._begin(self._before_m_per_s)
 
     def save(self) -> Saved:
         return taken(self, *_ALL)

@@ -22,20 +22,20 @@ class CouplingWatch:
     def __init__(self, case: Case, machine: Machine, start: State) -> None:
         self._surface = slice(0, max((one.surface.stop for one in machine.panels), default=None))
         clamps = slice(0, max((one.clamps.stop for one in machine.panels), default=None))
-        handed = case.hand_over
+        handed = case.exchange
         self._works: dict[str, ContactWork | ClampWork] = {}
         if machine.members.particles is not None and handed.panel_motion and handed.particle_load:
             self._works[PARTICLES] = ContactWork(start, self._surface)
         if handed.frame_motion and handed.panel_reaction:
             self._works[FRAMES] = ClampWork(start, clamps)
-        least = case.watch.largest_growing_share
-        self._modes = Alternation(start.panel.surface.velocity_m_s[self._surface], least)
+        least = case.monitor.largest_growing_share
+        self._modes = Alternation(start.panel.surface.velocity_m_per_s[self._surface], least)
 
     def add(self, crossed: Crossed) -> None:
         """An interval's."""
         for work in self._works.values():
             work.add(crossed)
-        self._modes.add(crossed.panel[2].surface.velocity_m_s[self._surface])
+        self._modes.add(crossed.panel[2].surface.velocity_m_per_s[self._surface])
 
     def look(self, figures: Figures, time_s: float) -> None:
         for where, work in self._works.items():

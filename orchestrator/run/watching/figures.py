@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from orchestrator.case.tables.numerics import Then, Watch
+from orchestrator.case.tables.numerics import MonitorSettings, Then
 from orchestrator.ports import Saved
 from orchestrator.ports.state import put_back, taken
 
-# key of [watch]: key of its limit, and what there is to say beyond it
+# key of [monitor]: key of its limit, and what there is to say beyond it
 WATCHED = {
     "created_energy": (
         "largest_created_share",
@@ -26,10 +26,7 @@ WATCHED = {
         "a mode of the interface grows: a point alternates from interval to interval with "
         "{value:.2g} of the surface's largest speed so far",
     ),
-    "stretched_panels": (
-        "largest_stretch",
-        "panel {where} is stretched by {value:.2g} of its length",
-    ),
+    "stretched_panels": ("largest_stretch", "panel {where} is stretched by {value:.2g} of its length"),
     "penetrated_surfaces": (
         "largest_penetration",
         "panel {where} by {value:.3g} of its thickness, and nothing holds it there: tighten it, "
@@ -45,10 +42,7 @@ WATCHED = {
         "first time {where}: contacts too soft (particles.largest_youngs_modulus_Pa) or steps too "
         "long",
     ),
-    "long_steps": (
-        "largest_step_share",
-        "{where} moves in a particle step by {value:.2g} of a radius",
-    ),
+    "long_steps": ("largest_step_share", "{where} moves in a particle step by {value:.2g} of a radius"),
 }
 
 
@@ -84,12 +78,7 @@ class Figure:
 
     def as_json(self) -> dict[str, Any]:
         first_s = self._first_s if self._times else None
-        return {
-            "worst": self._worst,
-            "limit": self._limit,
-            "times": self._times,
-            "first_s": first_s,
-        }
+        return {"worst": self._worst, "limit": self._limit, "times": self._times, "first_s": first_s}
 
     def save(self) -> Saved:
         return taken(self, "_worst", "_times", "_first_s")
@@ -101,7 +90,7 @@ class Figure:
 class Figures:
     """All of them; collects the alarms until they are taken."""
 
-    def __init__(self, wanted: Watch) -> None:
+    def __init__(self, wanted: MonitorSettings) -> None:
         self._figures = {
             key: Figure(getattr(wanted, key), getattr(wanted, limit), limit, words)
             for key, (limit, words) in WATCHED.items()

@@ -43,13 +43,11 @@ class Stopped(SolverFailed):
 class Guard:
     """On every rank; the first one looks and decides for all."""
 
-    def __init__(
-        self, case: Case, machine: Machine, start: State, world: Any, console: Console
-    ) -> None:
+    def __init__(self, case: Case, machine: Machine, start: State, world: Any, console: Console) -> None:
         self._machine, self._world, self._console = machine, world, console
         self._interval_s = case.coupling.sync_interval_s
         self.pace = Pace(self._interval_s, MOST_PARTS, calm_intervals(case))
-        self._figures = Figures(case.watch)
+        self._figures = Figures(case.monitor)
         self._coupling = CouplingWatch(case, machine, start)
         self._output = OutputWatch(machine.panels, machine.penetrations, particle_step_s(case))
         self._crossed: list[Crossed] = []
@@ -62,17 +60,13 @@ class Guard:
         with machine.stopwatch("coupling"):  # what the members take is not counted there
             return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
 
-    def output(
-        self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None
-    ) -> None:
+    def output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
         """At output times, after which everything is judged; ``terms_J`` of the ledger."""
         self._at_once = True
         if is_first(self._world):
-            with self._machine.stopwatch("watch"):
+            with self._machine.stopwatch("monitor"):
                 self._add_crossed()
-                for interface, share in created_shares(
-                    terms_J, self._coupling.exchanged_J()
-                ).items():
+                for interface, share in created_shares(terms_J, self._coupling.exchanged_J()).items():
                     self._figures.look("created_in_total", abs(share), time_s, interface)
                 self._output.look(self._figures, time_s, state, bed)
 
@@ -124,7 +118,7 @@ class Guard:
             self._crossed.append(crossed(self._machine.members, part.length_s))
 
     def _catch_up(self) -> None:
-        with self._machine.stopwatch("watch"):
+        with self._machine.stopwatch("monitor"):
             self._add_crossed()
 
     def _add_crossed(self) -> None:
@@ -173,4 +167,4 @@ class Guard:
 def calm_intervals(case: Case) -> int:
     """Sync intervals of a cycle of the machine, if the case says nothing else: what was amiss comes
     back with it."""
-    return steps_in(case.watch.calm_s or cycle_s(case), case.coupling.sync_interval_s)
+    return steps_in(case.monitor.calm_s or cycle_s(case), case.coupling.sync_interval_s)

@@ -18,9 +18,7 @@ from orchestrator.run.watching.figures import Figures
 class OutputWatch:
     """``step_s``: the particles' step."""
 
-    def __init__(
-        self, panels: Sequence[PanelPoints], penetrations: Penetrations, step_s: float
-    ) -> None:
+    def __init__(self, panels: Sequence[PanelPoints], penetrations: Penetrations, step_s: float) -> None:
         self._panels, self._penetrations, self._step_s = panels, penetrations, step_s
 
     def look(self, figures: Figures, time_s: float, state: State, bed: Bed | None) -> None:
@@ -37,13 +35,13 @@ class OutputWatch:
             figures.look("deep_overlaps", deepest, time_s)
             share, number = self._longest(particles)
             figures.look("long_steps", share, time_s, f"particle {number}")
-            share = self._step_s * _fastest_m_s(surface) / (particles.diameter_m.min() / 2)
+            share = self._step_s * _fastest_m_per_s(surface) / (particles.diameter_m.min() / 2)
             figures.look("long_steps", share, time_s, "the surface")
 
     def _longest(self, particles: ParticleSnapshot) -> tuple[float, int]:
         """The longest motion in a step, of the particle's own radius, and whose it is."""
-        speed_m_s = np.linalg.norm(particles.velocity_m_s, axis=1)
-        share = self._step_s * speed_m_s / (particles.diameter_m / 2)
+        speed_m_per_s = np.linalg.norm(particles.velocity_m_per_s, axis=1)
+        share = self._step_s * speed_m_per_s / (particles.diameter_m / 2)
         row = int(np.argmax(share))
         return float(share[row]), int(particles.id[row])
 
@@ -55,5 +53,5 @@ def largest_stretch(panel: PanelPoints, surface_m: Array) -> float:
     return float((length_m / panel.edge_length_m).max()) - 1.0
 
 
-def _fastest_m_s(surface: Motion) -> float:
-    return float(np.sqrt(np.einsum("ij,ij->i", *2 * [surface.velocity_m_s]).max(initial=0.0)))
+def _fastest_m_per_s(surface: Motion) -> float:
+    return float(np.sqrt(np.einsum("ij,ij->i", *2 * [surface.velocity_m_per_s]).max(initial=0.0)))

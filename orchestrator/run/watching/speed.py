@@ -14,7 +14,7 @@ def check_stable(state: State, time_s: float, advice: str) -> None:
     """Raises SolverFailed, with the ``advice`` at its end, when a surface or frame point moves
     impossibly fast."""
     for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
-        fastest = float(np.abs(motion.velocity_m_s).max(initial=0.0))
+        fastest = float(np.abs(motion.velocity_m_per_s).max(initial=0.0))
         if fastest > FASTEST_M_S:
             raise SolverFailed(
                 f"{member} became unstable at t = {time_s:.6g} s: a point moves at "

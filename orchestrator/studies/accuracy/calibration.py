@@ -106,8 +106,7 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
     here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
     study_s = _stepping_s(short["processor_by_part_s"])
     wall, processor = (
-        Clock(_start_s(each), _stepping_s(each) / study_s)
-        for each in (here["wall_by_part_s"], parts_s(here))
+        Clock(_start_s(each), _stepping_s(each) / study_s) for each in (here["wall_by_part_s"], parts_s(here))
     )
     simulated_s, in_parts_s = base["simulated_s"], base["processor_by_part_s"]
     return Timing(

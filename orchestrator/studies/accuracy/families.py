@@ -61,10 +61,7 @@ def measured_at(axis: str, setting: Setting, measured: Mapping[str, Measured]) -
 
 
 def converged(
-    family: Family,
-    measured: Mapping[str, Measured],
-    spread: Scatter,
-    known: Mapping[str, Answer],
+    family: Family, measured: Mapping[str, Measured], spread: Scatter, known: Mapping[str, Answer]
 ) -> Converged | None:
     """None where nothing of it was measured."""
     every = [(one, measured_at(family.axis, one, measured)) for one in family.settings]
@@ -104,10 +101,7 @@ def _exact(family: Family, there: Measured, known: Mapping[str, Answer]) -> dict
 
 
 def all_converged(
-    offer: Offer,
-    measured: Mapping[str, Measured],
-    spread: Scatter,
-    known: Mapping[str, Answer],
+    offer: Offer, measured: Mapping[str, Measured], spread: Scatter, known: Mapping[str, Answer]
 ) -> list[Converged]:
     """Of every family of which something was measured."""
     found = (converged(family, measured, spread, known) for family in offer.families)
@@ -131,10 +125,7 @@ def options(
             continue
         _, highest = best.finest
         settings = {
-            setting: there
-            for one in families
-            if one.family.axis == axis
-            for setting, there in one.found
+            setting: there for one in families if one.family.axis == axis for setting, there in one.found
         }
         found[axis] = [
             Option(axis, setting, _certain(errors(there, highest, spread)), _ratio(there, base))
@@ -143,9 +134,7 @@ def options(
     return found
 
 
-def remaining(
-    offer: Offer, families: Sequence[Converged], judged_by: Sequence[str]
-) -> dict[str, float]:
+def remaining(offer: Offer, families: Sequence[Converged], judged_by: Sequence[str]) -> dict[str, float]:
     """What errors add up to where every axis has its best setting."""
     best = [one for axis in offer.axes if (one := best_of(axis, families)) is not None]
     return {name: sum(one.remaining(name) for one in best) for name in judged_by}
@@ -159,8 +148,6 @@ def _ratio(found: Measured, base: Measured) -> dict[str, float]:
     """Processor time by part; of parts that hardly count, that of the whole."""
     ours, theirs = found.processor_by_part_s, base.processor_by_part_s
     return {
-        part: ours.get(part, 0.0) / theirs[part]
-        if theirs[part] > LEAST_SHARE * base.processor_s
-        else 1.0
+        part: ours.get(part, 0.0) / theirs[part] if theirs[part] > LEAST_SHARE * base.processor_s else 1.0
         for part in theirs
     }

@@ -63,9 +63,7 @@ def parts_s(run: Mapping[str, Any]) -> dict[str, float]:
     as that is.  ``run``: its summary, or its figures."""
     before_s = run.get("processor_before_s", 0.0)
     rate = (run["processor_s"] - before_s) / run["wall_s"]
-    return {"start": before_s} | {
-        part: rate * wall_s for part, wall_s in run["wall_by_part_s"].items()
-    }
+    return {"start": before_s} | {part: rate * wall_s for part, wall_s in run["wall_by_part_s"].items()}
 
 
 @dataclass(frozen=True)
@@ -117,9 +115,7 @@ EXACT = Scatter(False, {}, 0)
 def read(points: Sequence[Point]) -> dict[str, Measured]:
     """By name, of those that are done."""
     return {
-        one.name: Measured(one, tuple(figures(run.folder) for run in one.runs))
-        for one in points
-        if one.done
+        one.name: Measured(one, tuple(figures(run.folder) for run in one.runs)) for one in points if one.done
     }
 
 
@@ -163,9 +159,7 @@ def errors(found: Measured, reference: Measured, spread: Scatter) -> dict[str, E
 
 def against(found: Measured, known: Mapping[str, Answer]) -> dict[str, float]:
     """Relative errors against known answers, mean over the seeds."""
-    wrong = {
-        name: [off(one, run.folder) for run in found.point.runs] for name, one in known.items()
-    }
+    wrong = {name: [off(one, run.folder) for run in found.point.runs] for name, one in known.items()}
     told = {name: [x for x in each if x is not None] for name, each in wrong.items()}
     return {name: float(np.mean(each)) for name, each in told.items() if each}
 

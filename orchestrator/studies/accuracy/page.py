@@ -52,13 +52,7 @@ def _knobs(study: Study, folder: Path) -> list[dict[str, Any]]:
     for axis in study.listed.offer.axes:
         families = [one for one in study.families if one.family.axis == axis]
         file = convergence(families, study.judged_by, folder / f"accuracy-{axis}.png")
-        found.append(
-            {
-                "title": study.listed.offer.titles[axis],
-                "families": families,
-                "file": file,
-            }
-        )
+        found.append({"title": study.listed.offer.titles[axis], "families": families, "file": file})
     return found
 
 

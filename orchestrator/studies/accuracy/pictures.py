@@ -52,11 +52,7 @@ def _groups(study: Study, table: Sequence[Row]) -> list[tuple[list[Row], str, st
         found.append((mine, mark, colour, f"{title} only"))
     together = [r for r in shown if r.point.kind in (TOGETHER, REFERENCE)]
     own = [r for r in shown if r.point.kind == BASE]
-    return [
-        *found,
-        (together, "*", BLACK, "several together"),
-        (own, "o", RED, "the case as it is"),
-    ]
+    return [*found, (together, "*", BLACK, "several together"), (own, "o", RED, "the case as it is")]
 
 
 def _scatter(axis: Any, rows: Sequence[Row], mark: str, colour: str, label: str) -> None:

@@ -82,13 +82,13 @@ def common(case: Case, coarsest_s: float) -> tuple[str, ...]:
     from ``coarsest_s``, and lasting for whole samples.  A watch that shortens intervals only warns:
     an interval is what its label says."""
     every = sample_s(coarsest_s)
-    shortens = [name for name, then in case.watch.model_dump().items() if then == "shorten"]
+    shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
     return (
         *(f"watch.{name}=warn" for name in shortens),
         *sampled_at(coarsest_s),
         f"output.interval_s={_whole(exact(case.output.interval_s), every)!r}",
         f"duration_s={_whole(exact(case.duration_s), every)!r}",
-        "save.wall_min=0.0",
+        "checkpoint.wall_min=0.0",
     )
 
 
@@ -102,9 +102,7 @@ def seeded(case: Case, number: int) -> tuple[str, ...]:
         return ()
     tables = (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
     return tuple(
-        f"bed.{kind}.{name}.seed={row.seed + number}"
-        for kind, table in tables
-        for name, row in table.items()
+        f"bed.{kind}.{name}.seed={row.seed + number}" for kind, table in tables for name, row in table.items()
     )
 
 
@@ -124,9 +122,7 @@ def named(kind: str, settings: dict[str, Setting]) -> str:
     return kind
 
 
-def point(
-    asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]
-) -> Point:
+def point(asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]) -> Point:
     """Checked, and within the budget; ``case`` is the one as it is."""
     name = named(kind, settings)
     sets = [*asked.sets, *shared, *(one for setting in settings.values() for one in setting.sets)]

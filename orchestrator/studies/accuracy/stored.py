@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.preflight.levels import LoadedCase
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.points import BASE
@@ -94,9 +94,7 @@ def _candidate(proposal: Proposal, chance: float) -> Candidate:
     settings = proposal.settings
     label = "; ".join(f"{axis}: {one.label}" for axis, one in settings.items())
     sets = tuple(each for one in settings.values() for each in one.sets)
-    return Candidate(
-        label or "the case as it is", sets, proposal.error + chance, proposal.processor_s, False
-    )
+    return Candidate(label or "the case as it is", sets, proposal.error + chance, proposal.processor_s, False)
 
 
 def stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
@@ -110,12 +108,12 @@ def stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
             found = json.loads(file.read_text(encoding="utf-8"))
             same = (found["case"], found["level"]) == (loaded.name, loaded.level)
         except (ValueError, KeyError, TypeError):
-            raise CaseError([Mistake((), "is no study of accuracy", file=str(file))]) from None
+            raise CaseError([CaseProblem((), "is no study of accuracy", file=str(file))]) from None
         if same:
             return Stored(file, found)
         if given:
             what = f'is of case "{found["case"]}", level "{found["level"]}"'
-            raise CaseError([Mistake((), what, file=str(file))])
+            raise CaseError([CaseProblem((), what, file=str(file))])
     if given and not given.is_file():
-        raise CaseError([Mistake((), "no such file", file=str(given))])
+        raise CaseError([CaseProblem((), "no such file", file=str(given))])
     return None

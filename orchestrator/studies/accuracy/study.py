@@ -147,9 +147,7 @@ def studied(asked: Asked, say: Say) -> Study:
     return _evaluated(there, [*points, *new], proposals, reference)
 
 
-def _evaluated(
-    there: Listed, points: list[Point], proposals: dict[str, Proposal], reference: str
-) -> Study:
+def _evaluated(there: Listed, points: list[Point], proposals: dict[str, Proposal], reference: str) -> Study:
     measured = read(points)
     spread = scatter([*measured.values()], there.random)
     families = all_converged(there.offer, measured, spread, there.known)

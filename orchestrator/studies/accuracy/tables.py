@@ -142,10 +142,7 @@ def as_table(study: Study, table: Sequence[Row]) -> Table:
     there = [(row, row.measured) for row in table if row.measured]
     for row, one in sorted(there, key=lambda pair: pair[1].processor_s):
         wrong = row.error
-        cells = [
-            percent(wrong.value if wrong else None),
-            percent(wrong.half_width if wrong else None),
-        ]
+        cells = [percent(wrong.value if wrong else None), percent(wrong.half_width if wrong else None)]
         if wrong is None:
             cells = ["reference", ""]
         seconds = (f"{one.processor_s:.1f}", f"{one.memory_MiB:.0f}")

@@ -12,7 +12,7 @@ from typing import Annotated
 from annotated_types import Ge, Le, Len
 from pydantic import Strict, ValidationError
 
-from orchestrator.case.file.errors import CaseError, Mistake, did_you_mean, from_validation
+from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.scalars import scalar
 from orchestrator.case.tables.quantities import Name, OneLine, Positive, Table
@@ -51,14 +51,14 @@ class Bank(Table):
 def read(file: Path) -> dict[str, Scene]:
     """Returns the scenes of a bank by name.  Raises CaseError with every mistake in the file."""
     if not file.is_file():
-        raise CaseError([Mistake((), "there is no bank of scenes", file=str(file))])
+        raise CaseError([CaseProblem((), "there is no bank of scenes", file=str(file))])
     given = read_toml(file, file.parent)
     try:
         bank = Bank.model_validate(given)
     except ValidationError as error:
         raise CaseError([*from_validation(error, Bank)]) from None
     wrong = [
-        Mistake(("scenes", name, key), what, hint, str(file))
+        CaseProblem(("scenes", name, key), what, hint, str(file))
         for name, scene in bank.scenes.items()
         for key, what, hint in _mistakes(scene)
     ]
@@ -72,7 +72,7 @@ def chosen(bank: dict[str, Scene], names: list[str]) -> dict[str, Scene]:
     for name in names:
         if name not in bank:
             hint = did_you_mean(name, bank)
-            raise CaseError([Mistake((), f'no scene "{name}"', hint, file="--scene")])
+            raise CaseError([CaseProblem((), f'no scene "{name}"', hint, file="--scene")])
     return {name: bank[name] for name in names} if names else bank
 
 

@@ -108,9 +108,7 @@ def _rows(one: Tried) -> Iterator[Row]:
         yield Row(one.name, trial.without, verdict, *_compared(base, trial, one.scene.asked))
 
 
-def _compared(
-    base: Trial, trial: Trial, asked: Sequence[str]
-) -> tuple[dict[str, Change], str, str]:
+def _compared(base: Trial, trial: Trial, asked: Sequence[str]) -> tuple[dict[str, Change], str, str]:
     """The changes from the runs with an effect to those without, their outcome, and a remark.  What
     fails without the effect cannot do without it."""
     if trial.omitted:
@@ -122,19 +120,13 @@ def _compared(
     if not base.ended or not trial.ended:
         return {}, NOT_RUN, ""
     by_chance = is_random(base.runs[0].loaded.case)
-    changes = {
-        name: change(name, base.summaries, trial.summaries, by_chance=by_chance) for name in asked
-    }
+    changes = {name: change(name, base.summaries, trial.summaries, by_chance=by_chance) for name in asked}
     doubtful = "the run without it is doubtful" if trust.DOUBTFUL in trial.statuses else ""
     return changes, outcome(changes), doubtful
 
 
 def change(
-    name: str,
-    with_it: Sequence[Mapping[str, Any]],
-    without: Sequence[Mapping[str, Any]],
-    *,
-    by_chance: bool,
+    name: str, with_it: Sequence[Mapping[str, Any]], without: Sequence[Mapping[str, Any]], *, by_chance: bool
 ) -> Change:
     """Returns how a result changes from the runs with an effect to those without, given their
     summaries; a result that only one side has has changed by all of it.  Of one run a side, the

@@ -103,9 +103,7 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
     return Tried(name, scene, loaded, tuple(trials))
 
 
-def _trial(
-    name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path
-) -> Trial:
+def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path) -> Trial:
     """Raises CaseError."""
     whole = f"{name}-without-{without}" if without else name
     bare = load(case, scene.level, sets).case
@@ -127,7 +125,7 @@ def _sets(loaded: LoadedCase, scene: Scene) -> list[str]:
     accelerations to 500 Hz need them, unless the scene says otherwise."""
     quiet = {
         "output.pictures": "false",
-        "save.wall_min": "0.0",
+        "checkpoint.wall_min": "0.0",
         "output.series_s": repr(float(sample_s(loaded.case.coupling.sync_interval_s))),
     }
     if scene.duration_s is not None:

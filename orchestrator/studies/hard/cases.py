@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.levels import load
@@ -34,17 +34,14 @@ def found(folder: Path, out: Path) -> list[HardCase]:
     Raises CaseError if one of them is wrong or there is none."""
     cases = [hard_case(file.parent, out) for file in folder.glob(f"*/{FILE}")]
     if not cases:
-        raise CaseError([Mistake((), f"has no case with {FILE}", file=str(folder))])
+        raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder))])
     return sorted(cases, key=lambda case: case.expected.number)
 
 
 def hard_case(folder: Path, out: Path) -> HardCase:
     """Raises CaseError."""
     expected = read(folder)
-    points = {
-        name: _point(folder, name, wanted, out / folder.name)
-        for name, wanted in expected.runs.items()
-    }
+    points = {name: _point(folder, name, wanted, out / folder.name) for name, wanted in expected.runs.items()}
     return HardCase(folder.name, folder, expected, points)
 
 
@@ -64,7 +61,7 @@ def interval_of(case: Path, sets: Sequence[str], multiple: float) -> list[str]:
     interval_s = multiple * safe_s(loaded.case)
     if not 0 < interval_s < loaded.case.duration_s:
         what = f"{multiple:g} times the largest safe sync interval is {interval_s:g} s"
-        raise CaseError([Mistake(("coupling", "sync_interval_s"), what, file=str(case))])
+        raise CaseError([CaseProblem(("coupling", "sync_interval_s"), what, file=str(case))])
     return [f"coupling.sync_interval_s={interval_s:.3g}"]
 
 

@@ -12,7 +12,7 @@ from typing import Annotated
 from annotated_types import Len
 from pydantic import ValidationError
 
-from orchestrator.case.file.errors import CaseError, Key, Mistake, from_validation
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key, from_validation
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.quantities import Few, Name, OneLine, Positive, Table
 from orchestrator.studies.hard.criterion import Criterion
@@ -56,7 +56,7 @@ def read(case: Path) -> Expected:
     except ValidationError as error:
         raise CaseError([*from_validation(error, Expected)]) from None
     wrong = [
-        Mistake(key, f'no {key[-1]} "{word}"', f"known: {', '.join(known)}", str(file))
+        CaseProblem(key, f'no {key[-1]} "{word}"', f"known: {', '.join(known)}", str(file))
         for number, row in enumerate(found.criteria)
         for key, word, known in _names(number, row, found)
         if word not in known

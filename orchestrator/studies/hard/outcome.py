@@ -28,7 +28,7 @@ def outcome(folder: Path) -> Outcome:
         return "stopped"
     if not trust.came_to_its_end(str(status)):
         return "not run"
-    figures = found.get("watch", {}).get("figures", {})
+    figures = found.get("monitor", {}).get("figures", {})
     amiss = any(figures[key]["times"] for key in OF_THE_COUPLING if key in figures)
     return "warned" if amiss or status == trust.DOUBTFUL else "stable"
 

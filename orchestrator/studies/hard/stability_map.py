@@ -95,7 +95,7 @@ def mass_ratio(case: Case) -> float:
     """Mass of the particles over that of the panels between their clamps."""
     panels_kg = sum(
         (panel.count * panel.length_m * panel.width_m * panel.thickness_m)
-        * case.materials[panel.material].density_kg_m3
+        * case.materials[panel.material].density_kg_per_m3
         for panel in case.screen.panels.values()
     )
     return bed_kg(case) / panels_kg

@@ -62,9 +62,7 @@ def climbed(wanted: Wanted, say: Callable[[str], None]) -> list[Step]:
         raise CaseError(wrong)
     common = (*wanted.sets, *sampled_at(base.case.coupling.sync_interval_s))
     steps = [
-        _step(wanted, common, rung, base)
-        for ladder in wanted.ladders
-        for rung in rungs(base.case, ladder)
+        _step(wanted, common, rung, base) for ladder in wanted.ladders for rung in rungs(base.case, ladder)
     ]
     steps = _shared(steps)
     for step in steps:
@@ -113,9 +111,7 @@ def _run(steps: Sequence[Step], wanted: Wanted, say: Callable[[str], None]) -> N
     sweep.run(list(once.values()), Crew(wanted.jobs), say)
 
 
-def _made(
-    wanted: Wanted, common: Sequence[str], step: Step, steps: Sequence[Step], base: LoadedCase
-) -> Step:
+def _made(wanted: Wanted, common: Sequence[str], step: Step, steps: Sequence[Step], base: LoadedCase) -> Step:
     """A step that needs something from a run, with it; the source is named beside it."""
     source = source_of(steps)
     if source is None:
@@ -142,8 +138,7 @@ def source_of(steps: Sequence[Step]) -> Point | None:
     done = [step for step in steps if step.done and step.point is not None]
     names = ("sheet", "exudyn", "strip", "sheet coarse", "sheet fine", "as it is", "two-mass")
     ordered = sorted(
-        (step for step in done if step.rung.name in names),
-        key=lambda step: names.index(step.rung.name),
+        (step for step in done if step.rung.name in names), key=lambda step: names.index(step.rung.name)
     )
     return next(_points(ordered), None)
 

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 
 from orchestrator.case.deck.panels import axes
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.playback import turning
 from orchestrator.ports import Array
 from orchestrator.preflight.levels import load
@@ -22,8 +22,8 @@ def drives(folder: Path) -> Iterator[str]:
     case = load(folder).case
     machine = turning(case)
     if machine is None:
-        raise CaseError([Mistake((), "nothing turns this machine", file=str(folder))])
-    speed, turn = machine.speed_rad_s, axes(case)
+        raise CaseError([CaseProblem((), "nothing turns this machine", file=str(folder))])
+    speed, turn = machine.speed_rad_per_s, axes(case)
     with h5py.File(folder / "history.h5") as history:
         for name, frame in case.screen.frames.items():
             group = history[f"frames/{name}"]
@@ -31,12 +31,12 @@ def drives(folder: Path) -> Iterator[str]:
             cycles = min(CYCLES, int(time_s[-1] / 2 / (2 * math.pi / speed) + 1e-9))
             if cycles < 2:
                 what = "too short to find the frames' steady motion in its second half"
-                raise CaseError([Mistake((), what, file=str(folder))])
+                raise CaseError([CaseProblem((), what, file=str(folder))])
             last = time_s >= time_s[-1] - cycles * 2 * math.pi / speed * (1 + 1e-9)
             moved = harmonic(time_s[last], group["displacement_m"][last] @ turn, speed)
             turned = harmonic(time_s[last], group["rotation_rad"][last] @ turn, speed)
             values = {
-                "speed_rad_s": repr(speed),
+                "speed_rad_per_s": repr(speed),
                 "center_m": _list(np.array(frame.center_of_mass_m)),
                 "amplitude_m": _list(np.abs(moved)),
                 "phase_rad": _list(_sine(moved)),

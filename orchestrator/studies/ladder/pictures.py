@@ -88,9 +88,7 @@ def page(title: str, table: Sequence[Row], pictures: dict[str, Path], folder: Pa
         quantities={name: text for name, text in QUANTITIES.items() if _known(name, table)},
         short=SHORT,
         percent=percent,
-        pictures={
-            name: data_uri(file.read_bytes(), "image/png") for name, file in pictures.items()
-        },
+        pictures={name: data_uri(file.read_bytes(), "image/png") for name, file in pictures.items()},
     )
     write_text(folder / "ladder.html", text)
     return folder / "ladder.html"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.file.errors import CaseError, Mistake
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.figures import DECISIVE
@@ -33,16 +33,16 @@ def stored(loaded: LoadedCase, given: Path | None) -> dict[str, Any] | None:
     file = given or loaded.folder / NAME
     if not file.is_file():
         if given is not None:
-            raise CaseError([Mistake((), "no such file", file=str(given))])
+            raise CaseError([CaseProblem((), "no such file", file=str(given))])
         return None
     try:
         found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
         same = (found["case"], found["level"]) == (loaded.name, loaded.level)
     except (ValueError, KeyError, TypeError):
-        raise CaseError([Mistake((), "is no ladder", file=str(file))]) from None
+        raise CaseError([CaseProblem((), "is no ladder", file=str(file))]) from None
     if given is not None and not same:
         what = f'is of case "{found["case"]}", level "{found["level"]}"'
-        raise CaseError([Mistake((), what, file=str(file))])
+        raise CaseError([CaseProblem((), what, file=str(file))])
     return found if same else None
 
 

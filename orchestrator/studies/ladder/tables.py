@@ -24,9 +24,9 @@ SHORT = {
     "peak_g": "acc. peak",
     "rms_g": "acc. rms",
     "frame_m": "frame",
-    "passing_kg_s": "passing",
+    "passing_kg_per_s": "passing",
     "efficiency_percent": "efficiency",
-    "velocity_m_s": "velocity",
+    "velocity_m_per_s": "velocity",
 }
 
 
@@ -96,12 +96,7 @@ def not_run(ladder: str, table: Sequence[Row]) -> list[str]:
 
 def as_json(case: str, level: str, table: Sequence[Row]) -> dict[str, Any]:
     """What ``ladder.json`` holds."""
-    return {
-        "case": case,
-        "level": level,
-        "quantities": QUANTITIES,
-        "rungs": [_entry(row) for row in table],
-    }
+    return {"case": case, "level": level, "quantities": QUANTITIES, "rungs": [_entry(row) for row in table]}
 
 
 def _entry(row: Row) -> dict[str, Any]:

@@ -6,12 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from orchestrator.coupling.hand_over import (
-    ParticlesOnStillSurface,
-    UnpushedFrames,
-    still_clamped,
-    unloaded,
-)
+from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, still_clamped, unloaded
 from orchestrator.coupling.schemes import SCHEMES, scheme
 from orchestrator.coupling.schemes.exchange import Solvers, State, initial
 from orchestrator.ports import Saved

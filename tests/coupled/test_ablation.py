@@ -42,11 +42,11 @@ def test_without_particle_load_the_machine_moves_as_if_empty(
 ) -> None:
     """Bit for bit; the particles still land on it."""
     on = f"coupling.scheme={scheme}"
-    off = end(tmp_path, CASE, on, "hand_over.particle_load=false")
+    off = end(tmp_path, CASE, on, "exchange.particle_load=false")
     empty = end(tmp_path, EMPTY, on)
     for found, wanted in ((off.panel.surface, empty.panel.surface), (off.clamps, empty.clamps)):
         np.testing.assert_array_equal(found.position_m, wanted.position_m)
-        np.testing.assert_array_equal(found.velocity_m_s, wanted.velocity_m_s)
+        np.testing.assert_array_equal(found.velocity_m_per_s, wanted.velocity_m_per_s)
     np.testing.assert_array_equal(off.panel.reaction.force_N, empty.panel.reaction.force_N)
     assert off.load.force_N.any()
     assert farthest_m(full.panel.surface, empty.panel.surface) > 1e-4
@@ -55,7 +55,7 @@ def test_without_particle_load_the_machine_moves_as_if_empty(
 def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full: State) -> None:
     """As the same frames by themselves, to rounding (the two masses, whose solver is tested
     against closed forms); panels and particles still move with them."""
-    settings = ("frames.solver=two-mass", "hand_over.panel_reaction=false")
+    settings = ("frames.solver=two-mass", "exchange.panel_reaction=false")
     loaded = written(tmp_path, CASE, settings)
     with opened(loaded) as run:
         points_m = run.state.clamps.position_m
@@ -73,7 +73,7 @@ def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full:
 
 def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
     """Exactly; the frames still move, the panels only as their resting shape is exact (1e-7)."""
-    with opened(written(tmp_path, EMPTY, ["hand_over.frame_motion=false"])) as run:
+    with opened(written(tmp_path, EMPTY, ["exchange.frame_motion=false"])) as run:
         start = run.state
         still = run.advance(INTERVALS)
         clamped = [panel.surface for panel in run.machine.panels]
@@ -89,7 +89,7 @@ def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
 def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> None:
     """As LIGGGHTS by itself on the surface of t = 0, bit for bit; the panels still move, and
     feel the particles."""
-    loaded = written(tmp_path, CASE, ["hand_over.panel_motion=false"])
+    loaded = written(tmp_path, CASE, ["exchange.panel_motion=false"])
     with opened(loaded) as run:
         surface = run.machine.surface
         off = run.advance(INTERVALS)
@@ -104,7 +104,7 @@ def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> N
     wanted = alone.snapshot()
     alone.close()
     np.testing.assert_array_equal(found.position_m, wanted.position_m)
-    np.testing.assert_array_equal(found.velocity_m_s, wanted.velocity_m_s)
+    np.testing.assert_array_equal(found.velocity_m_per_s, wanted.velocity_m_per_s)
     np.testing.assert_array_equal(off.load.force_N, load.force_N)
     assert farthest_m(off.panel.surface, here) > 1e-3
     assert farthest_m(off.panel.surface, end(tmp_path, EMPTY).panel.surface) > 1e-5

@@ -1,4 +1,4 @@
-"""Hand-overs turned off one by one, to see what each of them does (``[hand_over]`` in a case).
+"""Hand-overs turned off one by one, to see what each of them does (``[exchange]`` in a case).
 
 Each is a wrapper around one solver, put on while the machine is built; a run with every
 hand-over on knows nothing of this file.  What is turned off is physics left out: momentum and
@@ -103,7 +103,7 @@ class ParticlesOnStillSurface:
 
     def __init__(self, particles: Particles, surface: Motion) -> None:
         self._particles = particles
-        self._still = Motion(surface.position_m, 0.0 * surface.velocity_m_s)
+        self._still = Motion(surface.position_m, 0.0 * surface.velocity_m_per_s)
 
     def initial(self) -> Load:
         return self._particles.initial()
@@ -114,7 +114,7 @@ class ParticlesOnStillSurface:
     def response(self, length_s: float) -> Response:
         """The surface's motion does not matter."""
         told = cast(Responding, self._particles).response(length_s)
-        return replace(told, impedance_N_s_m=0.0 * told.impedance_N_s_m)
+        return replace(told, impedance_N_s_per_m=0.0 * told.impedance_N_s_per_m)
 
     def snapshot(self) -> ParticleSnapshot:
         return self._particles.snapshot()
