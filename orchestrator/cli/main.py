@@ -43,8 +43,6 @@ Examples:
 
   flipflow study accuracy cases/quickstart --dry       what accuracy costs: every knob, measured
 
-  flipflow study effects --dry                         are the verdicts of explain right?
-
   flipflow plan cases/quickstart --tolerance 5% --budget 1h    settings for an error and a time
 
 Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is

@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli.accuracy_cli import accuracy
-from orchestrator.cli.effects_cli import effects
 from orchestrator.cli.options import CasePath, Level, Overrides
 from orchestrator.cli.said import CONSOLE, FAILED, said
 from orchestrator.cli.stability_cli import stability
@@ -17,7 +16,6 @@ from orchestrator.cli.stability_cli import stability
 study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
 
 study.command()(accuracy)
-study.command()(effects)
 study.command()(stability)
 
 Out = Annotated[Path | None, typer.Option("--out", help="folder of the study [default: runs/<case>-<study>]")]

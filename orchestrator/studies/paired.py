@@ -1,9 +1,9 @@
 """Runs a case with and without an effect, briefly and cheaply, and compares what comes out.
 
-The same engine serves ``effects = "auto"``, ``flipflow explain --for`` and ``flipflow study
-effects``.  The case is taken at its level "draft" if it has one that still has the effect, and
-made cheaper still by settings that do not bear on the effect.  Both runs are commands of their
-own.  A run that a pair shares with another is made once.
+The same engine serves ``effects = "auto"`` and ``flipflow explain --for``.  The case is taken at
+its level "draft" if it has one that still has the effect, and made cheaper still by settings that
+do not bear on the effect.  Both runs are commands of their own.  A run that a pair shares with
+another is made once.
 """
 
 from __future__ import annotations

@@ -18,8 +18,8 @@ from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present,
 from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.studies import sweep
 from orchestrator.studies.accuracy.points import seeded
-from orchestrator.studies.effect_bank.bank import Scene
 from orchestrator.studies.sampling import sample_s
+from tests.effect_bank.bank import Scene
 
 AS_IT_IS = ""
 """Stands for the name of the effect that is left out where none is."""

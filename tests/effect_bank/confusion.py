@@ -23,7 +23,7 @@ from orchestrator.preflight.judgement.pair import Change, changed
 from orchestrator.preflight.judgement.weighing import doubted, weighed
 from orchestrator.preflight.scene.effect import Verdict, in_words
 from orchestrator.studies.accuracy.points import is_random
-from orchestrator.studies.effect_bank.trials import Trial, Tried
+from tests.effect_bank.trials import Trial, Tried
 
 CONFIDENCE = 0.95
 CHANGED, UNCHANGED = "changed", "not changed"

@@ -1,4 +1,4 @@
-"""The command line's ``flipflow study effects``."""
+"""``python -m tests.effect_bank``: try out the verdicts of ``flipflow explain`` on a bank of scenes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 from orchestrator.cli.said import CONSOLE, FAILED, said
 
 if TYPE_CHECKING:
-    from orchestrator.studies.effect_bank.trials import Tried
+    from tests.effect_bank.trials import Tried
 
 WIDE = 150
 
@@ -38,11 +38,11 @@ def effects(
     """
     from orchestrator.output.records import folder_lock
     from orchestrator.studies import sweep
-    from orchestrator.studies.effect_bank import bank as banks
-    from orchestrator.studies.effect_bank import tables
-    from orchestrator.studies.effect_bank.confusion import confusion
-    from orchestrator.studies.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
     from orchestrator.studies.workers import Crew, fitting
+    from tests.effect_bank import bank as banks
+    from tests.effect_bank import tables
+    from tests.effect_bank.confusion import confusion
+    from tests.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
 
     with said():
         wanted = banks.chosen(banks.read(bank), scene or [])
@@ -67,7 +67,7 @@ def effects(
 
 def _list(scenes: list[Tried]) -> None:
     """What would be run, with predictions."""
-    from orchestrator.studies.effect_bank.trials import in_time, still_to_run
+    from tests.effect_bank.trials import in_time, still_to_run
 
     for one in scenes:
         CONSOLE.print(f"{one.name}: {one.scene.why}")
@@ -79,3 +79,10 @@ def _list(scenes: list[Tried]) -> None:
     waiting = still_to_run(scenes)
     total = in_time(sum(waiting.values()))
     CONSOLE.print(f"in all {len(waiting)} runs, about {total} of processor time")
+
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None)
+app.command()(effects)
+
+if __name__ == "__main__":
+    app()
