@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from orchestrator.output.records.frame_rotation import rotations
+from orchestrator.output.records.series import rotations
 from orchestrator.ports import Array, Motion
 
 vectors = st.lists(st.floats(-1.7, 1.7), min_size=3, max_size=3).map(np.array)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.output.records.panel_watch import PanelWatch, touches_itself_m
+from orchestrator.output.records.panel_lines import PanelWatch, touches_itself_m
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written

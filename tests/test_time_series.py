@@ -10,10 +10,8 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.output.records.column import CHUNK_ROWS
-from orchestrator.output.records.history import History
-from orchestrator.output.records.panel_forces import PanelForces
-from orchestrator.output.records.time_series import TimeSeries
+from orchestrator.output.records.history import CHUNK_ROWS, History
+from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.ports import Load, Motion, PanelState
 
 REST = Motion(np.zeros((4, 3)), np.zeros((4, 3)))

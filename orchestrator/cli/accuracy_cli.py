@@ -114,10 +114,10 @@ def _list(asked: Asked) -> None:
 
 
 def _run(asked: Asked) -> Study:
-    from orchestrator.output.records import folder_lock
+    from orchestrator.output.records import run_folder
     from orchestrator.studies.accuracy.study import Unmeasured, studied
 
-    with folder_lock.study(asked.out):
+    with run_folder.study_folder(asked.out):
         try:
             return studied(asked, CONSOLE.print)
         except Unmeasured as error:

@@ -8,16 +8,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from orchestrator.output.saves import files
-from orchestrator.output.saves.files import Save
+from orchestrator.output import checkpoints
+from orchestrator.output.checkpoints import Save
 
 
 def last_good(folder: Path, world: Any) -> Iterator[str]:
     """Where a run that failed can be taken up again."""
-    last = files.newest(folder)
+    last = checkpoints.newest(folder)
     if last is None:
         return
-    good = files.of(folder, last.good)
+    good = checkpoints.at_sync_point(folder, last.good)
     if good is None:
         yield f"nothing was saved before; state at t = {last.simulated_s:g} s: {last.folder}"
     else:

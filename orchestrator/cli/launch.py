@@ -25,11 +25,10 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.going_on import go_on, last_good
 from orchestrator.cli.said import TOO_LARGE
 from orchestrator.coupling import ranks
+from orchestrator.output.checkpoints import Save
 from orchestrator.output.records import run_folder, summary, trust
-from orchestrator.output.records.folder_lock import OF_A_RUN, held
-from orchestrator.output.records.run_folder import LOG, FolderUnusable
+from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable, lock
 from orchestrator.output.report.headline import headline
-from orchestrator.output.saves.files import Save
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import mistakes, warnings
 from orchestrator.preflight.judgement.account import Entry, account, at_start
@@ -57,7 +56,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
-        folder = ranks.first_rank_does(world, lambda: run_folder.opened(loaded, out, world))
+        folder = ranks.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
     except Exception as error:
         return refused(world, error)
     return carried_out(loaded, entries, folder, world)
@@ -101,7 +100,7 @@ def refused(world: Any, error: Exception) -> int:
             said, code = TOO_LARGE, WRONG
         case _:
             said, code = f"a mistake in flipflow: {type(error).__name__}: {error}", BROKEN
-    return ranks.in_turn(world, lambda: _console().print(run_folder.legible(said)), code)
+    return ranks.in_turn(world, lambda: _console().print(run_folder.printable(said)), code)
 
 
 def carried_out(
@@ -119,7 +118,7 @@ def carried_out(
     """
     first = ranks.is_first(world)
     console = _console(quiet=not first)
-    alone = held(folder / OF_A_RUN) if first else nullcontext()
+    alone = lock(folder / OF_A_RUN) if first else nullcontext()
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
@@ -130,7 +129,7 @@ def carried_out(
             before = [*said, *warnings(loaded), *plain.warnings(stability), *at_start(entries)]
         except MemoryError as error:  # of panels' meshes; nothing has been computed
             if first and save is None:
-                run_folder.discard(folder)
+                run_folder.remove_folder(folder)
             return refused(world, error)
         for line in words.lines(stability):
             LOG.info(line)
@@ -187,7 +186,7 @@ def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
         _say(f"{reason} at t = {run.simulated_s:g} s", console)
-        console.print(run_folder.legible(f"to go on: {go_on(folder, world)}"))
+        console.print(run_folder.printable(f"to go on: {go_on(folder, world)}"))
     except BaseException as error:
         return _ended(run, *_ending(error), folder, world)
     else:
@@ -239,7 +238,7 @@ def _noted(reason: str, error: BaseException) -> str:
 def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
     """The first rank to fail speaks and ends all of them, wherever they wait.  What was refused
     before anything was computed leaves no folder."""
-    if not run_folder.claimed(folder / "failure.txt", reason, world.rank if world else 0):
+    if not run_folder.claim(folder / "failure.txt", reason, world.rank if world else 0):
         time.sleep(60)  # the rank that speaks ends this one, too, when it has written its summary
     else:
         LOG.error(reason)
@@ -251,7 +250,7 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
                 LOG.error(line)
                 console.print(line)
         elif run.resumes is None:
-            run_folder.discard(folder)
+            run_folder.remove_folder(folder)
     return ranks.end_all(world, code)
 
 
@@ -275,10 +274,10 @@ def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
         for doubt in figures["doubts"]:
             LOG.warning("do not trust this run: %s", doubt)
             console.print(f"WARNING: do not trust this run: {doubt}")
-    console.print(run_folder.legible(f"results in {folder}"))
+    console.print(run_folder.printable(f"results in {folder}"))
 
 
 def _say(line: str, console: Console) -> None:
     """On the console and in the log."""
     LOG.info(line)
-    console.print(run_folder.legible(line))
+    console.print(run_folder.printable(line))

@@ -10,10 +10,9 @@ from typing import Any
 
 from orchestrator.cli.launch import carried_out, ready, refused
 from orchestrator.coupling import ranks
-from orchestrator.output.records.folder_lock import at_work
-from orchestrator.output.records.run_folder import FolderUnusable, write_case, write_json
-from orchestrator.output.saves import files
-from orchestrator.output.saves.files import Save
+from orchestrator.output import checkpoints
+from orchestrator.output.checkpoints import Save
+from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, write_case, write_json
 from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.run.saves.origin import origin, refuse_another_run, warnings
@@ -41,14 +40,15 @@ def _save(folder: Path, sync_point: int | None) -> Save:
     """The last save that is whole, or the one of a sync point.  Raises FolderUnusable."""
     if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
         raise FolderUnusable(f"{folder}: is not the folder of a run")
-    if at_work(folder):
+    if is_at_work(folder):
         raise FolderUnusable(f"{folder}: the run is still going on")
-    save = files.newest(folder) if sync_point is None else files.of(folder, sync_point)
-    if save is None and (torn := files.torn(folder)):
+    save = checkpoints.newest(folder) if sync_point is None else checkpoints.at_sync_point(folder, sync_point)
+    if save is None and (torn := checkpoints.find_damage(folder)):
         raise FolderUnusable(f"{folder}: no save that is whole:\n" + "\n".join(torn))
     if save is None and sync_point is not None:
         raise FolderUnusable(
-            f"{folder}: has no whole save of sync point {sync_point}; saves are in {folder / files.FOLDER}"
+            f"{folder}: has no whole save of sync point {sync_point}; saves are in "
+            f"{folder / checkpoints.FOLDER}"
         )
     if save is None:
         raise FolderUnusable(
@@ -64,7 +64,7 @@ def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[s
     now = origin(loaded, folder, world)
     refuse_another_run(save, now)
     killed = [] if (folder / "summary.json").exists() else [KILLED]
-    files.drop_later(folder, save)
+    checkpoints.remove_later(folder, save)
     save.put_back(folder)
     for of_the_end in ("failure.txt", "summary.json"):
         (folder / of_the_end).unlink(missing_ok=True)

@@ -38,7 +38,7 @@ def stability(
     Exit code 4: a criterion is not met, or a known failure is met; 2: a case is wrong.
     """
     from orchestrator.case.file.errors import CaseError, CaseProblem
-    from orchestrator.output.records import folder_lock
+    from orchestrator.output.records import run_folder
     from orchestrator.studies import sweep
     from orchestrator.studies.hard import cases as hard
     from orchestrator.studies.hard import stability_map, verdicts
@@ -51,7 +51,7 @@ def stability(
         found = hard.found(cases, out / "hard") if "hard" in parts else []
         spots = stability_map.spots(cases / base, out / "map") if "map" in parts else []
         points = [*hard.all_points(found), *(spot.run for spot in spots)]
-        with folder_lock.study(out):
+        with run_folder.study_folder(out):
             sweep.run(points, Crew(jobs or os.cpu_count() or 1), CONSOLE.print)
     lines = verdicts.judged(found)
     _show(lines, spots, out)

@@ -43,7 +43,7 @@ def sweep(
     much they still changed, and every single number of the results with its interval.  sweep.png
     draws what has not settled open, and what is not to be trusted as a cross.
     """
-    from orchestrator.output.records import folder_lock
+    from orchestrator.output.records import run_folder
     from orchestrator.studies import sweep as sweeps
     from orchestrator.studies import sweep_table
     from orchestrator.studies.points import parsed
@@ -53,7 +53,7 @@ def sweep(
         wanted = parsed(vary)
         folder = out or Path("runs") / f"{case.resolve().name}-{wanted.name}"
         points = sweeps.points(case, level, overrides or [], wanted, folder)
-        with folder_lock.study(folder):
+        with run_folder.study_folder(folder):
             sweeps.run(points, Crew(jobs or os.cpu_count() or 1), CONSOLE.print)
     for file in sweep_table.write(sweep_table.rows(wanted, points), wanted, folder):
         CONSOLE.print(f"written: {file}")
@@ -72,7 +72,7 @@ def paper(
 
     Exit code 4: a run failed, or a value that was not fitted is out of its band.
     """
-    from orchestrator.output.records import folder_lock
+    from orchestrator.output.records import run_folder
     from orchestrator.studies import paper as papers
     from orchestrator.studies import sweep as sweeps
     from orchestrator.studies import sweep_table
@@ -83,7 +83,7 @@ def paper(
         wanted = papers.read(case)
         found = papers.runs(wanted, case, level, overrides or [], folder)
         points = [point for sweep in found.values() for point in sweep.points]
-        with folder_lock.study(folder):
+        with run_folder.study_folder(folder):
             sweeps.run(points, Crew(jobs or os.cpu_count() or 1), CONSOLE.print)
         compared = papers.compared(wanted, found)
     if not CONSOLE.is_terminal:

@@ -14,13 +14,13 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator.case.file.slice import share
-from orchestrator.output.children import python
 from orchestrator.output.records import summary, trust
+from orchestrator.output.records.history import store
 from orchestrator.output.records.run_folder import LOG, write_json
 from orchestrator.output.results.compute import named_error, plain, results
-from orchestrator.output.results.probe_figures import probe_figures
-from orchestrator.output.results.seen import checked
-from orchestrator.output.results.store import store
+from orchestrator.output.results.machine import probe_figures
+from orchestrator.output.results.observed import checked
+from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judgement.account import Entry, at_end
 from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.stability import words

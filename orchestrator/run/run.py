@@ -17,9 +17,9 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import is_first
 from orchestrator.coupling.schemes.exchange import State, initial
+from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
-from orchestrator.output.saves.files import Save
 from orchestrator.ports.clock import Interval, exact, intervals, steps_in
 from orchestrator.ports.naming import named, written
 from orchestrator.ports.plans import SolverFailed

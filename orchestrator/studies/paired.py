@@ -24,9 +24,9 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
 from orchestrator.case.playback import turning
 from orchestrator.case.tables.case import Case
-from orchestrator.output.children import python
-from orchestrator.output.records.run_folder import resolved
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
+from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
@@ -107,7 +107,7 @@ class Pairs:
         loaded = _load(path, level, sets)
         if wrong := mistakes(loaded):
             raise NoPair(f"{what} cannot be run: {wrong[0]}")
-        same = json.dumps([resolved(loaded), str(path)], sort_keys=True, default=str)
+        same = json.dumps([resolved_case(loaded), str(path)], sort_keys=True, default=str)
         if same not in self._runs:
             cost_s = _predicted_s(path, level, sets)
             self.say(f"trial run: {what}, {loaded.case.duration_s:g} s, about {cost_s:.0f} s")

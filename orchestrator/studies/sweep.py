@@ -13,10 +13,9 @@ from typing import IO
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.overlays import changed
-from orchestrator.output.children import python
 from orchestrator.output.records import trust
-from orchestrator.output.records.folder_lock import at_work
-from orchestrator.output.records.run_folder import FolderUnusable, resolved, write_json
+from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, resolved_case, write_json
+from orchestrator.output.subprocesses import python
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.studies.points import Vary
@@ -69,10 +68,10 @@ class Point:
         """Keys in which the folder's case differs; those that cases got since it was run have
         their defaults there."""
         try:
-            there = resolved(load(self.folder / "case.toml"))
+            there = resolved_case(load(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, one.key)) for one in error.mistakes[:3])
-        keys = list(changed(there, resolved(self.loaded)))
+        keys = list(changed(there, resolved_case(self.loaded)))
         return ", ".join(".".join(key) for key in keys[:3])
 
     def status(self) -> str:
@@ -104,7 +103,7 @@ def run(todo: Sequence[Point], crew: Crew, say: Callable[[str], None]) -> None:
     another name.  Raises FolderUnusable before anything is run."""
     waiting = []
     for one in todo:
-        if at_work(one.folder):
+        if is_at_work(one.folder):
             raise FolderUnusable(f"{one.folder}: a run is at work there; wait for its end")
         if one.done():
             say(f"{one.folder.name}: done before")

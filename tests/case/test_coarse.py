@@ -11,7 +11,7 @@ import tomli_w
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.planning import material_numbers
-from orchestrator.output.records.run_folder import resolved
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written
 from tests.case.test_apertures import SLOTTED
@@ -54,12 +54,12 @@ def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
 def test_the_resolved_case_is_the_same_case(tmp_path: Path) -> None:
     first = of(tmp_path, BED, WET, COARSE)
     (tmp_path / "again").mkdir()
-    text = tomli_w.dumps(resolved(first))
+    text = tomli_w.dumps(resolved_case(first))
     (tmp_path / "again" / "case.toml").write_text(text, encoding="utf-8")
     again = load(tmp_path / "again")
     assert again.case.bed == first.case.bed  # and not coarser still
     assert again.case.contacts == first.case.contacts
-    assert resolved(again) == resolved(first)
+    assert resolved_case(again) == resolved_case(first)
 
 
 def test_it_is_named_as_left_out(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.case.file.loss_curve import Branches, Fit, fitted, moduli
 from orchestrator.cli.overview import overview
-from orchestrator.output.records.run_folder import resolved
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present
 from tests.case.cases import complaints, loaded, only_complaint
@@ -80,7 +80,7 @@ def test_the_resolved_case_holds_the_branches_and_check_compares_them(tmp_path: 
     assert law is not None
     assert len(law.maxwell) == 3
     assert present(case.case, "panel-damping")
-    again = resolved(case)["materials"]["PU"]["hyperelastic"]
+    again = resolved_case(case)["materials"]["PU"]["hyperelastic"]
     assert [row["ratio"] for row in again["maxwell"]] == [row.ratio for row in law.maxwell]
     lines = "\n".join(overview(case))
     assert "PU: loss factor of 3 branches (measured): " in lines

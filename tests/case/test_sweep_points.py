@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import tomli_w
 
-from orchestrator.output.records.run_folder import FolderUnusable, resolved
+from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
 from orchestrator.studies.sweep import Point, point
 from tests.runs.outside import ROOT
 
@@ -24,7 +24,7 @@ def done_point(folder: Path, stored: dict[str, Any]) -> Point:
 
 @pytest.fixture(scope="module")
 def now() -> dict[str, Any]:
-    return resolved(point(ROOT / "cases/empty-machine", "draft", [], "", Path()).loaded)
+    return resolved_case(point(ROOT / "cases/empty-machine", "draft", [], "", Path()).loaded)
 
 
 def test_its_own_run_is_not_done_again(tmp_path: Path, now: dict[str, Any]) -> None:

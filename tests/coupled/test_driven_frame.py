@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.output.records.frame_rotation import rotations
+from orchestrator.output.records.series import rotations
 from orchestrator.preflight.check import mistakes
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, MACHINE

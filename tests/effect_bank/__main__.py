@@ -36,7 +36,7 @@ def effects(
     Exit code 4: what was said to be left out freely changes a result by more than 10 %, a fifth or
     more of what was said to matter does not, or a run is missing; 2: the bank is wrong.
     """
-    from orchestrator.output.records import folder_lock
+    from orchestrator.output.records import run_folder
     from orchestrator.studies import sweep
     from orchestrator.studies.workers import Crew, fitting
     from tests.effect_bank import bank as banks
@@ -52,7 +52,7 @@ def effects(
             return
         waiting = still_to_run(scenes)
         todo = [run for run, _ in every_run(scenes) if run.status() != "failed"]
-        with folder_lock.study(out):
+        with run_folder.study_folder(out):
             sweep.run(todo, Crew(jobs or fitting()), Countdown(waiting, CONSOLE.print))
         found = confusion(scenes)
         written = tables.write(found, out)

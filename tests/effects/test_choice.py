@@ -10,7 +10,7 @@ import tomli_w
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.explain import judged_of
-from orchestrator.output.records.run_folder import resolved
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import mistakes, warnings
 from orchestrator.preflight.judgement.account import account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present, with_dependents
@@ -201,7 +201,7 @@ def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
 @pytest.mark.parametrize("effects", ["auto", '["panel-deformation", "frame-dynamics"]'])
 def test_the_resolved_case_is_the_same_without_the_key(tmp_path: Path, effects: str) -> None:
     found = load(written(tmp_path / "a", FULL), None, [*MORE, f"effects={effects}"])
-    table = resolved(found)
+    table = resolved_case(found)
     assert "effects" not in table
     again = load(written(tmp_path / "b", tomli_w.dumps(table)))
     assert again.case == found.case.model_copy(update={"default_level": ""})

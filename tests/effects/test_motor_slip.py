@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.case.planning import frames_plan
 from orchestrator.case.tables.frames import Exciter
-from orchestrator.output.results.seen_motion import angle_rad
+from orchestrator.output.results.observed import angle_rad
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.scene.seen import Seen, Turned

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from orchestrator.case.scalars import SCALARS, Value, scalar
 from orchestrator.cli.main import app
-from orchestrator.output.children import python
+from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, agree, changed, key_of, remember, remembered
 from orchestrator.preflight.levels import load

@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 import pytest
 
+from orchestrator.output.records.history import store
 from orchestrator.output.results.compute import results
-from orchestrator.output.results.store import store
 from tests.results.synthetic import (
     BIN_KG,
     CYCLE_S,

@@ -8,9 +8,8 @@ import pytest
 from orchestrator.case.deck.line import DeckLine, deck_line, joined, over
 from orchestrator.case.deck.opening_places import openings_m
 from orchestrator.case.deck.panels import axes
-from orchestrator.output.records.deck_profile import bins_m, profile
-from orchestrator.output.records.held import HELD_CYCLES, Held
-from orchestrator.output.results.run_data import cut_size_m
+from orchestrator.output.records.deck_record import HELD_CYCLES, Held, bins_m, profile
+from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.preflight.levels import load
 from tests.results.synthetic import ROOT

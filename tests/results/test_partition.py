@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results.partition import (
+from orchestrator.output.results.screening import (
     FEWEST_IN_CLASS,
     cut_and_spread,
     partition,

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results import placement
+from orchestrator.output.results import screening as placement
 from orchestrator.output.results.events import Exits
 
 EXITS = Exits(("one", "two", "end"), ("undersize", "undersize", "oversize"))

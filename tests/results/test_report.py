@@ -13,11 +13,10 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from orchestrator.output.records.folder_lock import OF_A_RUN, held
-from orchestrator.output.records.run_folder import FolderUnusable
+from orchestrator.output.records.run_folder import OF_A_RUN, FolderUnusable, lock
 from orchestrator.output.report.command import report
-from orchestrator.output.report.effects import left_out_rows
-from orchestrator.output.report.words import interval, number
+from orchestrator.output.report.formatting import interval, number
+from orchestrator.output.report.tables import left_out_rows
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly
@@ -130,7 +129,7 @@ def test_a_run_that_has_not_ended(tmp_path: Path) -> None:
     (folder / "summary.json").unlink()
     with pytest.raises(FolderUnusable, match=r"was killed .* nothing had been saved"):
         report(folder)
-    with held(folder / OF_A_RUN), pytest.raises(FolderUnusable, match="is still going on"):
+    with lock(folder / OF_A_RUN), pytest.raises(FolderUnusable, match="is still going on"):
         report(folder)
 
 

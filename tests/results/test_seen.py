@@ -14,10 +14,8 @@ import pytest
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.results.compute import results
-from orchestrator.output.results.run_data import RunData, run_data
-from orchestrator.output.results.seen import checked, seen_scene
-from orchestrator.output.results.seen_bed import products
-from orchestrator.output.results.seen_forces import loss_factor, spring_N_per_m
+from orchestrator.output.results.observed import checked, loss_factor, products, seen_scene, spring_N_per_m
+from orchestrator.output.results.run_reader import RunData, run_data
 from orchestrator.preflight.judgement.account import Entry, account, at_end
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Verdict

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results.steady import steady, truncation
+from orchestrator.output.results.events import steady, truncation
 from orchestrator.ports import Array
 
 

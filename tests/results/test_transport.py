@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.output.results.bed import passing_kg_per_s_m, residence_s
 from orchestrator.output.results.events import LOST, Fed, Removed, per_cycle
-from orchestrator.output.results.transport import passing_kg_per_s_m, residence_s
 
 
 def removed(ids: list[int], time_s: list[float]) -> Removed:

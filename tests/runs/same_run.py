@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from orchestrator.output.saves import files
+from orchestrator.output import checkpoints
 from orchestrator.ports import Saved
 from tests.saved_states import differences
 
@@ -57,6 +57,6 @@ def _summary(run: Path) -> Saved:
 
 
 def _end(run: Path) -> Saved:
-    save = files.newest(run)
+    save = checkpoints.newest(run)
     assert save is not None
     return save.state(None)

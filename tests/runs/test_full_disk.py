@@ -19,8 +19,8 @@ SAVED = [*QUICK, "bed.blocks.coal.count=30", "duration_s=0.012", "output.interva
 SAVED += ["checkpoint.every_s=0.0003"]
 # something else takes what is left of the disk when the save at 0.0057 s begins
 FILLED = """
-from orchestrator.output.saves import files
-parts = files._parts
+from orchestrator.output import checkpoints
+parts = checkpoints._parts
 def filled(mine, *rest):
     if mine.parent.name == ".000000000057":
         with open({filler!r}, "wb", buffering=0) as filler:
@@ -30,7 +30,7 @@ def filled(mine, *rest):
             except OSError:
                 pass
     return parts(mine, *rest)
-files._parts = filled
+checkpoints._parts = filled
 """
 
 
@@ -78,8 +78,8 @@ def test_a_limit_on_the_size_of_files(tmp_path: Path) -> None:
     """A write that fails where no reserve helps: the series are lost, the process is not."""
     folder = tmp_path / "run"
     before = (
-        "import resource; from orchestrator.output.records import full_disk\n"
-        "full_disk.RESERVE_BYTES = 4096\n"
+        "import resource; from orchestrator.output.records import history\n"
+        "history.RESERVE_BYTES = 4096\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))"
     )
     done = flipflow(*run_words("quickstart", folder), before=before)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.output.saves.files import newest
+from orchestrator.output.checkpoints import newest
 from tests.runs.outside import (
     HANG_S,
     QUICK,

@@ -13,7 +13,7 @@ import meshio
 import numpy as np
 import pytest
 
-from orchestrator.output.records.folder_lock import at_work
+from orchestrator.output.records.run_folder import is_at_work
 from tests.runs.outside import (
     ENDED_S,
     HANG_S,
@@ -128,7 +128,7 @@ def test_a_rank_that_is_killed_takes_the_others_with_it(tmp_path: Path) -> None:
     assert run.returncode == 128 + signal.SIGKILL, said
     assert "Traceback" not in said
     assert "exited on signal 9 (Killed)" in said
-    wait_until(lambda: of(folder) == [] and not at_work(folder))
+    wait_until(lambda: of(folder) == [] and not is_at_work(folder))
     with h5py.File(folder / "history.h5") as history:
         assert len(history["energy/time_s"]) >= 2
     files = re.findall(r'file="([^"]*)"', (folder / "particles.pvd").read_text())

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.output.records.folder_lock import at_work
+from orchestrator.output.records.run_folder import is_at_work
 from tests.runs.outside import (
     ENDED_S,
     HANG_S,
@@ -46,13 +46,13 @@ two_mass.TwoMassFrames.advance = slowly
 FULL = """
 import pathlib
 from mpi4py import MPI
-from orchestrator.output.saves import files
-savez = files.np.savez
+from orchestrator.output import checkpoints
+savez = checkpoints.np.savez
 def full(file, **arrays):
     savez(file, **arrays)
     if MPI.COMM_WORLD.rank == {rank} and pathlib.Path(file).parent.name > ".000000000006":
         raise OSError(28, "No space left on device")
-files.np.savez = full
+checkpoints.np.savez = full
 """
 
 
@@ -123,7 +123,7 @@ def test_a_killed_rank(tmp_path: Path, whole: Path, rank: int) -> None:
     assert run.returncode == 128 + signal.SIGKILL, said
     assert "Traceback" not in said
     assert f"process rank {rank} with PID " in said
-    wait_until(lambda: of(folder) == [] and not at_work(folder))
+    wait_until(lambda: of(folder) == [] and not is_at_work(folder))
     assert not (folder / "summary.json").exists()
     reported = flipflow("report", str(folder))
     assert reported.returncode == 2

@@ -15,7 +15,7 @@ import pytest
 
 from orchestrator.cli import launch
 from orchestrator.cli.resume import resume
-from orchestrator.output.saves import files
+from orchestrator.output import checkpoints
 from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
 from tests.runs.same_run import run_differences
 
@@ -157,7 +157,7 @@ def test_a_save_that_does_not_say_all_of_itself_is_torn(
     for left, save in enumerate(reversed(saves(folder))):
         about = save / "save.json"
         about.write_text(about.read_text().replace(f'"{key}"', '"another"'))
-        assert (left == 0) == (files.newest(folder) is not None)
+        assert (left == 0) == (checkpoints.newest(folder) is not None)
     assert resume(folder, []) == launch.WRONG
     said = capsys.readouterr().err
     assert "no save that is whole:\n" in said
@@ -224,14 +224,14 @@ def test_told_to_stop_it_saves_and_says_how_to_go_on(whole: Path, tmp_path: Path
 # the first rank waits where everything is written but the name that makes a save one
 STUCK = """
 import pathlib, time
-from orchestrator.output.saves import files
-sync = files._sync
+from orchestrator.output import checkpoints
+sync = checkpoints._sync
 def stuck(path):
     if path.is_dir() and path.name == ".{at:012d}":
         pathlib.Path({marker!r}).touch()
         time.sleep(300)
     sync(path)
-files._sync = stuck
+checkpoints._sync = stuck
 """
 
 

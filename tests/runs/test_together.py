@@ -8,8 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from orchestrator.output.records.folder_lock import OF_A_RUN, at_work, held
-from orchestrator.output.records.run_folder import make
+from orchestrator.output.records.run_folder import OF_A_RUN, is_at_work, lock, make_folder
 from tests.runs.outside import (
     HANG_S,
     QUICK,
@@ -54,7 +53,7 @@ def test_a_study_does_not_touch_a_run_that_goes_on(tmp_path: Path) -> None:
     folder = tmp_path / "speed_rad_s-70"
     run = started(*run_words("empty-machine", folder, [*LONG, f"{key}=70"]))
     wait_until(lambda: (folder / "surface.pvd").exists())
-    assert at_work(folder)
+    assert is_at_work(folder)
     words = ["study", "sweep", case, "--level", "draft", "--vary", f"{key}=70"]
     words += [word for each in LONG for word in ("--set", each)]
     done = flipflow(*words, "--out", str(tmp_path))
@@ -65,13 +64,13 @@ def test_a_study_does_not_touch_a_run_that_goes_on(tmp_path: Path) -> None:
     run.communicate(timeout=HANG_S)
     assert run.returncode == 130
     left_usable(folder, "interrupted")
-    assert not at_work(folder)
+    assert not is_at_work(folder)
 
 
 def test_a_second_study_in_a_folder_is_refused(tmp_path: Path) -> None:
     words = ["study", "sweep", "cases/panel-cycle", "--level", "draft", "--out", str(tmp_path)]
     words += ["--vary", "duration_s=0.01,0.02", "--set", "output.pictures=false"]
-    with held(tmp_path / ".lock"):
+    with lock(tmp_path / ".lock"):
         done = flipflow(*words)
     assert done.returncode == 2, done.stderr
     assert f"{tmp_path}: another flipflow is at work there" in done.stderr
@@ -79,17 +78,17 @@ def test_a_second_study_in_a_folder_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_folder_is_let_go_of_by_a_holder_that_is_killed(tmp_path: Path) -> None:
-    folder = make(tmp_path / "run")
+    folder = make_folder(tmp_path / "run")
     hold = (
         "import sys, time; from pathlib import Path\n"
-        "from orchestrator.output.records.folder_lock import held\n"
-        "with held(Path(sys.argv[1])): print('held', flush=True); time.sleep(300)"
+        "from orchestrator.output.records.run_folder import lock\n"
+        "with lock(Path(sys.argv[1])): print('held', flush=True); time.sleep(300)"
     )
     words = [sys.executable, "-c", hold, str(folder / OF_A_RUN)]
     with subprocess.Popen(words, cwd=ROOT, stdout=subprocess.PIPE, text=True) as holder:
         assert holder.stdout is not None
         assert holder.stdout.readline() == "held\n"
-        assert at_work(folder)
+        assert is_at_work(folder)
         os.kill(holder.pid, signal.SIGKILL)
         holder.wait(timeout=HANG_S)
-    assert not at_work(folder)
+    assert not is_at_work(folder)

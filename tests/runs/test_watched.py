@@ -12,8 +12,8 @@ import pytest
 from orchestrator.cli import launch
 from orchestrator.cli.resume import resume
 from orchestrator.coupling.ledger import share_created
+from orchestrator.output import checkpoints
 from orchestrator.output.records import trust
-from orchestrator.output.saves import files
 from tests.runs.outside import flipflow, left_usable, run_words, said_plainly, summary
 from tests.runs.same_run import run_differences
 from tests.runs.test_failed import FAR_TOO_LONG
@@ -89,7 +89,7 @@ def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
     names = [int(save.name) for save in saves(folder)]
     assert names == [55, 143, 145]
-    newest = files.newest(folder)
+    newest = checkpoints.newest(folder)
     assert newest is not None
     assert (newest.sync_points, newest.good) == (145, 55)
 

@@ -5,11 +5,140 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
+from scipy.spatial import KDTree
 
-from orchestrator.case.deck.line import DeckLine, deck_line, joined, over
-from orchestrator.output.records.deck_profile import profile
-from orchestrator.output.records.held import Held
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.case.deck.line import DeckLine, Over, deck_line, joined, over
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+from orchestrator.ports.state import put_back, taken
+
+BINS_PER_PANEL = 4
+DEPTH_SHARE = 0.95  # of a bin's mass lies below the bed depth
+
+
+def bins_m(deck: DeckLine) -> Array:
+    """(bins + 1,) edges along the deck."""
+    return np.linspace(0.0, deck.length_m, BINS_PER_PANEL * len(deck.panels) + 1)
+
+
+def on_deck(particles: ParticleSnapshot, seen: Over) -> npt.NDArray[np.bool_]:
+    """Whether each particle is over the deck, or not deeper in it than its own radius."""
+    return np.asarray(seen.inside & (seen.height_m > -0.5 * particles.diameter_m))
+
+
+def profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> dict[str, Array]:
+    """By bin: ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
+    t = 0) and ``depth_m``, the height over the surface below which 95 % of the mass lie, each
+    particle reaching to its top; velocity and depth are NaN in an empty bin.  ``along_m`` is the
+    bins' middle."""
+    edges = bins_m(deck)
+    there = on_deck(particles, seen)
+    mass = np.pi / 6 * (particles.diameter_m**3 * particles.density_kg_per_m3)[there]
+    number = np.clip(np.searchsorted(edges, seen.station_m[there]) - 1, 0, len(edges) - 2)
+    top = (seen.height_m + 0.5 * particles.diameter_m)[there]
+    bins = len(edges) - 1
+    total = np.bincount(number, mass, bins)
+    momentum = np.bincount(number, mass * _speed(deck, particles.velocity_m_per_s[there], number), bins)
+    empty = total == 0
+    return {
+        "along_m": (edges[1:] + edges[:-1]) / 2,
+        "mass_kg": total,
+        "velocity_m_per_s": np.where(empty, np.nan, momentum / np.where(empty, 1.0, total)),
+        "depth_m": _percentile(top, mass, number, bins),
+    }
+
+
+def _speed(deck: DeckLine, velocity_m_per_s: Array, number: Array) -> Array:
+    """Speed along the deck's slope at t = 0 in each particle's bin."""
+    edges = bins_m(deck)
+    run, climb = (np.diff(np.interp(edges, deck.station_m, place)) for place in (deck.over_m, deck.level_m))
+    slope = np.column_stack([run, climb]) / np.hypot(run, climb)[:, None]
+    along = np.column_stack([velocity_m_per_s @ deck.along, velocity_m_per_s[:, 2]])
+    return np.asarray((along * slope[number]).sum(axis=1))
+
+
+def _percentile(height_m: Array, mass_kg: Array, number: Array, bins: int) -> Array:
+    """(bins,) height below which ``DEPTH_SHARE`` of a bin's mass lie; NaN where it is empty."""
+    found = np.full(bins, np.nan)
+    order = np.lexsort((height_m, number))
+    starts = np.searchsorted(number[order], np.arange(bins + 1))
+    for i in range(bins):
+        mine = order[starts[i] : starts[i + 1]]
+        if len(mine):
+            share = np.cumsum(mass_kg[mine])
+            found[i] = height_m[mine[np.searchsorted(share, DEPTH_SHARE * share[-1] * (1 - 1e-12))]]
+    return found
+
+
+Mask = npt.NDArray[np.bool_]
+HELD_CYCLES = 5
+NEAR = 0.25  # diameters between panel and particle that still count as lying on it
+STAYS = 0.5  # diameters along and across that still count as the same place
+SEATED = 0.75  # radii from centre to surface that only an opening allows
+GRAVITY_M_PER_S2 = 9.81
+_STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
+
+
+class Held:
+    """Follows every particle from one output time to the next.
+
+    Held is a particle that for ``HELD_CYCLES`` cycles lay on the panel, at the same place of its
+    material, while the panel under it was accelerated by more than gravity (its fastest speed
+    along its normal times the cycle's angular speed).
+    """
+
+    def __init__(self, cycle_s: float, across: Array, openings_m: Array) -> None:
+        """``across`` (3,): horizontal unit vector across the deck; ``openings_m`` (openings, 2):
+        station and place across of every opening's centre."""
+        self._cycle_s, self._across = cycle_s, across
+        self._openings = KDTree(openings_m) if len(openings_m) else None
+        self._id: Indices = np.empty(0, dtype=np.int64)
+        self._anchor_m = np.empty((0, 2))
+        self._since_s, self._fastest_m_per_s = np.empty(0), np.empty(0)
+
+    def at(self, time_s: float, particles: ParticleSnapshot, seen: Over) -> dict[str, float]:
+        """``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.  Particles are
+        sorted by id."""
+        place = np.column_stack([seen.station_m, particles.position_m @ self._across])
+        radius = particles.diameter_m / 2
+        lies = seen.inside & (np.abs(seen.height_m) < radius * (1 + 2 * NEAR))
+        old, known = self._row(particles.id)
+        moved = np.abs(place - self._anchor_m[old]).max(axis=1) if len(self._id) else radius
+        stays = known & lies & (moved < 2 * STAYS * radius)
+        self._since_s = np.where(stays, self._then(self._since_s, old), time_s)
+        self._anchor_m = np.where(stays[:, None], self._then(self._anchor_m, old), place)
+        fastest = np.where(stays, self._then(self._fastest_m_per_s, old), 0.0)
+        self._fastest_m_per_s = np.maximum(fastest, np.abs(seen.rise_m_per_s))
+        self._id = particles.id
+        held = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
+        held &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > GRAVITY_M_PER_S2
+        mass = np.pi / 6 * particles.density_kg_per_m3 * particles.diameter_m**3
+        return {
+            "stickers": float(held.sum()),
+            "mass_kg": float(mass[held].sum()),
+            "openings": float(self._blinded(place[held & (seen.height_m < SEATED * radius)])),
+        }
+
+    def save(self) -> Saved:
+        return taken(self, *_STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *_STATE)
+
+    def _row(self, ids: Indices) -> tuple[Indices, Mask]:
+        """Row of each particle at the last time, and whether it was there."""
+        if not len(self._id):
+            return np.zeros(len(ids), dtype=int), np.zeros(len(ids), dtype=bool)
+        row = np.minimum(np.searchsorted(self._id, ids), len(self._id) - 1)
+        return row, self._id[row] == ids
+
+    def _then(self, values: Array, row: Indices) -> Array:
+        return values[row] if len(values) else np.zeros((len(row), *values.shape[1:]))
+
+    def _blinded(self, place_m: Array) -> int:
+        if self._openings is None or not len(place_m):
+            return 0
+        return len(np.unique(self._openings.query(place_m)[1]))
 
 
 class DeckRecord:

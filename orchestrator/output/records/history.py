@@ -2,19 +2,116 @@
 
 Every series is a dataset whose first axis runs along the group's ``time_s``; the attribute
 ``unit`` gives its unit.  An event table has a row for each event.
+
+HDF5 does not survive a write that fails: the file is lost and the process may crash when it
+ends.  So it writes through ``Reserved``, which keeps some room on the disk beside the file, gives
+that up for the write that found no room, and remembers the error for the next ``check``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import errno
+import io
+import os
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from math import prod
 from pathlib import Path
+from typing import Any, Literal
 
 import h5py
 import numpy as np
 
-from orchestrator.output.records.column import Column
-from orchestrator.output.records.full_disk import Reserved
+from orchestrator.case.units import unit_of
 from orchestrator.ports import Array, Indices
+
+RESERVE_BYTES = 16 * 1024**2  # enough for the rows in memory, the file's tables and a summary
+
+
+class Reserved(io.RawIOBase):
+    """The file ``path``, to read and write: a new one, or the one that is there.  Raises OSError if
+    there is no room at all."""
+
+    def __init__(self, path: Path, mode: Literal["w+b", "r+b"] = "w+b") -> None:
+        self._reserve = path.with_name(f".{path.name}.reserve")
+        self._error: OSError | None = None
+        with self._reserve.open("wb") as reserve:
+            os.posix_fallocate(reserve.fileno(), 0, RESERVE_BYTES)
+        self._file = path.open(mode, buffering=0)
+
+    def check(self) -> None:
+        """Raises the OSError of the first write that found no room."""
+        if self._error is not None:
+            raise self._error
+
+    def give_up_reserve(self) -> None:
+        """Room for what must still be written."""
+        self._reserve.unlink(missing_ok=True)
+
+    def write(self, data: Any) -> int:
+        return self._anyhow(lambda: self._file.write(data), len(data))
+
+    def truncate(self, size: int | None = None) -> int:
+        return self._anyhow(lambda: self._file.truncate(size), size or 0)
+
+    def _anyhow(self, act: Callable[[], int], otherwise: int) -> int:
+        try:
+            return act()
+        except OSError as error:
+            self._error = self._error or error
+        self.give_up_reserve()
+        try:
+            return act()
+        except OSError:  # the file is lost, but the process must be able to say so
+            return otherwise
+
+    def readinto(self, buffer: Any) -> int:
+        return self._file.readinto(buffer)
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def close(self) -> None:
+        self.give_up_reserve()
+        self._file.close()
+        super().close()
+
+
+# room on the disk is taken for so many rows at once.  HDF5 remembers up to 2 MB of where chunks
+# are, in 17 MB of memory (docs/reliability.md, "Long runs"): few chunks, for a small file
+CHUNK_ROWS, CHUNK_BYTES = 1024, 32768
+
+
+class Column:
+    """Stays open, and writes without h5py's selections: both would take longer than the rows."""
+
+    def __init__(self, file: h5py.File, where: str, inner: tuple[int, ...], dtype: np.dtype[Any]) -> None:
+        """The one that is there, or a new one with rows of shape ``inner``."""
+        if where not in file:
+            row_bytes = dtype.itemsize * prod(inner)
+            rows = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, row_bytes)))
+            chunks = (rows, *inner) if row_bytes else True  # HDF5 has no chunks of nothing
+            most = (None, *inner)
+            dataset = file.create_dataset(where, (0, *inner), dtype, chunks=chunks, maxshape=most)
+            dataset.attrs["unit"] = unit_of(where)
+        self._dataset = file[where].id
+        self._rows = int(self._dataset.shape[0])
+
+    def append(self, block: Array | Indices) -> None:
+        """Any number of rows; ``block`` (rows, *inner)."""
+        first, self._rows = self._rows, self._rows + len(block)
+        inner = block.shape[1:]
+        self._dataset.set_extent((self._rows, *inner))
+        if not block.size:
+            return
+        there = self._dataset.get_space()
+        there.select_hyperslab((first, *(0 for _ in inner)), block.shape)
+        rows = h5py.h5s.create_simple(block.shape)
+        self._dataset.write(rows, there, np.ascontiguousarray(block))
+
 
 ROWS_IN_MEMORY = 500
 
@@ -72,3 +169,49 @@ class History:
         if where not in self._columns:
             self._columns[where] = Column(self._file, where, block.shape[1:], block.dtype)
         self._columns[where].append(block)
+
+
+GROUP = "results"
+ROOM_BYTES = 4 * 1024**2
+
+
+def store(history_file: Path, found: Mapping[str, Any]) -> None:
+    """Writes the group anew.  An estimate becomes a number with the attributes ``half_width`` and
+    ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown.
+
+    Raises OSError where the disk is too full to be sure: HDF5 would lose the whole file."""
+    if shutil.disk_usage(history_file.parent).free < ROOM_BYTES:
+        raise OSError(errno.ENOSPC, f"no room for the group {GROUP} of {history_file.name}")
+    with h5py.File(history_file, "a") as history:
+        if GROUP in history:
+            del history[GROUP]
+        _put(history.create_group(GROUP), found)
+
+
+def _put(group: Any, table: Mapping[str, Any]) -> None:
+    for name, value in table.items():
+        key = str(name).replace("/", "|")
+        if isinstance(value, Mapping) and set(value) == {"value", "half_width", "batches"}:
+            dataset = _number(group, key, value["value"])
+            dataset.attrs["half_width"] = _or_nan(value["half_width"])
+            dataset.attrs["batches"] = value["batches"]
+        elif isinstance(value, Mapping):
+            _put(group.create_group(key), value)
+        elif isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for number, row in enumerate(value):
+                _put(group.create_group(f"{key}/{number + 1}"), row)
+        elif isinstance(value, str):
+            group[key] = value
+        else:
+            _number(group, key, value)
+
+
+def _number(group: Any, key: str, value: Any) -> Any:
+    """A number, a list of them or a table; None becomes NaN."""
+    group[key] = np.array(value, dtype=float)
+    group[key].attrs["unit"] = unit_of(key)
+    return group[key]
+
+
+def _or_nan(value: Any) -> float:
+    return float("nan") if value is None else float(value)

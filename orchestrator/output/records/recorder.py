@@ -24,11 +24,10 @@ from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import deck_record
 from orchestrator.output.records.history import History
-from orchestrator.output.records.panel_forces import PanelForces
-from orchestrator.output.records.panel_watch import PanelWatch
+from orchestrator.output.records.panel_lines import PanelWatch
+from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.output.records.summary import counted_cycle_s, cycle_s
-from orchestrator.output.records.time_series import TimeSeries
 from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in

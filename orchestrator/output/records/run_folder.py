@@ -1,9 +1,11 @@
-"""The folder of a run: made once, never written over, and left usable whatever happens."""
+"""The folder of a run: made once, never written over, locked while a process is at work in it."""
 
 from __future__ import annotations
 
+import fcntl
 import json
 import logging
+import os
 import shutil
 import time
 from collections.abc import Iterator
@@ -25,15 +27,15 @@ class FolderUnusable(Exception):
     """The output folder exists already or cannot be written (exit code 2)."""
 
 
-def opened(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
+def create_run_folder(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
     """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
     that can be run again, with its surfaces beside it) and the provenance.  Raises
     FolderUnusable."""
-    folder = make(out) if out else fresh(Path("runs"), loaded.name)
+    folder = make_folder(out) if out else next_folder(Path("runs"), loaded.name)
     try:
         _fill(folder, loaded, world.size if world else 1)
     except OSError as error:
-        discard(folder)
+        remove_folder(folder)
         raise FolderUnusable(f"{folder}: cannot be written: {error.strerror or error}") from None
     return folder
 
@@ -50,10 +52,10 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
 
 def write_case(folder: Path, loaded: LoadedCase) -> None:
     """The resolved case."""
-    write_text(folder / "case.toml", tomli_w.dumps(resolved(loaded)))
+    write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))
 
 
-def resolved(loaded: LoadedCase) -> dict[str, Any]:
+def resolved_case(loaded: LoadedCase) -> dict[str, Any]:
     """The case with its level, every ``--set`` and every default, as the run's folder has it."""
     table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
@@ -64,7 +66,7 @@ def resolved(loaded: LoadedCase) -> dict[str, Any]:
     return table | {"default_level": ""}
 
 
-def claimed(path: Path, text: str, rank: int) -> bool:
+def claim(path: Path, text: str, rank: int) -> bool:
     """Writes ``path`` if nobody did before; False for everybody but the first.  Where nobody can
     write, ranks that wait in turn for the lower ones to act are all first."""
     try:
@@ -77,15 +79,15 @@ def claimed(path: Path, text: str, rank: int) -> bool:
     return True
 
 
-def discard(folder: Path) -> None:
+def remove_folder(folder: Path) -> None:
     """Removes a run's folder in which nothing has been computed."""
     shutil.rmtree(folder, ignore_errors=True)
 
 
-def make(folder: Path) -> Path:
+def make_folder(folder: Path) -> Path:
     """A new folder; raises FolderUnusable if it is there already or cannot be made."""
     try:
-        return _made(folder)
+        return _new_folder(folder)
     except FileExistsError:
         raise FolderUnusable(
             f"{folder}: exists already; nothing was written. "
@@ -93,7 +95,7 @@ def make(folder: Path) -> Path:
         ) from None
 
 
-def _made(folder: Path) -> Path:
+def _new_folder(folder: Path) -> Path:
     """Raises FileExistsError where it is there, FolderUnusable where it cannot be."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -108,24 +110,24 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def fresh(parent: Path, case: str) -> Path:
+def next_folder(parent: Path, case: str) -> Path:
     """A new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever
     asks at the same time.  Raises FolderUnusable if it cannot be made."""
     for number in count(1):
         with suppress(FileExistsError):
-            return _made(parent / f"{case}-{number}")
+            return _new_folder(parent / f"{case}-{number}")
     raise AssertionError("numbers do not end")
 
 
-class _Legible(logging.Formatter):
+class _PrintableFormatter(logging.Formatter):
     """Characters that would command a terminal, such as ESC in the name of a folder, are written
     as Python writes them."""
 
     def format(self, record: logging.LogRecord) -> str:
-        return legible(super().format(record))
+        return printable(super().format(record))
 
 
-def legible(text: str) -> str:
+def printable(text: str) -> str:
     """Lines as they are, other characters that do not print as Python writes them."""
     return "".join(
         one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
@@ -136,7 +138,7 @@ def legible(text: str) -> str:
 def logging_to(folder: Path, first: bool) -> Iterator[None]:
     """``run.log`` with times; of ranks other than the first it has errors only."""
     handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
-    handler.setFormatter(_Legible("%(asctime)s %(levelname)-7s %(message)s"))
+    handler.setFormatter(_PrintableFormatter("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
     LOG.setLevel(logging.INFO if first else logging.ERROR)
     LOG.propagate = False  # the console has its own words
@@ -162,3 +164,47 @@ def write_text(path: Path, text: str) -> None:
     except OSError:  # half a file has no use, and takes room
         aside.unlink(missing_ok=True)
         raise
+
+
+OF_A_RUN = "run.log"
+OF_A_STUDY = ".lock"
+
+
+@contextmanager
+def lock(file: Path) -> Iterator[None]:
+    """Holds ``file``, made where it is missing, while inside.  Raises FolderUnusable where another
+    process holds it.  On a file system without locks nobody is kept out."""
+    with file.open("a") as opened:
+        try:
+            fcntl.flock(opened, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise FolderUnusable(
+                f"{file.parent}: another flipflow is at work there; wait for its end, or give "
+                "another folder with --out"
+            ) from None
+        except OSError:  # no locks on this file system
+            pass
+        yield
+
+
+@contextmanager
+def study_folder(folder: Path) -> Iterator[None]:
+    """Makes the folder of a study, or goes on in it; nobody else does meanwhile.  Raises
+    FolderUnusable."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
+    with lock(folder / OF_A_STUDY):
+        yield
+
+
+def is_at_work(folder: Path) -> bool:
+    """Whether a run is going on in this folder; none does where nobody may write."""
+    if not (folder / OF_A_RUN).exists() or not os.access(folder / OF_A_RUN, os.W_OK):
+        return False
+    try:
+        with lock(folder / OF_A_RUN):
+            return False
+    except FolderUnusable:
+        return True

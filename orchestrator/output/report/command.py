@@ -10,12 +10,11 @@ from pathlib import Path
 from jinja2 import UndefinedError
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.output.records.folder_lock import at_work
-from orchestrator.output.records.run_folder import FolderUnusable, write_text
+from orchestrator.output import checkpoints
+from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, write_text
 from orchestrator.output.report.film import film
 from orchestrator.output.report.page import NAME, page
 from orchestrator.output.results.compute import results
-from orchestrator.output.saves import files
 
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
 NEEDED = ("case.toml", "summary.json", "provenance.json", "history.h5")
@@ -72,10 +71,10 @@ def _made(folder: Path) -> Path:
 
 def _why_open(folder: Path) -> str:
     """Why the run has no summary, and what can be done."""
-    if at_work(folder):
+    if is_at_work(folder):
         return "the run is still going on"
     killed = "the run was killed before it could close its books"
-    save = files.newest(folder)
+    save = checkpoints.newest(folder)
     if save is None:
         return f"{killed}, and nothing had been saved; run the case again"
     end = f"duration_s={save.simulated_s:.12g}"

@@ -7,7 +7,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from orchestrator.output.children import python
+from orchestrator.output.subprocesses import python
 
 
 @dataclass(frozen=True)

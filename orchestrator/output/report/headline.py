@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from orchestrator.output.report.words import NONE, interval, number
+from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
 

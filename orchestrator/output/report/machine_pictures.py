@@ -8,7 +8,7 @@ import numpy as np
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.report.drawing import HALF, HELD, LINES, WIDE, embedded, figure
-from orchestrator.output.results.run_data import RunData
+from orchestrator.output.results.run_reader import RunData
 
 COLUMNS = 4
 MOMENTS = 8

@@ -9,16 +9,16 @@ from typing import Any
 
 import h5py
 
-from orchestrator.output.report import bed_pictures, facts, machine_pictures, tables
+from orchestrator.output.report import bed_pictures, machine_pictures, tables
 from orchestrator.output.report.drawing import data_uri
-from orchestrator.output.report.effects import left_out_rows
 from orchestrator.output.report.filled import filled
 from orchestrator.output.report.film import Film
+from orchestrator.output.report.formatting import duration, interval, number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.quality import quality, warnings
+from orchestrator.output.report.tables import left_out_rows
 from orchestrator.output.report.wear_pictures import wear_map, wear_sheet
-from orchestrator.output.report.words import duration, interval, number
-from orchestrator.output.results.run_data import RunData, run_data
+from orchestrator.output.results.run_reader import RunData, run_data
 
 NAME = "report.html"
 FILM_CYCLES = 3
@@ -56,9 +56,9 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
 
 def _facts(data: RunData, scheme: str) -> dict[str, list[tuple[str, str]]]:
     return {
-        "machine": list(facts.machine_facts(data)),
-        "bed": list(facts.bed_facts(data.case)),
-        "how it was computed": list(facts.solver_facts(data.case, scheme)),
+        "machine": list(tables.machine_facts(data)),
+        "bed": list(tables.bed_facts(data.case)),
+        "how it was computed": list(tables.solver_facts(data.case, scheme)),
     }
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import closing_lines
-from orchestrator.output.report.words import number
+from orchestrator.output.report.formatting import number
 
 SHOWN = 12
 UNSETTLED = 0.1

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from orchestrator.output.report.drawing import WIDE, embedded, figure
+from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.report.tables import Sheet
-from orchestrator.output.report.words import interval, number
 
 MM_IN_1000_H = 1e6  # 1 m/h
 NOTE = (

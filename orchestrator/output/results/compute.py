@@ -15,16 +15,14 @@ from orchestrator.case.deck.line import DeckLine, deck_line
 from orchestrator.case.deck.opening_places import openings_m
 from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.slice import share
-from orchestrator.output.results import machine_figures as machine
-from orchestrator.output.results.deck_figures import averaged, bed_figures, held_figures
+from orchestrator.output.results import machine
+from orchestrator.output.results.bed import averaged, bed_figures, held_figures, transport
 from orchestrator.output.results.estimate import Estimate
-from orchestrator.output.results.events import read
-from orchestrator.output.results.run_data import RunData, cut_size_m, run_data
+from orchestrator.output.results.events import Events, balanced, read
+from orchestrator.output.results.run_reader import RunData, cut_size_m, run_data
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
-from orchestrator.output.results.screening_figures import screening
-from orchestrator.output.results.steady_events import Events, balanced
-from orchestrator.output.results.transport_figures import transport
-from orchestrator.output.results.wear_figures import wear_figures
+from orchestrator.output.results.screening import screening
+from orchestrator.output.results.wear import wear_figures
 
 NO_EXITS = "no exits: undersize and oversize are not told apart"
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"

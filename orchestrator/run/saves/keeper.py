@@ -11,9 +11,9 @@ from orchestrator.case.tables.numerics import CheckpointSettings as Wanted
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does
 from orchestrator.coupling.schemes.exchange import State
+from orchestrator.output import checkpoints
+from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.recorder import Recorder
-from orchestrator.output.saves import files
-from orchestrator.output.saves.files import Save
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.state import as_arrays, like
@@ -75,7 +75,7 @@ class Keeper:
         about = self._about() | {"sync_points": done, "good": self._good}
         if self._machine.scheme.memory is not None:
             saved["scheme"] = self._machine.scheme.memory.save()
-        files.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
+        checkpoints.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
         self._last = done
 
     def restore(self, save: Save, start: State) -> State:

@@ -13,8 +13,8 @@ from typing import Any
 
 from orchestrator.case.file.errors import shown
 from orchestrator.case.provenance import provenance
-from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved
-from orchestrator.output.saves.files import SAID_OF_ORIGIN, Save
+from orchestrator.output.checkpoints import SAID_OF_ORIGIN, Save
+from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved_case
 from orchestrator.preflight.levels import LoadedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
@@ -26,7 +26,7 @@ def origin(loaded: LoadedCase, run: Path, world: Any) -> dict[str, Any]:
     return {
         "name": loaded.name,
         "level": loaded.level,
-        "case": resolved(loaded),
+        "case": resolved_case(loaded),
         "files": _files(run),
         "provenance": provenance(1 if world is None else world.size),
     }

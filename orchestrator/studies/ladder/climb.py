@@ -12,7 +12,7 @@ from pathlib import Path
 
 from orchestrator.case import recording_file
 from orchestrator.case.file.errors import CaseError
-from orchestrator.output.records.run_folder import resolved
+from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.levels import LoadedCase, load
@@ -100,7 +100,7 @@ def _shared(steps: Sequence[Step]) -> list[Step]:
     found = []
     for step in steps:
         if step.point is not None:
-            key = json.dumps(resolved(step.point.loaded), sort_keys=True, default=str)
+            key = json.dumps(resolved_case(step.point.loaded), sort_keys=True, default=str)
             step = replace(step, point=first.setdefault(key, step.point))
         found.append(step)
     return found

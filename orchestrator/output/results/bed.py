@@ -1,4 +1,4 @@
-"""The bed on the deck: depth, velocity and hold-up along it, and what is stuck."""
+"""The bed on the deck: depth, velocity, hold-up and residence, where it passes, what is stuck."""
 
 from __future__ import annotations
 
@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case.deck.line import DeckLine
+from orchestrator.output.records.deck_record import bins_m
 from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, mean
-from orchestrator.output.results.placement import share
-from orchestrator.output.results.run_data import RunData
+from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, Fed, Removed, per_cycle
+from orchestrator.output.results.run_reader import RunData
+from orchestrator.output.results.screening import share
 from orchestrator.ports import Array
 
 
@@ -80,3 +83,50 @@ def ratio_by_cycles(part: Array, whole: Array, cycle: Array, is_steady: bool) ->
     if not is_steady:
         return Estimate(share(*sums.sum(axis=0)))
     return estimate(lambda total: share(*total), batch_sums(sums))
+
+
+def residence_s(fed: Fed, removed: Removed) -> Array:
+    """(removed,) time from entering to leaving; NaN for particles that were never fed."""
+    order = np.argsort(fed.id)
+    ids = fed.id[order]
+    place = np.searchsorted(ids, removed.id)
+    known = place < len(ids)
+    known[known] = ids[place[known]] == removed.id[known]
+    entered = np.full(len(removed.id), np.nan)
+    entered[known] = fed.time_s[order][place[known]]
+    return np.asarray(removed.time_s - entered)
+
+
+def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
+    """(bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to the
+    nearest bin."""
+    inside = np.clip(along_m, edges_m[0], edges_m[-1])
+    passed = np.histogram(inside, edges_m, weights=mass_kg)[0]
+    return np.asarray(passed / np.diff(edges_m) / lasting_s)
+
+
+def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
+    """Residence of the oversize, and where the undersize passes."""
+    removed, counted = events.removed, events.counted
+    over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE))
+    stay = residence_s(events.fed, removed)
+    over &= np.isfinite(stay)
+    sums = per_cycle(
+        np.tile(removed.time_s[over], 2),
+        np.concatenate([(removed.mass_kg * stay)[over], removed.mass_kg[over]]),
+        events.edges_s,
+        np.repeat([0, 1], int(over.sum())),
+        2,
+    )
+    found: dict[str, Any] = {"residence_s": events.figure(lambda s: share(s[0], s[1]), sums)}
+    if deck is not None:
+        length = deck.length_m
+        found["residence_velocity_m_per_s"] = events.figure(lambda s: length * share(s[1], s[0]), sums)
+        edges = bins_m(deck)
+        under = counted & np.isin(removed.exit, events.exits.of(UNDERSIZE))
+        station = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
+        found["passing"] = {
+            "along_m": (edges[1:] + edges[:-1]) / 2,
+            "rate_kg_per_s_m": passing_kg_per_s_m(station, removed.mass_kg[under], edges, events.lasting_s),
+        }
+    return found

@@ -1,8 +1,8 @@
-"""Saves on the disk: ``saves/<sync point>/`` in the folder of the run.
+"""Checkpoints on the disk: the folder ``saves/<sync point>/`` in the folder of a run.
 
 Each holds the arrays of every rank, a copy of what the run had recorded by then, and
-``save.json``, which says what it is of and has the checksum of every other file.  A save is written
-aside and renamed when all of it is on the disk; the last ``KEPT`` stay, and the last good one.
+``save.json``, which says what it is of and has the checksum of every other file.  A checkpoint is
+written aside and renamed when all of it is on the disk; the last ``KEPT`` stay, and the last good one.
 """
 
 from __future__ import annotations
@@ -19,8 +19,29 @@ from typing import Any
 import numpy as np
 
 from orchestrator.coupling.ranks import first_rank_does
-from orchestrator.output.saves.names import flat, nested
 from orchestrator.ports import Saved
+
+
+def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
+    """Names with slashes; one that ends with a slash stands for "nothing in here"."""
+    table: dict[str, Any] = {} if saved else {within: np.empty(0)}
+    for name, value in saved.items():
+        table |= _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
+    return table
+
+
+def _nested(table: dict[str, Any]) -> Saved:
+    """What ``_flat`` was made of."""
+    saved: Saved = {}
+    for path, value in table.items():
+        *parents, name = path.split("/")
+        inner = saved
+        for parent in parents:
+            inner = inner.setdefault(parent, {})
+        if name:
+            inner[name] = value
+    return saved
+
 
 KEPT = 2
 FOLDER, ABOUT = "saves", "save.json"
@@ -55,7 +76,7 @@ class Save:
     def state(self, world: Any) -> Saved:
         """This rank's arrays."""
         with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
-            return nested({name: file[name] for name in file.files})
+            return _nested({name: file[name] for name in file.files})
 
     def put_back(self, run: Path) -> None:
         """The files that were copied, into the folder of the run."""
@@ -90,7 +111,7 @@ def _parts(mine: Path, state: Saved, world: Any) -> dict[str, str]:
     """Writes the part of every rank; their checksums.  What one of them cannot write, all raise,
     when none is at work on its own any more."""
     try:
-        np.savez(mine, **flat(state))
+        np.savez(mine, **_flat(state))
         written: dict[str, str] | OSError = {mine.name: _on_disk(mine)}
     except OSError as error:
         written = error
@@ -133,7 +154,7 @@ def newest(run: Path) -> Save | None:
     return None
 
 
-def torn(run: Path) -> list[str]:
+def find_damage(run: Path) -> list[str]:
     """What is wrong with the saves that are not whole."""
     said = []
     for name in _names(run / FOLDER):
@@ -144,7 +165,7 @@ def torn(run: Path) -> list[str]:
     return said
 
 
-def of(run: Path, sync_points: int) -> Save | None:
+def at_sync_point(run: Path, sync_points: int) -> Save | None:
     """The save of that sync point, if there is one and it is whole."""
     folder = run / FOLDER / _name(sync_points)
     try:
@@ -153,7 +174,7 @@ def of(run: Path, sync_points: int) -> Save | None:
         return None
 
 
-def drop_later(run: Path, save: Save) -> None:
+def remove_later(run: Path, save: Save) -> None:
     """Removes what came after ``save``, and what was left half written."""
     for folder in (run / FOLDER).iterdir():
         if folder.name.startswith(".") or folder.name > save.folder.name:

@@ -8,8 +8,8 @@ import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.output.results.deck_figures import by_cycles
-from orchestrator.output.results.run_data import RunData
+from orchestrator.output.results.bed import by_cycles
+from orchestrator.output.results.run_reader import RunData
 from orchestrator.ports import Array
 
 HOUR_S = 3600.0

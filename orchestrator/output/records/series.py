@@ -1,19 +1,67 @@
-"""Rows of the time series in ``history.h5``: motion of frames and probes, forces of panels and
-bushings."""
+"""Rows of the time series: motion of frames and probes, forces of panels and bushings."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.machine import Machine, Probe
 from orchestrator.coupling.schemes.exchange import State
-from orchestrator.output.records.frame_rotation import rotations
 from orchestrator.output.records.history import History
-from orchestrator.output.records.panel_forces import FORCES
-from orchestrator.ports import Array, Motion, ParticleSnapshot, Saved
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 from orchestrator.ports.state import put_back, taken
+
+ARMS = np.arange(1, 4)
+
+
+def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
+    """Rotation vectors since t = 0 in rad and angular velocities in rad/s, (frames, 3) each, in
+    the world.
+
+    ``centres`` (frames,): numbers of the centres of mass; the three points after each are the ends
+    of arms that were 1 m long and lay along the world's axes at t = 0 (``pieces.frame_pieces``).
+    """
+    if not len(centres):  # which Rotation does not take
+        return np.empty((0, 3)), np.empty((0, 3))
+    ends = centres[:, None] + ARMS
+    arms_m, rates_m_per_s = (
+        value[ends] - value[centres][:, None] for value in (carried.position_m, carried.velocity_m_per_s)
+    )
+    rotation_rad = Rotation.from_matrix(arms_m.transpose(0, 2, 1)).as_rotvec()
+    # for orthonormal arms a:  sum of a x (spin x a) = 2 spin
+    return rotation_rad, np.cross(arms_m, rates_m_per_s).sum(axis=1) / 2
+
+
+FORCES = ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N")
+
+
+class PanelForces:
+    """Sums over the points of a panel, its clamps and its stops."""
+
+    def __init__(self, machine: Machine, start: State) -> None:
+        self._panels = len(machine.panels)
+        kinds = ("clamps", "first_clamp", "second_clamp", "stops")
+        held = [getattr(panel, kind) for kind in kinds for panel in machine.panels]
+        self._loads = _sums([panel.surface for panel in machine.panels], len(start.load))
+        self._reactions = _sums(held, len(start.panel.reaction))
+
+    def at(self, state: State) -> Array:
+        """(5, panels, 3), in the order of FORCES: means over the interval that ends here."""
+        load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
+        sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
+        return np.asarray(sums_N.reshape(len(FORCES), self._panels, 3))
+
+
+def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
+    """(parts, points): sums over the points of each part, all in one product."""
+    numbers = [np.arange(points)[part] for part in parts]
+    starts = np.cumsum([0, *map(len, numbers)])
+    inside = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
+    return csr_array((np.ones(len(inside)), inside, starts), shape=(len(parts), points))
 
 
 class TimeSeries:

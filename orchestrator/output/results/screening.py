@@ -1,0 +1,258 @@
+"""Screening: how much is separated, how well, and where.
+
+``out_kg`` is always (exits, 2): the mass that left through each exit, fine (below the cut size)
+and coarse.  Feed means the sum over all exits: what a steady deck gets is what leaves it.
+Definitions: docs/theory/screening.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from orchestrator.output.results.estimate import Estimate
+from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, per_cycle, summed
+from orchestrator.ports import Array, Indices
+
+FINE, COARSE = 0, 1
+
+
+def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
+    """``FINE`` below the cut size, else ``COARSE``."""
+    return np.where(diameter_m < cut_m, FINE, COARSE)
+
+
+def products_kg(out_kg: Array, exits: Exits) -> tuple[Array, Array]:
+    """Undersize and oversize, each (2,): fine, coarse."""
+    return (
+        np.asarray(out_kg[exits.of(UNDERSIZE)].sum(axis=0)),
+        np.asarray(out_kg[exits.of(OVERSIZE)].sum(axis=0)),
+    )
+
+
+def fine_placement(out_kg: Array, exits: Exits) -> float:
+    """Share of the feed's fines that pass: the recovery of undersize."""
+    under, over = products_kg(out_kg, exits)
+    return share(under[FINE], under[FINE] + over[FINE])
+
+
+def coarse_placement(out_kg: Array, exits: Exits) -> float:
+    """Share of the feed's coarse that is held back."""
+    under, over = products_kg(out_kg, exits)
+    return share(over[COARSE], under[COARSE] + over[COARSE])
+
+
+def efficiency(out_kg: Array, exits: Exits) -> float:
+    """Fine plus coarse placement less one: 1 for a perfect screen, 0 for a mere splitter."""
+    return fine_placement(out_kg, exits) + coarse_placement(out_kg, exits) - 1.0
+
+
+def misplaced(out_kg: Array, exits: Exits) -> float:
+    """Fines in the oversize and coarse in the undersize, over the feed."""
+    under, over = products_kg(out_kg, exits)
+    return share(over[FINE] + under[COARSE], float(out_kg.sum()))
+
+
+def fines_in_oversize(out_kg: Array, exits: Exits) -> float:
+    """Share of the oversize that is fine."""
+    over = products_kg(out_kg, exits)[1]
+    return share(over[FINE], float(over.sum()))
+
+
+def oversize_yield(out_kg: Array, exits: Exits) -> float:
+    """Oversize over feed."""
+    return share(float(products_kg(out_kg, exits)[1].sum()), float(out_kg.sum()))
+
+
+def section_yield(out_kg: Array, section: int) -> float:
+    """What passes in a section (the number of its exit) over the feed."""
+    return share(float(out_kg[section].sum()), float(out_kg.sum()))
+
+
+def cumulative_efficiency(out_kg: Array, sections: Indices, last: int) -> float:
+    """Fines passed in sections 0 to ``last`` (included) over the feed's fines."""
+    return share(float(out_kg[sections[: last + 1], FINE].sum()), float(out_kg[:, FINE].sum()))
+
+
+def local_efficiency(out_kg: Array, sections: Indices, section: int) -> float:
+    """Fines passed in a section over the fines that arrive there."""
+    before = float(out_kg[sections[:section], FINE].sum())
+    return share(float(out_kg[sections[section], FINE]), float(out_kg[:, FINE].sum()) - before)
+
+
+def share(part: float, whole: float) -> float:
+    """NaN where there is nothing to share."""
+    return float(part) / float(whole) if whole > 0 else float("nan")
+
+
+CLASSES = 12
+FEWEST_IN_CLASS = 10
+
+
+def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
+    """(classes + 1,) edges: evenly spaced in the logarithm, one of them at the cut size, with at
+    least ``FEWEST_IN_CLASS`` particles in each (neighbours are joined until they have)."""
+    low, high = float(diameter_m.min()), float(diameter_m.max())
+    if high <= low * (1 + 1e-9):
+        return np.array([low * 0.999, high * 1.001])
+    edges = np.geomspace(low * (1 - 1e-9), high * (1 + 1e-9), CLASSES + 1)
+    if cut_m is not None and low < cut_m < high:
+        edges[1 + np.abs(np.log(edges[1:-1] / cut_m)).argmin()] = cut_m
+    counts = np.histogram(diameter_m, edges)[0]
+    kept, inside = [edges[0]], 0
+    for edge, count in zip(edges[1:], counts, strict=True):
+        inside += count
+        if inside >= FEWEST_IN_CLASS or edge == cut_m:
+            kept.append(edge)
+            inside = 0
+    if kept[-1] < edges[-1]:
+        kept[-1 if len(kept) > 1 and kept[-1] != cut_m else len(kept) :] = [edges[-1]]
+    return np.array(kept)
+
+
+def partition(under_kg: Array, over_kg: Array) -> Array:
+    """Share (classes,) that goes to the oversize; NaN where a class is empty."""
+    all_kg = under_kg + over_kg
+    return np.divide(over_kg, all_kg, out=np.full(len(all_kg), np.nan), where=all_kg > 0)
+
+
+def size_at(share: float, size_m: Array, partition_number: Array) -> float:
+    """Size at which the curve first rises through ``share``, straight between the classes' mean
+    sizes (classes,); NaN if it does not."""
+    there = np.isfinite(partition_number)
+    size, number = size_m[there], partition_number[there]
+    rises = np.flatnonzero((number[:-1] < share) & (number[1:] >= share))
+    if not len(rises):
+        return float("nan")
+    i = rises[0]
+    part = (share - number[i]) / (number[i + 1] - number[i])
+    return float(size[i] + part * (size[i + 1] - size[i]))
+
+
+def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
+    """d50 and the probable error Ep = (d75 - d25) / 2; NaN where the curve does not reach."""
+    d25, d50, d75 = (size_at(share, size_m, number) for share in (0.25, 0.5, 0.75))
+    return d50, (d75 - d25) / 2
+
+
+def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
+    """Every figure that needs no more than what went in and out."""
+    removed, exits = events.removed, events.exits
+    fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
+    group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
+    count = len(exits.names)
+    out = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * count)
+    out = out.reshape(-1, count, 2)
+    lost = int((removed.exit == LOST).sum())
+    counted = events.counted
+    figures: dict[str, Any] = {
+        "cut_size_m": cut_m,
+        "lost_particles": lost,
+        "particles": int(counted.sum()),
+        "fine_particles": int((counted & (fine == FINE)).sum()),
+    }
+    figures |= _flows(events, out)
+    yields: dict[str, Callable[..., float]] = {"oversize_yield": oversize_yield}
+    if cut_m is not None:
+        yields |= {
+            "efficiency": efficiency,
+            "fine_placement": fine_placement,
+            "coarse_placement": coarse_placement,
+            "misplaced": misplaced,
+            "fines_in_oversize": fines_in_oversize,
+        }
+    for name, share in yields.items():
+        figures[f"{name}_percent"] = events.figure(partial(_percent, share, exits=exits), out)
+    if cut_m is not None:
+        figures["recovered_percent"] = _recovered(events, out, cut_m)
+    figures["sections"] = _sections(events, out, cut_m is not None)
+    figures["partition"] = _partition(events, cut_m)
+    return figures
+
+
+def _percent(share: Callable[..., float], out_kg: Array, **more: Any) -> float:
+    return 100.0 * share(out_kg, **more)
+
+
+def _recovered(events: Events, out: Array, cut_m: float) -> Estimate:
+    """Fines passed over fines that came in: unlike the fine placement, fines that stay on the
+    deck count as not recovered."""
+    fed = events.fed
+    came = np.where(fine_or_coarse(fed.diameter_m, cut_m) == FINE, 0, -1)
+    came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came, 1)[:, 0]
+    passed_kg = out[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
+    pairs = np.column_stack([passed_kg, came_kg])
+    return events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
+
+
+def _flows(events: Events, out: Array) -> dict[str, Any]:
+    """Mass rates; ``hold_up_kg`` is all that was fed and has not left."""
+    fed, removed, edges_s = events.fed, events.removed, events.edges_s
+    fed_kg = summed(fed.time_s, np.where(fed.time_s > 0, fed.mass_kg, 0.0), edges_s)
+    held = float(fed.mass_kg[fed.time_s <= 0].sum()) + np.concatenate(
+        [[0.0], np.cumsum(fed_kg - summed(removed.time_s, removed.mass_kg, edges_s))]
+    )
+    mean_kg = np.column_stack([(held[1:] + held[:-1]) / 2, np.ones(len(held) - 1)])
+    length_s = np.diff(edges_s)
+    products = {p: out[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
+    return {
+        "feed_kg_per_s": events.rate(fed_kg),
+        **{f"{name}_kg_per_s": events.rate(kg) for name, kg in products.items()},
+        "hold_up_kg": events.figure(lambda sums: sums[0] / sums[1], mean_kg),
+        "in_time": {
+            "time_s": edges_s[1:],
+            "feed_kg_per_s": fed_kg / length_s,
+            **{f"{name}_kg_per_s": kg / length_s for name, kg in products.items()},
+            "hold_up_kg": held[1:],
+        },
+    }
+
+
+def _sections(events: Events, out: Array, divided: bool) -> list[dict[str, Any]]:
+    """Of every exit for undersize, in the case's order."""
+    numbers = events.exits.of(UNDERSIZE)
+    rows = []
+    for place, exit_number in enumerate(numbers):
+        shares: dict[str, Callable[[Array], float]] = {
+            "yield": partial(section_yield, section=int(exit_number))
+        }
+        if divided:
+            shares["cumulative_efficiency"] = partial(cumulative_efficiency, sections=numbers, last=place)
+            shares["local_efficiency"] = partial(local_efficiency, sections=numbers, section=place)
+        row: dict[str, Any] = {"exit": events.exits.names[exit_number]}
+        for name, share in shares.items():
+            row[f"{name}_percent"] = events.figure(partial(_percent, share), out)
+        rows.append(row)
+    return rows
+
+
+def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
+    """Classes, partition numbers, d50 and Ep; None as long as nothing has left."""
+    removed, counted = events.removed, events.counted
+    if not counted.any():
+        return None
+    edges = size_classes(removed.diameter_m[counted], cut_m)
+    classes = len(edges) - 1
+    size = np.clip(np.searchsorted(edges, removed.diameter_m, side="right") - 1, 0, classes - 1)
+    over = np.isin(removed.exit, events.exits.of(OVERSIZE))
+    group = np.where(removed.exit == LOST, -1, 2 * size + over)
+    mass = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * classes)
+    mass = mass.reshape(-1, classes, 2)
+    number = np.bincount(size[counted], minlength=classes)
+    summed = np.bincount(size[counted], removed.diameter_m[counted], classes)
+    mean_m = np.divide(summed, number, out=np.full(classes, np.nan), where=number > 0)
+    total = mass[events.window].sum(axis=0)
+    d50 = events.figure(lambda s: cut_and_spread(mean_m, partition(s[:, 0], s[:, 1]))[0], mass)
+    spread = events.figure(lambda s: cut_and_spread(mean_m, partition(s[:, 0], s[:, 1]))[1], mass)
+    return {
+        "edges_m": edges,
+        "mean_m": mean_m,
+        "particles": number,
+        "feed_percent": 100 * total.sum(axis=1) / total.sum(),
+        "oversize_percent": 100 * partition(total[:, 0], total[:, 1]),
+        "d50_m": d50,
+        "ep_m": spread,
+    }
