@@ -1,0 +1,57 @@
+"""The machine's cycle, and which cycle a time belongs to: one definition for records and results.
+
+Cycle n, counted from 0, holds the times later than n and up to n + 1 cycles after the start; the
+start itself belongs to the first cycle.  So rows at even steps fall into cycles of equally many.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array, Indices
+
+CYCLES_WITHOUT_DRIVE = 50
+ROUNDING = 1e-6  # of a cycle: a time that is nearer to the end of one is at its end
+
+
+def cycle_s(case: Case) -> float:
+    """Returns the machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
+    frames), or the whole run where there is none."""
+    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
+    speeds = [drive.speed_rad_per_s for drive in drives]
+    if case.frames.solver != "prescribed":
+        speeds += [exciter.speed_rad_per_s for exciter in case.screen.exciters.values()]
+    return 2 * math.pi / min(speeds) if speeds else case.duration_s
+
+
+def is_driven(case: Case) -> bool:
+    """Returns whether something gives the machine a cycle."""
+    return cycle_s(case) != case.duration_s
+
+
+def counted_cycle_s(case: Case) -> float:
+    """Returns what results are counted by: the machine's cycle, or a fiftieth of the run where
+    nothing drives the machine."""
+    return cycle_s(case) if is_driven(case) else case.duration_s / CYCLES_WITHOUT_DRIVE
+
+
+def cycle_numbers(time_s: Array | float, cycle_s: float, start_s: float = 0.0) -> Indices:
+    """Returns the number, from 0, of the cycle after ``start_s`` that each time belongs to."""
+    number = np.ceil((time_s - start_s) / cycle_s - ROUNDING) - 1
+    return np.asarray(np.maximum(number, 0), np.int64)
+
+
+def count_whole_cycles(lasting_s: float, cycle_s: float) -> int:
+    """Returns how many whole cycles a time lasts."""
+    return max(0, math.floor(lasting_s / cycle_s + ROUNDING))
+
+
+def within(time_s: Array, start_s: float, end_s: float, cycle_s: float) -> npt.NDArray[np.bool_]:
+    """Returns which times are later than ``start_s`` and not later than ``end_s``, the ends of
+    cycles: those that belong to the cycles between them."""
+    rounding_s = ROUNDING * cycle_s
+    return np.asarray((time_s > start_s + rounding_s) & (time_s <= end_s + rounding_s))

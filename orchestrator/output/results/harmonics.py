@@ -1,0 +1,170 @@
+"""The first harmonic of a motion: the one definition of amplitude and phase in all results.
+
+A motion x(t) of a machine with angular speed w is A cos(w t + phi), a mean place, a slow drift,
+harmonics, and what else rings or shakes.  A and phi are found by weighted least squares over whole
+cycles.  The weight is Hann's window, which keeps out what is no multiple of w: a machine on soft
+springs swings for seconds at a frequency of its own (Harris, Proc. IEEE 66, 1978, 51-83, doi
+10.1109/PROC.1978.10837).  Multiples of w are orthogonal over whole cycles and change nothing.
+
+The interval comes from batches of whole cycles (``estimate.py``).  Each has an amplitude and a phase of
+its own; what counts is their part along the mean one, so noise widens the interval of the amplitude
+and does not raise the amplitude, as a mean of the cycles' amplitudes or half a range would.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.output.cycles import count_whole_cycles, within
+from orchestrator.output.results.estimate import BATCHES, FEWEST_BATCHES, Estimate, half_width
+from orchestrator.ports import Array
+
+Phasors = npt.NDArray[np.complex128]
+FEWEST_CYCLES_FOR_HANN = 2  # of one cycle it would let the second harmonic in
+FEWEST_CYCLES_FOR_CHANGE = 4  # two in each half
+HANN_WIDENS = 1.5**0.5  # the standard error of a mean that is weighted by Hann's window
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """First harmonic of a motion over ``cycles`` whole cycles, by component.
+
+    The motion is Re(``phasor`` exp(i w t)), so that its amplitude is the phasor's size and its phase
+    the angle in cos(w t + phase), t being the time of the run.  ``half_width`` is that of the
+    amplitudes' 95 % confidence interval, None with fewer than five batches.  ``other`` is half the
+    range of all that mean place, drift and first harmonic leave.  ``change`` is that of the phasor
+    from the first half of the cycles to the second, None with fewer than four cycles.
+    """
+
+    phasor: Phasors
+    half_width: Array | None
+    batches: int
+    other: Array
+    change: Phasors | None
+
+    @property
+    def amplitude(self) -> Array:
+        """Amplitudes by component."""
+        return np.abs(self.phasor)
+
+    def estimate(self, component: int) -> Estimate:
+        """Returns the amplitude of one component with its interval."""
+        width = None if self.half_width is None else float(self.half_width[component])
+        return Estimate(float(self.amplitude[component]), width, self.batches)
+
+    def orbit(self) -> dict[str, Any]:
+        """Returns the table of a point's motion in m along x, y and z (``results.motion`` in
+        docs/run-folder.md), with the ellipse that it draws in the plane of x and z."""
+        major_m, minor_m, tilt_rad = ellipse(self.phasor[0], self.phasor[2])
+        return {
+            "amplitude_m": self.amplitude,
+            "half_width_m": self.half_width,
+            "phase_rad": np.angle(self.phasor),
+            "major_m": major_m,
+            "minor_m": minor_m,
+            "tilt_deg": float(np.degrees(tilt_rad)),
+            "other_m": self.other,
+        }
+
+
+def first_harmonic(
+    time_s: Array, values: Array, cycle_s: float, start_s: float = 0.0, end_s: float | None = None
+) -> Harmonic:
+    """Returns the first harmonic of ``values`` (rows, components) at ``time_s`` (rows,).
+
+    It is taken over the last whole cycles between ``start_s`` and ``end_s`` (the last row's time where
+    none is given).  Raises ValueError where there is none, or where a cycle has fewer than four rows.
+    """
+    end_s = float(time_s[-1]) if end_s is None else end_s
+    cycles = count_whole_cycles(end_s - start_s, cycle_s)
+    if cycles == 0:
+        raise ValueError(f"{end_s - start_s:g} s are shorter than a cycle of {cycle_s:g} s")
+    start_s = end_s - cycles * cycle_s
+    inside = within(time_s, start_s, end_s, cycle_s)
+    time_s, values = time_s[inside], np.asarray(values, float)[inside]
+    if len(time_s) < 4 * cycles:
+        raise ValueError(f"{len(time_s)} rows are too few for {cycles} cycles")
+    speed_rad_per_s = 2 * np.pi / cycle_s
+    phasor, slow = _fit(time_s, values, speed_rad_per_s, _weight(time_s, start_s, end_s, cycles))
+    wave = np.real(phasor * np.exp(1j * speed_rad_per_s * time_s)[:, None])
+    other = np.ptp(values - slow - wave, axis=0) / 2
+    batches = min(BATCHES, cycles)
+    width = None
+    if batches >= FEWEST_BATCHES:
+        width = _half_width(time_s, values - slow, phasor, end_s, cycle_s, cycles // batches, batches)
+    change = None
+    if cycles >= FEWEST_CYCLES_FOR_CHANGE:
+        half_s = cycles // 2 * cycle_s
+        early, late = (
+            _part(time_s, values, begin_s, begin_s + half_s, cycle_s) for begin_s in (start_s, end_s - half_s)
+        )
+        change = late - early
+    return Harmonic(phasor, width, batches, other, change)
+
+
+def drift(harmonics: list[Harmonic]) -> float | None:
+    """Returns the largest change of any component from the first half of the cycles to the second,
+    over the largest amplitude; None where too few cycles tell it, or nothing moves."""
+    changes = [np.abs(one.change).max() for one in harmonics if one.change is not None]
+    largest = max((one.amplitude.max() for one in harmonics), default=0.0)
+    return float(max(changes) / largest) if changes and largest > 0 else None
+
+
+def ellipse(x: complex, z: complex) -> tuple[float, float, float]:
+    """Returns half axes and tilt of the path (Re x e^{iwt}, Re z e^{iwt}).
+
+    It is the sum of two circles turning against each other, with radii |x + iz| / 2 and
+    |x - iz| / 2.  The minor half axis is positive when the point turns from x towards z; the tilt
+    turns the long axis from x towards z, in (-pi/2, pi/2].
+    """
+    forward, backward = (x + 1j * z) / 2, (np.conj(x) + 1j * np.conj(z)) / 2
+    tilt = (np.angle(forward) + np.angle(backward)) / 2 if abs(forward * backward) else 0.0
+    tilt = float((tilt + np.pi / 2) % np.pi - np.pi / 2)
+    return float(abs(forward) + abs(backward)), float(abs(forward) - abs(backward)), tilt
+
+
+def _weight(time_s: Array, start_s: float, end_s: float, cycles: int) -> Array:
+    """Hann's window over the time, (rows,)."""
+    if cycles < FEWEST_CYCLES_FOR_HANN:
+        return np.ones(len(time_s))
+    return np.asarray(np.sin(np.pi * (time_s - start_s) / (end_s - start_s)) ** 2)
+
+
+def _fit(time_s: Array, values: Array, speed_rad_per_s: float, weight: Array) -> tuple[Phasors, Array]:
+    """Phasors (components,), and the mean place with its drift (rows, components)."""
+    phase = speed_rad_per_s * time_s
+    slow = np.column_stack([np.ones_like(phase), (time_s - time_s.mean()) * speed_rad_per_s])
+    terms = np.column_stack([np.cos(phase), -np.sin(phase), slow])
+    root = np.sqrt(weight)[:, None]
+    found = np.linalg.lstsq(root * terms, root * values, rcond=None)[0]
+    return found[0] + 1j * found[1], slow @ found[2:]
+
+
+def _part(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: float) -> Phasors:
+    """Phasors of whole cycles, two or more."""
+    rows = within(time_s, start_s, end_s, cycle_s)
+    weight = _weight(time_s[rows], start_s, end_s, count_whole_cycles(end_s - start_s, cycle_s))
+    return _fit(time_s[rows], values[rows], 2 * np.pi / cycle_s, weight)[0]
+
+
+def _half_width(
+    time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
+) -> Array:
+    """Of the amplitudes, from batches of ``length`` cycles; those that are left over are the first."""
+    phase = 2 * np.pi / cycle_s * time_s
+    terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
+    lasting_s = length * cycle_s
+    each = []
+    for number in range(batches, 0, -1):
+        start_s = end_s - number * lasting_s
+        rows = within(time_s, start_s, start_s + lasting_s, cycle_s)
+        found = np.linalg.lstsq(terms[rows], moved[rows], rcond=None)[0]
+        each.append(found[0] + 1j * found[1])
+    size = np.abs(phasor)
+    direction = np.divide(phasor, size, out=np.ones_like(phasor), where=size > 0)
+    along = np.real(np.array(each) * np.conj(direction))
+    return HANN_WIDENS * np.array([half_width(column) for column in along.T])

@@ -1,1 +1,0 @@
-"""Saves on disk: the files of a run's state, and the names of what is in them."""
