@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from orchestrator.cli.console import CONSOLE, FAILED, refuse, reported_errors
 from orchestrator.cli.options import CasePath, Level, Overrides
-from orchestrator.cli.said import CONSOLE, FAILED, refuse, said
 
 if TYPE_CHECKING:
     from orchestrator.studies.accuracy.points import Asked
@@ -56,7 +56,7 @@ def accuracy(
     from orchestrator.studies.accuracy.points import Asked
     from orchestrator.studies.workers import Crew, fitting
 
-    with said():
+    with reported_errors():
         asked = Asked(
             case,
             level,

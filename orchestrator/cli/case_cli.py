@@ -6,10 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 
+from orchestrator.cli.console import CONSOLE, ERRORS, checked, refuse, reported_errors
 from orchestrator.cli.options import CasePath, Level, Overrides
-from orchestrator.cli.said import CONSOLE, ERRORS, checked, refuse, said
 
 if TYPE_CHECKING:
     from orchestrator.preflight.levels import LoadedCase
@@ -31,7 +30,7 @@ def check(
     from orchestrator.cli.overview import overview
 
     loaded = checked(case, level, overrides)
-    with said():
+    with reported_errors():
         for line in overview(loaded, detail):
             CONSOLE.print(line)
 
@@ -71,7 +70,7 @@ def explain(
     from orchestrator.studies.ladder.stored import stored
 
     loaded = checked(case, level, overrides, table_mistakes)
-    with said():
+    with reported_errors():
         found = stored(loaded, ladder)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
         show(loaded, found, _tried(loaded, asked, budget), asked)
@@ -104,36 +103,3 @@ def list_cases(
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
     for line in case_lines(folder):
         CONSOLE.print(line)
-
-
-def bench(
-    case: CasePath,
-    level: Level = None,
-    intervals: Annotated[int, typer.Option(min=1, help="sync intervals to time")] = 2000,
-    settling: Annotated[int, typer.Option(help="sync intervals before them, untimed")] = 0,
-    effects: Annotated[
-        bool, typer.Option("--effects", help="time the case without each of its effects instead")
-    ] = False,
-    overrides: Overrides = None,
-) -> None:
-    """Time a case against its particles alone on a rigid, still surface (one process).
-
-    With --effects: what each effect that can be left out costs, part by part, that it costs nothing
-    when it is left out, and what is not loaded then.
-    """
-    from orchestrator.case.file.contents import has_particles
-    from orchestrator.cli import bench_effects
-    from orchestrator.cli.bench import bench as timed
-
-    loaded = checked(case, level, overrides)
-    if not effects and not has_particles(loaded.case):
-        refuse("the case has no particles: there is nothing to compare")
-    with said():
-        console = Console(markup=False)
-        if not console.is_terminal:
-            console.width = 180 if effects else 120  # into a file: as wide as the table
-        if effects:
-            asked = bench_effects.Asked(case, level, tuple(overrides or ()))
-            console.print(bench_effects.bench(asked, intervals))
-        else:
-            console.print(timed(loaded, intervals, settling))

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 from orchestrator.cli.options import CasePath, Level, Overrides
-from orchestrator.cli.said import CONSOLE, FAILED, said
 
 if TYPE_CHECKING:
     from orchestrator.studies.ladder.climb import Wanted
@@ -47,7 +47,7 @@ def ladder(
     folder = out or Path("runs") / f"{case.resolve().name}-ladder"
     names = tuple(word.strip() for word in only.split(","))
     sets = [*(overrides or []), *([f"duration_s={duration!r}"] if duration else [])]
-    with said():
+    with reported_errors():
         for name in names:
             if name not in LADDERS:
                 hint = did_you_mean(name, LADDERS)

@@ -22,8 +22,8 @@ from rich.console import Console
 
 from orchestrator.case import adapter, distributions
 from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.console import TOO_LARGE
 from orchestrator.cli.going_on import go_on, last_good
-from orchestrator.cli.said import TOO_LARGE
 from orchestrator.coupling import ranks
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records import run_folder, summary, trust
@@ -137,7 +137,7 @@ def carried_out(
             LOG.warning(line)
             console.print(f"warning: {line}")
         opened = Run(loaded, entries, stability, folder, world, console, save)
-        return _guarded(opened, folder, world, console)
+        return _run_guarded(opened, folder, world, console)
 
 
 class _StandardError(io.TextIOBase):
@@ -179,7 +179,7 @@ def _console(quiet: bool = False) -> Console:
     return Console(file=file, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
 
 
-def _guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
+def _run_guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
     """Runs, and turns whatever happens into a message, a finished folder and an exit code."""
     try:
         run.go()

@@ -89,7 +89,6 @@ for command in (
 ):
     app.command()(command)
 app.command(name="list")(case_cli.list_cases)
-app.command()(case_cli.bench)
 app.command()(ladder)
 app.command()(plan)
 app.add_typer(study, name="study")

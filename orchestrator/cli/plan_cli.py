@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from orchestrator.cli.console import CONSOLE, FAILED, checked, refuse, reported_errors
 from orchestrator.cli.options import CasePath, Level, Overrides
-from orchestrator.cli.said import CONSOLE, FAILED, checked, refuse, said
 
 if TYPE_CHECKING:
     from orchestrator.preflight.levels import LoadedCase
@@ -51,7 +51,7 @@ def plan(
         from orchestrator.preflight.level_file import write_level
 
         about = f"planned: {100 * made.chosen.error:.2g} % in {_time(made.wall_s)}"
-        with said():
+        with reported_errors():
             file = write_level(loaded, write, [*(overrides or []), *made.chosen.sets], about)
         CONSOLE.print(f"written: {file}")
 
@@ -69,7 +69,7 @@ def _planned(
     from orchestrator.studies.accuracy.plan import planned
     from orchestrator.studies.accuracy.stored import stored
 
-    with said():
+    with reported_errors():
         found = stored(loaded, given)
         if found is None:
             longest_s = as_it_is_s(case, level, overrides, loaded.case)

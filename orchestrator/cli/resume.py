@@ -15,7 +15,7 @@ from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, write_case, write_json
 from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.levels import LoadedCase, load
-from orchestrator.run.saves.origin import origin, refuse_another_run, warnings
+from orchestrator.run.origin import origin, refuse_another_run, warnings
 
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
 

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
+from orchestrator.cli.console import CONSOLE, refuse, reported_errors
 from orchestrator.cli.options import CasePath, Level, Overrides, RunPath
-from orchestrator.cli.said import CONSOLE, refuse, said
 
 Out = Annotated[
     Path | None, typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]")
@@ -57,7 +57,7 @@ def report(run: RunPath) -> None:
     """
     from orchestrator.output.report.command import report as made
 
-    with said():
+    with reported_errors():
         CONSOLE.print(made(run))
 
 
@@ -82,7 +82,7 @@ def record(
     from orchestrator.studies.record import record as recorded
     from orchestrator.studies.sweep import status
 
-    with said():
+    with reported_errors():
         made = recorded(run, cycles)
     try:
         recording_file.write(out, made.file)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli.said import CONSOLE, FAILED, said
+from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 
 if TYPE_CHECKING:
     from orchestrator.studies.hard.stability_map import Spot
@@ -45,7 +45,7 @@ def stability(
     from orchestrator.studies.workers import Crew
 
     parts = {word.strip() for word in part.split(",")}
-    with said():
+    with reported_errors():
         if unknown := parts - {"hard", "map"}:
             raise CaseError([CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part")])
         found = hard.found(cases, out / "hard") if "hard" in parts else []

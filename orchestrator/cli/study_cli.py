@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli.accuracy_cli import accuracy
+from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 from orchestrator.cli.options import CasePath, Level, Overrides
-from orchestrator.cli.said import CONSOLE, FAILED, said
 from orchestrator.cli.stability_cli import stability
 
 study = typer.Typer(help="Many runs, and what they say together.", no_args_is_help=True)
@@ -49,7 +49,7 @@ def sweep(
     from orchestrator.studies.points import parsed
     from orchestrator.studies.workers import Crew
 
-    with said():
+    with reported_errors():
         wanted = parsed(vary)
         folder = out or Path("runs") / f"{case.resolve().name}-{wanted.name}"
         points = sweeps.points(case, level, overrides or [], wanted, folder)
@@ -79,7 +79,7 @@ def paper(
     from orchestrator.studies.workers import Crew
 
     folder = out or Path("runs") / f"{case.resolve().name}-paper"
-    with said():
+    with reported_errors():
         wanted = papers.read(case)
         found = papers.runs(wanted, case, level, overrides or [], folder)
         points = [point for sweep in found.values() for point in sweep.points]

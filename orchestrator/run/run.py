@@ -28,14 +28,14 @@ from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.stability import plain
 from orchestrator.preflight.stability.bound import Card
 from orchestrator.preflight.stability.choice import with_scheme
+from orchestrator.run.checkpointer import Checkpointer, Schedule
 from orchestrator.run.ending import Ending
 from orchestrator.run.interruption import Interrupted, Stop
+from orchestrator.run.monitor.monitor import Monitor, Stopped
+from orchestrator.run.monitor.speed import check_stable
+from orchestrator.run.origin import origin
 from orchestrator.run.progress import Progress
-from orchestrator.run.saves.keeper import Keeper, Schedule
-from orchestrator.run.saves.origin import origin
 from orchestrator.run.time_left import Say
-from orchestrator.run.watching.guard import Guard, Stopped
-from orchestrator.run.watching.speed import check_stable
 
 
 class Run:
@@ -88,33 +88,33 @@ class Run:
         with written("results", 0.0):
             goes_on = self.resumes is not None
             recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, goes_on)
-        guard = Guard(self._case, machine, state, self._world, self._console)
-        keeper = Keeper(self._folder, machine, recorder, guard, self._about, self._world)
+        monitor = Monitor(self._case, machine, state, self._world, self._console)
+        checkpointer = Checkpointer(self._folder, machine, recorder, monitor, self._about, self._world)
         interrupted: Interrupted | Stopped | None = None
         try:
-            state = self._start(keeper, recorder, guard, state)
-            state = self._loop(machine, recorder, keeper, guard, state, stop)
+            state = self._start(checkpointer, recorder, monitor, state)
+            state = self._loop(machine, recorder, checkpointer, monitor, state, stop)
         except (Interrupted, Stopped) as stopped:
             interrupted, state = stopped, stopped.state
-            self._save(keeper, state)
+            self._save(checkpointer, state)
             recorder.last_contacts()
             self._progress.figures["material"] = recorder.material()
         finally:
-            self._progress.figures["monitor"] = guard.figures(self._done)
+            self._progress.figures["monitor"] = monitor.figures(self._done)
             recorder.close()
-        pending = machine.scheme.pending(state, Interval(0, guard.pace.last_s))
+        pending = machine.scheme.pending(state, Interval(0, monitor.pace.last_s))
         self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
-        self._progress.figures["energy_exchanged_J"] = guard.exchanged_J()
+        self._progress.figures["energy_exchanged_J"] = monitor.exchanged_J()
         if interrupted:
             raise interrupted
 
-    def _start(self, keeper: Keeper, recorder: Recorder, guard: Guard, state: State) -> State:
+    def _start(self, checkpointer: Checkpointer, recorder: Recorder, monitor: Monitor, state: State) -> State:
         """The state that the run goes on from."""
         if self.resumes is None:
-            self._record(recorder, guard, state, 0, 0)
+            self._record(recorder, monitor, state, 0, 0)
             return state
         try:
-            return keeper.restore(self.resumes, state)
+            return checkpointer.restore(self.resumes, state)
         except (KeyError, ValueError, RuntimeError) as error:
             then = self.resumes.about["provenance"]["commit"]
             raise SolverFailed(
@@ -123,24 +123,30 @@ class Run:
             ) from error
 
     def _loop(
-        self, machine: Machine, recorder: Recorder, keeper: Keeper, guard: Guard, state: State, stop: Stop
+        self,
+        machine: Machine,
+        recorder: Recorder,
+        checkpointer: Checkpointer,
+        monitor: Monitor,
+        state: State,
+        stop: Stop,
     ) -> State:
         first = self._done
         with Say(first, self._intervals, self._interval_s, self._console) as say:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs = machine.particle_runs
                 with self._advised(), named("the coupling", interval):
-                    state, seen = guard.advance(interval, state)
+                    state, seen = monitor.advance(interval, state)
                 check_stable(seen, interval.end_s, plain.advice(self._stability))
-                steps = steps_in(guard.pace.last_s, self._step_s) * (machine.particle_runs - runs)
-                self._record(recorder, guard, seen, interval.index + 1, steps)
+                steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
+                self._record(recorder, monitor, seen, interval.index + 1, steps)
                 with self._advised():
-                    guard.act(interval, state)
+                    monitor.act(interval, state)
                 say.done(interval.index + 1)
                 stop.check(self._world, state)
                 if self._schedule.due(interval.index + 1):
-                    self._save(keeper, state)
-        self._save(keeper, state)
+                    self._save(checkpointer, state)
+        self._save(checkpointer, state)
         return state
 
     @contextmanager
@@ -153,10 +159,10 @@ class Run:
                 error.add_note(plain.advice(self._stability))
             raise
 
-    def _save(self, keeper: Keeper, state: State) -> None:
+    def _save(self, checkpointer: Checkpointer, state: State) -> None:
         time_s = self._progress.figures["simulated_s"]
         with self._progress.stopwatch("saves"), written("save", time_s):
-            keeper.save(state, self._done)
+            checkpointer.save(state, self._done)
         self._schedule.done()
 
     def _about(self) -> dict[str, Any]:
@@ -173,7 +179,7 @@ class Run:
     def _done(self) -> int:
         return int(self._progress.figures["sync_intervals"])
 
-    def _record(self, recorder: Recorder, guard: Guard, state: State, done: int, steps: int) -> None:
+    def _record(self, recorder: Recorder, monitor: Monitor, state: State, done: int, steps: int) -> None:
         """Sync point ``done``, after so many steps of each particle; an output time every
         ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
@@ -186,7 +192,7 @@ class Run:
                 finally:  # also when it is the material that stops the run
                     figures["material"] = recorder.material()
                 figures["particles"] = len(bed[0].id) if bed is not None else 0
-                guard.output(time_s, state, terms_J, bed)
+                monitor.output(time_s, state, terms_J, bed)
         self._progress.sync_point(done, time_s, steps)
 
     def _interval(self, index: int) -> Interval:

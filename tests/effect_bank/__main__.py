@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli.said import CONSOLE, FAILED, said
+from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 
 if TYPE_CHECKING:
     from tests.effect_bank.trials import Tried
@@ -44,7 +44,7 @@ def effects(
     from tests.effect_bank.confusion import confusion
     from tests.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
 
-    with said():
+    with reported_errors():
         wanted = banks.chosen(banks.read(bank), scene or [])
         scenes = all_tried(wanted, bank.parent, out)
         if dry:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.bed.particle_step import particle_step_s
-from orchestrator.cli.bench import BLOCK, Runner, bench
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.levels import load
+from tests.bench.coupling import BLOCK, Runner, bench
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/ball-on-panel"

@@ -11,11 +11,11 @@ import pytest
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.planning import particles_plan
-from orchestrator.cli.bench_effects import Asked, Timed, bench, ratio, sets
-from orchestrator.cli.loaded import loaded_by
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present
 from orchestrator.preflight.levels import load
+from tests.bench.effects import Asked, Timed, bench, ratio, sets
+from tests.bench.loaded import loaded_by
 from tests.runs.outside import ROOT
 
 BALL = ROOT / "cases/ball-on-panel"

@@ -112,7 +112,7 @@ def test_markup_of_the_console_is_text(tmp_path: Path) -> None:
     (folder / "levels/[bold].toml").write_text("[panel]\nsolver = 'rigid'\nsurface_cells = [2, 2]")
     level = folder / "levels/[bold].toml"
     level.write_text('without = ["panel-deformation"]\n' + level.read_text())
-    for words in (["check"], ["explain"], ["bench", "--intervals", "100"]):
+    for words in (["check"], ["explain"]):
         sets = ["--set", "particles.solver=spheres", "--set", "frames.solver=prescribed"]
         sets += ["--set", "screen.bushings={}", "--set", "screen.exciters={}"]
         done = flipflow(*words, str(folder), *sets, cwd=tmp_path)

@@ -6,10 +6,10 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Saved
-from orchestrator.run.watching.alternation import Alternation
-from orchestrator.run.watching.created_energy import ClampWork, ContactWork
-from orchestrator.run.watching.crossed import Crossed
-from orchestrator.run.watching.figures import Figures
+from orchestrator.run.monitor.created_energy import ClampWork, ContactWork
+from orchestrator.run.monitor.growing_modes import Alternation
+from orchestrator.run.monitor.interface_data import Crossed
+from orchestrator.run.monitor.limits import Figures
 
 PARTICLES, FRAMES = "particles and panels", "panels and frames"
 INTERFACES = {PARTICLES: "particles-panel", FRAMES: "panel-frames"}  # by their names in the ledger

@@ -13,7 +13,7 @@ from orchestrator.case.bed.feed import Feeds
 from orchestrator.coupling.schemes import SCHEMES, scheme
 from orchestrator.coupling.schemes.exchange import State, initial
 from orchestrator.ports.clock import Interval
-from orchestrator.run.watching.pace import Pace
+from orchestrator.run.monitor.pace import Pace
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.particles.test_feed import INLET
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.state import put_back, taken
-from orchestrator.run.watching.created_energy import SLOW_M_S
+from orchestrator.run.monitor.created_energy import SLOW_M_S
 
 TURNS = 8  # as often in succession
 ROUND = 0.8  # of the way at least, as a cosine

@@ -12,7 +12,7 @@ from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.ports.particle_records import Bed
 from orchestrator.ports.penetration import Penetrations
-from orchestrator.run.watching.figures import Figures
+from orchestrator.run.monitor.limits import Figures
 
 
 class OutputWatch:

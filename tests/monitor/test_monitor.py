@@ -14,9 +14,9 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.contact_limits import light_point_s
-from orchestrator.run.watching.guard import Stopped
+from orchestrator.run.monitor.monitor import Stopped
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
-from tests.watching.machines import guarded, on_a_line
+from tests.monitor.machines import monitored, on_a_line
 
 STIFFNESS_N_per_m, DAMPING_N_s_per_m = 1e5, 20.0
 LIMIT_s = light_point_s(STIFFNESS_N_per_m, DAMPING_N_s_per_m, 1.0 / 0.8, 0.0)  # 0.8 of it is counted
@@ -46,14 +46,14 @@ def test_what_would_grow_without_end_is_shortened_and_ends_as_a_fine_run(tmp_pat
     """Each of the two alone finds it.  A fine run is still at its end; without the watch the plate
     is ten million times as far from there as at the start."""
     free, machine = pressed()
-    guarded(tmp_path / "a", machine, LONG_s, INTERVALS, [*ALONE[CREATED], f"watch.{CREATED}=warn"])
+    monitored(tmp_path / "a", machine, LONG_s, INTERVALS, [*ALONE[CREATED], f"monitor.{CREATED}=warn"])
     assert abs(free.x) > 1e3
     watched, machine = pressed()
-    guard = guarded(tmp_path / "b", machine, LONG_s, INTERVALS, [*ALONE[then], STAYS])
+    monitor = monitored(tmp_path / "b", machine, LONG_s, INTERVALS, [*ALONE[then], STAYS])
     fine, machine = pressed()
-    guarded(tmp_path / "c", machine, LONG_s / 16, 16 * INTERVALS)
+    monitored(tmp_path / "c", machine, LONG_s / 16, 16 * INTERVALS)
     assert abs(watched.x - fine.x) < 1e-3 * 1e-4
-    said = guard.figures(INTERVALS)
+    said = monitor.figures(INTERVALS)
     assert said["shortest_interval_s"] <= LONG_s / 2
     assert said["figures"][then]["times"] >= 1
     assert said["shortened_share"] == said["shortened_intervals"] / INTERVALS > 0.5
@@ -61,8 +61,8 @@ def test_what_would_grow_without_end_is_shortened_and_ends_as_a_fine_run(tmp_pat
 
 def test_a_quiet_run_is_left_alone(tmp_path: Path) -> None:
     _, machine = pressed()
-    guard = guarded(tmp_path, machine, LONG_s / 8, INTERVALS)
-    said = guard.figures(INTERVALS)
+    monitor = monitored(tmp_path, machine, LONG_s / 8, INTERVALS)
+    said = monitor.figures(INTERVALS)
     assert said["shortened_intervals"] == 0
     assert {one["times"] for one in said["figures"].values()} == {0}
 
@@ -71,10 +71,10 @@ def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> No
     _, machine = pressed()
     sets = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
     with caplog.at_level(logging.INFO, "flipflow"):
-        guard = guarded(tmp_path, machine, LONG_s, INTERVALS, sets)
+        monitor = monitored(tmp_path, machine, LONG_s, INTERVALS, sets)
     assert caplog.text.count("a mode of the interface grows") == 1
     assert caplog.text.count("in the last intervals") == 1
-    said = guard.figures(INTERVALS)
+    said = monitor.figures(INTERVALS)
     assert said["shortened_intervals"] == 0
     assert said["figures"]["growing_modes"]["times"] > 10
 
@@ -82,7 +82,7 @@ def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> No
 def test_stop_stops_before_it_is_too_late(tmp_path: Path) -> None:
     plate, machine = pressed()
     with pytest.raises(Stopped, match=r"stopped by the watch at t = .* s: a mode of the int") as at:
-        guarded(tmp_path, machine, LONG_s, INTERVALS, [*ALONE[GROWING], "monitor.growing_modes=stop"])
+        monitored(tmp_path, machine, LONG_s, INTERVALS, [*ALONE[GROWING], "monitor.growing_modes=stop"])
     assert at.value.state.panel.surface.position_m[0, 0] == plate.x
     assert abs(plate.x) < 0.01
 
@@ -94,8 +94,8 @@ def test_what_cannot_be_shortened_further_is_said_once(
     plate = HungPlate(1.0, 1e9, 20, v=1.0)
     machine = on_a_line(Sphere(1.0, 1.0, 9.0, 0.0, 2), plate, FreeFrame(0.5), "serial-staggered")
     with caplog.at_level(logging.WARNING, "flipflow"), np.errstate(all="ignore"):
-        guard = guarded(tmp_path, machine, 1e-3, 60)
-    assert guard.figures(60)["shortest_interval_s"] == 1e-3 / 64
+        monitor = monitored(tmp_path, machine, 1e-3, 60)
+    assert monitor.figures(60)["shortest_interval_s"] == 1e-3 / 64
     assert caplog.text.count("cannot be shortened any further") == 1
 
 
@@ -103,7 +103,7 @@ def test_loads_are_recorded_as_means_of_the_whole_interval(tmp_path: Path) -> No
     """What the frame gains in momentum is what was recorded of the reaction."""
     _, machine = pressed()
     recorded: list[float] = []
-    guarded(
+    monitored(
         tmp_path,
         machine,
         LONG_s,
@@ -126,17 +126,17 @@ def test_calm_again_it_goes_on_in_whole_intervals(tmp_path: Path) -> None:
         if len(done) == 40:
             sphere._particles.stiffness_N_per_m = sphere._particles.damping_N_s_per_m = 0.0  # type: ignore[attr-defined]
 
-    guard = guarded(tmp_path, machine, LONG_s, 200, ["monitor.calm_s=0.21"], lets_go)
-    assert guard.pace.parts == 1
-    assert guard.pace.trusted
-    assert 30 <= guard.pace.divided < 180
+    monitor = monitored(tmp_path, machine, LONG_s, 200, ["monitor.calm_s=0.21"], lets_go)
+    assert monitor.pace.parts == 1
+    assert monitor.pace.trusted
+    assert 30 <= monitor.pace.divided < 180
 
 
 def test_it_goes_on_bit_for_bit_from_a_save(tmp_path: Path) -> None:
     _, machine = pressed()
-    whole = guarded(tmp_path / "a", machine, LONG_s, 30)
+    whole = monitored(tmp_path / "a", machine, LONG_s, 30)
     other, again = pressed()[1], None
-    again = guarded(tmp_path / "b", other, LONG_s, 0)
+    again = monitored(tmp_path / "b", other, LONG_s, 0)
     again.restore(whole.save())
     for name, value in flat(whole.save()).items():
         np.testing.assert_array_equal(value, flat(again.save())[name])
@@ -160,5 +160,5 @@ def test_what_a_scheme_does_itself_is_booked_as_coupling(tmp_path: Path) -> None
 
     tried = replace(machine, scheme=Scheme(slow))
     with tried.stopwatch("rest"):
-        guarded(tmp_path, tried, 0.1, 5)
+        monitored(tmp_path, tried, 0.1, 5)
     assert 0.05 <= tried.stopwatch.wall_s["coupling"] < 0.5

@@ -73,7 +73,7 @@ class Figure:
         if self._times == 1:
             self._first_s = time_s
         said = self._words.format(value=value, where=where)
-        what = f"t = {time_s:.6g} s: {said} (watch.{self._limit_key} = {self._limit:g})"
+        what = f"t = {time_s:.6g} s: {said} (monitor.{self._limit_key} = {self._limit:g})"
         return Alarm(self._then, what, self._times == 1)
 
     def as_json(self) -> dict[str, Any]:

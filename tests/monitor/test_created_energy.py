@@ -10,12 +10,12 @@ import pytest
 
 from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.ports.clock import Interval
-from orchestrator.run.watching.created_energy import Balance, ClampWork, ContactWork, Exchange
-from orchestrator.run.watching.crossed import crossed
+from orchestrator.run.monitor.created_energy import Balance, ClampWork, ContactWork, Exchange
+from orchestrator.run.monitor.interface_data import crossed
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
-from tests.watching.machines import on_a_line
+from tests.monitor.machines import on_a_line
 
 ALL = slice(None)
 

@@ -13,7 +13,7 @@ are of second order in what changes within an interval.
 Panels and frames: the clamps are told to go to y - e, with R as the panels' mean reaction, and the
 frames go to y under Q.  Created are  (Q - R).(y - x) + R.(e - e_before).  Left out: likewise.
 
-docs/theory/stability.md, "The watch"; tests/watching compares both with the ledger.
+docs/theory/stability.md, "The watch"; tests/monitor compares both with the ledger.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Array, Indices, Load, Saved
 from orchestrator.ports.state import put_back, taken
-from orchestrator.run.watching.crossed import Crossed
+from orchestrator.run.monitor.interface_data import Crossed
 
 SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it

@@ -21,7 +21,7 @@ TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.
 
 
 @contextmanager
-def said() -> Iterator[None]:
+def reported_errors() -> Iterator[None]:
     """What went wrong inside, other than by a mistake in flipflow, is said, and ends the program
     with its exit code."""
     try:
@@ -64,7 +64,7 @@ def checked(
     from orchestrator.preflight.check import mistakes
     from orchestrator.preflight.levels import load
 
-    with said():
+    with reported_errors():
         loaded = load(case, level, overrides or [])
         if found := (rule or mistakes)(loaded):
             raise CaseError(found)

@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from orchestrator.cli.bench import Runner
-from orchestrator.cli.loaded import loaded_by
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
 from orchestrator.preflight.levels import LoadedCase, load
+from tests.bench.coupling import Runner
+from tests.bench.loaded import loaded_by
 
 BLOCK = 20
 PARTS = ("particles", "panel", "frames", "mapping")

@@ -14,8 +14,8 @@ from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import Overlaps
 from orchestrator.ports.penetration import Penetrations
-from orchestrator.run.watching.figures import Figures
-from orchestrator.run.watching.output_watch import OutputWatch, largest_stretch
+from orchestrator.run.monitor.limits import Figures
+from orchestrator.run.monitor.output_watch import OutputWatch, largest_stretch
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)

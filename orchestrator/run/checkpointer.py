@@ -17,7 +17,7 @@ from orchestrator.output.records.recorder import Recorder
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.state import as_arrays, like
-from orchestrator.run.watching.guard import Guard
+from orchestrator.run.monitor.monitor import Monitor
 
 
 class Schedule:
@@ -42,7 +42,7 @@ class Schedule:
         self._last_s = time.monotonic()
 
 
-class Keeper:
+class Checkpointer:
     """Saves a run into its folder, and takes one back to a save.
 
     ``about`` says what the save is of, at the moment that it is asked.
@@ -53,12 +53,12 @@ class Keeper:
         folder: Path,
         machine: Machine,
         recorder: Recorder,
-        guard: Guard,
+        monitor: Monitor,
         about: Callable[[], dict[str, Any]],
         world: Any,
     ) -> None:
         self._folder, self._machine, self._recorder = folder, machine, recorder
-        self._guard, self._about, self._world = guard, about, world
+        self._monitor, self._about, self._world = monitor, about, world
         self._last = self._good = -1
 
     def save(self, state: State, done: int) -> None:
@@ -66,9 +66,9 @@ class Keeper:
         Raises OSError."""
         if done == self._last:
             return
-        if self._guard.pace.trusted:
+        if self._monitor.pace.trusted:
             self._good = done
-        books = {"recorder": self._recorder.save(), "monitor": self._guard.save()}
+        books = {"recorder": self._recorder.save(), "monitor": self._monitor.save()}
         if self._machine.material is not None:
             books["material"] = self._machine.material.save()
         saved = {"members": self._members(), "coupling": as_arrays(state)} | books
@@ -91,7 +91,7 @@ class Keeper:
         if self._machine.scheme.memory is not None:
             self._machine.scheme.memory.restore(saved["scheme"])
         self._recorder.restore(saved["recorder"])
-        self._guard.restore(saved["monitor"])
+        self._monitor.restore(saved["monitor"])
         self._last, self._good = save.sync_points, save.good
         state: State = like(start, saved["coupling"])
         return state

@@ -20,11 +20,11 @@ from orchestrator.ports.clock import Interval, steps_in
 from orchestrator.ports.particle_records import Bed, Crossings
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.ports.state import put_back, taken
-from orchestrator.run.watching.coupling_watch import CouplingWatch
-from orchestrator.run.watching.crossed import Crossed, crossed
-from orchestrator.run.watching.figures import Figures
-from orchestrator.run.watching.output_watch import OutputWatch
-from orchestrator.run.watching.pace import Pace
+from orchestrator.run.monitor.coupling_watch import CouplingWatch
+from orchestrator.run.monitor.interface_data import Crossed, crossed
+from orchestrator.run.monitor.limits import Figures
+from orchestrator.run.monitor.output_watch import OutputWatch
+from orchestrator.run.monitor.pace import Pace
 
 LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
@@ -40,7 +40,7 @@ class Stopped(SolverFailed):
         self.state = state
 
 
-class Guard:
+class Monitor:
     """On every rank; the first one looks and decides for all."""
 
     def __init__(self, case: Case, machine: Machine, start: State, world: Any, console: Console) -> None:

@@ -19,7 +19,7 @@ from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.penetration import Penetrations
-from orchestrator.run.watching.guard import Guard
+from orchestrator.run.monitor.monitor import Monitor
 from tests.case.cases import loaded
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 
@@ -62,21 +62,21 @@ def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -
     )
 
 
-def guarded(
+def monitored(
     folder: Path,
     machine: Machine,
     interval_s: float,
     intervals: int,
     sets: Sequence[str] = (),
     each: Callable[[State], object] = lambda state: None,
-) -> Guard:
+) -> Monitor:
     """Runs so many intervals under the watch; ``each`` is shown what is recorded of them."""
     free = [f"coupling.sync_interval_s={interval_s}", *sets]
     state = initial(machine.solvers)
-    guard = Guard(loaded(folder, free).case, machine, state, None, Console(quiet=True))
+    monitor = Monitor(loaded(folder, free).case, machine, state, None, Console(quiet=True))
     for index in range(intervals):
         interval = Interval(index, interval_s)
-        state, seen = guard.advance(interval, state)
+        state, seen = monitor.advance(interval, state)
         each(seen)
-        guard.act(interval, state)
-    return guard
+        monitor.act(interval, state)
+    return monitor

@@ -1,1 +1,0 @@
-"""Saves: a run stopped at any sync point goes on, bit for bit, as if it had not stopped."""

@@ -1,0 +1,37 @@
+"""Times a case in one process.
+
+python -m tests.bench CASE             against its particles alone on a rigid, still surface
+python -m tests.bench CASE --effects   without each effect that can be left out, part by part
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from rich.console import Console
+
+from orchestrator.preflight.levels import load
+from tests.bench import coupling, effects
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser("python -m tests.bench", description="Time a case in one process.")
+    parser.add_argument("case", type=Path)
+    parser.add_argument("--level")
+    parser.add_argument("--intervals", type=int, default=2000, help="sync intervals to time")
+    parser.add_argument("--settling", type=int, default=0, help="sync intervals before them, untimed")
+    parser.add_argument("--effects", action="store_true", help="time the case without each of its effects")
+    parser.add_argument("--set", action="append", default=[], dest="overrides", metavar="KEY=VALUE")
+    args = parser.parse_args()
+    console = Console(markup=False, width=180)
+    if args.effects:
+        timed = effects.Asked(args.case, args.level, tuple(args.overrides))
+        console.print(effects.bench(timed, args.intervals))
+    else:
+        loaded = load(args.case, args.level, args.overrides)
+        console.print(coupling.bench(loaded, args.intervals, args.settling))
+
+
+if __name__ == "__main__":
+    main()
