@@ -1,6 +1,6 @@
-"""The explicit loops of sheet and strip in C++ (``kernel/module.cpp``)."""
+"""Explicit loops of sheet and strip in C++ (``kernel/module.cpp``)."""
 
-from collections.abc import Sequence
+from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
@@ -10,11 +10,39 @@ from orchestrator.ports import Array
 Ints = npt.NDArray[np.int32]
 
 LANES: int
-"""How many cells stand side by side in the arrays of Gauss points."""
+"""Number of cells that stand side by side in the arrays of Gauss points."""
 
-class Sheet:
-    """See ``compiled_sheet``.  Arrays have to be contiguous, of the dtype given; ValueError for one
-    of a wrong size."""
+class _Body:
+    """A body that works on arrays which Python owns.
+
+    All arrays are contiguous, of the given type, and passed by name; TypeError for another type,
+    ValueError, with the array's name, for a wrong size.
+    """
+
+    def rest(self) -> None:
+        """Take the positions as the shape in which every branch is relaxed; computes the force."""
+
+    def advance(
+        self,
+        *,
+        start_m: Array,
+        start_m_per_s: Array,
+        end_m: Array,
+        end_m_per_s: Array,
+        outside_N: Array,
+        length_s: float,
+        steps: int,
+        impulse_N_s: Array,
+    ) -> float:
+        """Move to the end of an interval in equal steps; other threads run meanwhile.
+
+        The held points go from start to end, (held, 3) each; the others move under the constant
+        force ``outside_N`` (points, 3).  Adds the impulse that the body gives to the held points to
+        ``impulse_N_s`` (held, 3) and returns the work on them in J.
+        """
+
+class Sheet(_Body):
+    """The sheet of ``finite_element/compiled_sheet.py``."""
 
     def __init__(
         self,
@@ -25,7 +53,7 @@ class Sheet:
         c01_N_per_m: float,
         solid: Array,
         rest: Array,
-        strain: Array,
+        strain_entries: Array,
         offset: Ints,
         entry: Array,
         flat_m: Array,
@@ -33,34 +61,29 @@ class Sheet:
         held: Ints,
         ratio: Array,
         time_s: Array,
-        state: Sequence[Array],
+        position_m: Array,
+        velocity_m_per_s: Array,
+        internal_N: Array,
+        strain: Array,
+        strain_stress: Array,
+        elastic_N: Array,
+        bending_stress_N: Array,
+        energy_J: Array,
+        lost_J: Array,
     ) -> None:
-        """Cell sizes; the membrane's law by cell (``kernel/membrane.h``); the bending matrix by
-        diagonals and the positions without bending; mobility (nodes,), zero where ``held``;
-        Maxwell branches; and the arrays that it works on: position, velocity, internal force, and
-        those of ``compiled_sheet.Memory``."""
+        """Bind the constants, which are copied, and the arrays of the state.
 
-    def rest(self) -> None:
-        """Take the positions as the shape in which every branch is relaxed; finds the force."""
+        Constants: sizes of the cells; the membrane's law by cell (``kernel/membrane.h``); the
+        bending matrix by diagonals and the positions without bending; mobility (nodes,), zero where
+        ``held``; Maxwell branches.  State, from ``position_m`` on: position, velocity and internal
+        force (nodes, 3), and the arrays of ``compiled_sheet.SheetMemory``.
+        """
 
-    def membrane_J(self) -> float: ...
-    def advance(
-        self,
-        start_m: Array,
-        start_m_per_s: Array,
-        end_m: Array,
-        end_m_per_s: Array,
-        outside_N: Array,
-        length_s: float,
-        steps: int,
-        impulse_N_s: Array,
-    ) -> float:
-        """Move to the end of an interval in equal steps: the held nodes from start to end, the
-        others under a constant force (nodes, 3).  Adds the internal force's impulse (held, 3) and
-        returns its work on the held nodes, in J.  Other threads run meanwhile."""
+    def membrane_J(self) -> float:
+        """Elastic energy of the membrane at the present positions."""
 
-class Chain:
-    """Arrays as for ``Sheet``; see ``chain_motion``."""
+class Chain(_Body):
+    """The chain of ``strip/motion.py``."""
 
     def __init__(
         self,
@@ -81,26 +104,18 @@ class Chain:
         share: Array,
         ratio: Array,
         time_s: Array,
-        state: Sequence[Array],
+        position_m: Array,
+        velocity_m_per_s: Array,
+        internal_N: Array,
+        strain: Array,
+        stress: Array,
+        energy_J: Array,
+        lost_J: Array,
     ) -> None:
-        """Springs from row ``first`` on; curvatures (bends, 3) of three rows each, ``at_clamp`` (0
-        or 1) those that count across ``along`` only; rows; how all follow the held ones
-        ``across``; Maxwell branches; and the arrays that it works on."""
+        """Bind the constants, which are copied, and the arrays of the state.
 
-    def rest(self) -> None:
-        """Take the positions as the shape in which every branch is relaxed; finds the force."""
-
-    def advance(
-        self,
-        start_m: Array,
-        start_m_per_s: Array,
-        end_m: Array,
-        end_m_per_s: Array,
-        outside_N: Array,
-        length_s: float,
-        steps: int,
-        impulse_N_s: Array,
-    ) -> float:
-        """Move to the end of an interval in equal steps, under a constant force (rows, 3).  Adds
-        the impulse (held, 3) that the chain gives to the held rows and returns its work on them,
-        in J.  Other threads run meanwhile."""
+        Constants: springs from row ``first`` on; curvatures (bends, 3) of three rows each, of which
+        those ``at_clamp`` (0 or 1) do not count ``along`` it; rows; ``share`` (rows, held): how all
+        follow the held ones ``across``; Maxwell branches.  State, from ``position_m`` on: position,
+        velocity and internal force (rows, 3), strains, and the branches' stresses and energies.
+        """

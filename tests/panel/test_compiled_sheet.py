@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from contextlib import closing
+from itertools import combinations
 
 import numpy as np
 import pytest
 
-from orchestrator.ports import Load
+from adapters.panel.common.body import Action
+from orchestrator.ports import Load, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import SolverFailed
 from tests.panel.elastic_plans import BRANCHES, difference, plan, shaken
 
@@ -90,7 +93,7 @@ def test_a_blow_up_is_reported_also_when_nothing_is_a_number():
 
     panel = sheet.build(given(SLOTS))
     load = Load.zero(len(panel.initial().surface))
-    panel._body.memory.strain_stress[0, 0, 0, 0, 0] = np.nan
+    panel._body.memory["strain_stress"][0, 0, 0, 0, 0] = np.nan
     with pytest.raises(SolverFailed, match=r"panel panel 1, t = 0.0001 s: unstable"):
         panel.advance(Interval(0, 1e-4), shaken(panel, 1e-4), load)
     panel.close()
@@ -103,9 +106,66 @@ def test_arrays_of_a_wrong_size_or_type_are_refused():
     panel = sheet.build(given(None))
     kernel = panel._body._kernel
     held = np.zeros((len(panel.mount.frame), 3))
-    outside = np.zeros((len(panel.initial().surface), 3))
-    with pytest.raises(ValueError, match=f"outside_N: {outside.size} numbers wanted, got 3"):
-        kernel.advance(held, held, held, held, np.zeros(3), 1e-4, 5, held)
+    steps = {
+        "start_m": held,
+        "start_m_per_s": held,
+        "end_m": held,
+        "end_m_per_s": held,
+        "outside_N": np.zeros((len(panel.initial().surface), 3)),
+        "length_s": 1e-4,
+        "steps": 5,
+        "impulse_N_s": held,
+    }
+    wanted = steps["outside_N"].size
+    with pytest.raises(ValueError, match=f"outside_N: {wanted} numbers wanted, got 3"):
+        kernel.advance(**steps | {"outside_N": np.zeros(3)})
     with pytest.raises(TypeError):
-        kernel.advance(held, held, held, held, outside, 1e-4, 5, held.astype(np.float32))
+        kernel.advance(**steps | {"impulse_N_s": held.astype(np.float32)})
+    with pytest.raises(TypeError):
+        kernel.advance(*steps.values())
     panel.close()
+
+
+def bound(arrays):
+    """A compiled sheet that stands still and bent under a load, and takes ``arrays`` by other names."""
+    from adapters.panel import _kernel
+    from adapters.panel.finite_element import compiled_sheet, sheet_forms
+
+    def kernel(**named):
+        return _kernel.Sheet(**named | {name: named[other] for name, other in arrays.items()})
+
+    structure, surface = sheet_forms.sheet(given(None))
+    with closing(structure), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiled_sheet, "Sheet", kernel)
+        sheet = compiled_sheet.CompiledSheet(given(None), structure, surface, 1e-5)
+        sheet.state.velocity_m_per_s[:] = 0.01
+        sheet.rest(structure.bending.flat_m[surface.nodes] + [0.0, 0.0, 1e-3] * (surface.nodes[:, None] % 2))
+    return sheet
+
+
+def advanced(sheet):
+    """All arrays of a sheet after two steps under a load."""
+    held_m = sheet._flat_m[sheet.held]
+    still = Motion(held_m, np.zeros_like(held_m))
+    action = Action(Path(still, still, 2e-5), np.full_like(sheet.state.position_m, 1e-3))
+    sheet.advance(sheet.state, action, Interval(0, 2e-5))
+    return vars(sheet.state) | sheet.memory
+
+
+ALIKE = ("position_m", "velocity_m_per_s", "internal_N", "elastic_N")
+
+
+@pytest.mark.parametrize("pair", list(combinations(ALIKE, 2)), ids="-".join)
+def test_arrays_of_equal_size_cannot_be_exchanged_unnoticed(pair):
+    """Which array is which is a matter of names alone: with two exchanged they hold something else."""
+    one, other = pair
+    expected, found = advanced(bound({})), advanced(bound({one: other, other: one}))
+    assert not all(np.allclose(found[name], expected[name], rtol=1e-6, atol=1e-9) for name in pair)
+
+
+@pytest.mark.parametrize(
+    "pair", [("strain", "strain_stress"), ("energy_J", "lost_J"), ("solid", "mobility_1_kg")]
+)
+def test_arrays_of_unequal_size_exchanged_are_named(pair):
+    with pytest.raises(ValueError, match=rf"({'|'.join(pair)}): \d+ numbers wanted"):
+        bound({pair[0]: pair[1], pair[1]: pair[0]})

@@ -83,7 +83,9 @@ def test_drift_is_the_change_between_the_halves() -> None:
     """An amplitude that grows by a tenth from cycle 5 of 10 to the end."""
     time_s = times(10.01)
     grown = np.where(time_s > 5 * CYCLE_S, 1.1, 1.0)[:, None]
-    assert drift([first_harmonic(time_s, grown * wave(time_s), CYCLE_S)]) == pytest.approx(0.1 / 1.05, rel=0.01)
+    assert drift([first_harmonic(time_s, grown * wave(time_s), CYCLE_S)]) == pytest.approx(
+        0.1 / 1.05, rel=0.01
+    )
     assert drift([first_harmonic(time_s, wave(time_s), CYCLE_S)]) == pytest.approx(0.0, abs=1e-12)
     assert drift([first_harmonic(times(2), wave(times(2)), CYCLE_S)]) is None
 

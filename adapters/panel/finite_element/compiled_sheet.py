@@ -13,22 +13,21 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from adapters.panel._kernel import LANES, Sheet
+from adapters.panel.common.body import Action, BodyState, CompiledBody, HeldForce
 from adapters.panel.common.maxwell import checked
-from adapters.panel.common.state import Action, HeldForce, State
 from adapters.panel.finite_element.elastic_panel import ElasticPanel
 from adapters.panel.finite_element.grid import Grid, Surface
 from adapters.panel.finite_element.sheet_forms import openings, strain_entries
 from adapters.panel.finite_element.structure import Structure
-from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports import Array, Indices
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan
-from orchestrator.ports.state import taken
 
 
 def panel(
     plan: PanelPlan, structure: Structure, surface: Surface[Grid], resting_m: Array, step_s: float
 ) -> ElasticPanel:
-    """The panel of ``plan`` at rest at ``resting_m`` (nodes, 3), in steps of at most ``step_s``.
+    """Return the panel of ``plan`` at rest at ``resting_m`` (nodes, 3), in steps of at most ``step_s``.
 
     Its nodes are numbered as those of the grid.  Closes ``structure``."""
     sheet = CompiledSheet(plan, structure, surface, step_s)
@@ -37,99 +36,68 @@ def panel(
     return ElasticPanel(plan, sheet, sheet, sheet.state, surface.grid, slice(None))
 
 
-class CompiledSheet:
+class CompiledSheet(CompiledBody):
     """Body and integrator in one, at rest nowhere before ``rest``.
 
-    ``state`` and ``memory`` are all that changes; the compiled code works on these very arrays.
+    ``state`` and ``memory`` are all that changes.  In ``memory``: the scaled strain at the Gauss
+    points, in groups of cells side by side; the elastic bending force; the stresses of both parts'
+    branches, each over its ratio; their energies (2, branches); the energy lost (1,).
     """
 
     def __init__(self, plan: PanelPlan, structure: Structure, surface: Surface[Grid], step_s: float) -> None:
         nodes, bending = surface.nodes, structure.bending
         assert bending is not None  # every sheet bends
-        branches = plan.material.branches
+        count, branches = len(nodes), len(plan.material.branches)
         self.mass_kg = structure.mass_kg[nodes]
-        self.held = np.flatnonzero(np.isin(nodes, structure.held))
-        self._flat_m = bending.flat_m[nodes]
-        self._step_s = step_s
-        self.state = State(*np.zeros((3, len(nodes), 3)))
-        self.memory = Memory(len(nodes), surface.grid, len(branches))
-        ratio, time_s = checked(branches)
-        self._kernel = Sheet(
+        self._flat_m, self._step_s = bending.flat_m[nodes], step_s
+        self.state = BodyState(*np.zeros((3, count, 3)))
+        groups = -(-surface.grid.shape[0] * surface.grid.shape[1] // LANES)
+        memory: dict[str, Any] = {
+            "strain": np.zeros((groups, 9, 3, LANES)),
+            "strain_stress": np.zeros((groups, 9, branches, 3, LANES)),
+            "elastic_N": np.zeros((count, 3)),
+            "bending_stress_N": np.zeros((branches, count, 3)),
+            "energy_J": np.zeros((2, branches)),
+            "lost_J": np.zeros(1),
+        }
+        held = np.flatnonzero(np.isin(nodes, structure.held))
+        ratio, time_s = checked(plan.material.branches)
+        kernel = Sheet(
             **_cells(plan, structure, surface.grid),
             **_diagonals(bending.matrix[nodes][:, nodes]),
             flat_m=self._flat_m,
             mobility_1_kg=structure.mobility_1_kg[nodes, 0],
-            held=self.held.astype(np.int32),
+            held=held.astype(np.int32),
             ratio=ratio,
             time_s=time_s,
-            state=[*self.state.moved(), *self.memory.arrays()],
+            position_m=self.state.position_m,
+            velocity_m_per_s=self.state.velocity_m_per_s,
+            internal_N=self.state.internal_N,
+            **memory,
         )
+        super().__init__(kernel, held, memory)
+        self._sheet = kernel
 
     def rest(self, position_m: Array) -> None:
         """Take ``position_m`` (nodes, 3) as the shape at rest, with relaxed branches."""
         self.state.position_m[:] = position_m
-        self._kernel.rest()
+        self._sheet.rest()
 
-    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
         """Move ``state``, which must be its own, to the interval's end under ``action``."""
-        path, impulse_N_s = action.held, np.zeros((len(self.held), 3))
-        work_J = self._kernel.advance(
-            path.start.position_m,
-            path.start.velocity_m_per_s,
-            path.end.position_m,
-            path.end.velocity_m_per_s,
-            action.outside_N,
-            path.length_s,
-            interval.steps(self._step_s),
-            impulse_N_s,
-        )
-        return HeldForce(impulse_N_s, work_J)
+        return self.move(action, interval.steps(self._step_s))
 
     def stored_J(self) -> dict[str, float]:
-        """Elastic energy by name and that of the Maxwell branches."""
+        """Return the elastic energy by name and that of the Maxwell branches."""
         bent_m = self.state.position_m - self._flat_m
         return {
-            "membrane": self._kernel.membrane_J(),
-            "bending": 0.5 * float(np.vdot(bent_m, self.memory.elastic_N)),
-            "maxwell": float(self.memory.energy_J.sum()),
+            "membrane": self._sheet.membrane_J(),
+            "bending": 0.5 * float(np.vdot(bent_m, self.memory["elastic_N"])),
+            "maxwell": float(self.memory["energy_J"].sum()),
         }
-
-    def lost_J(self) -> float:
-        """What the Maxwell branches dissipated since the start."""
-        return float(self.memory.lost_J[0])
-
-    def save(self) -> Saved:
-        """``state`` is saved by its owner."""
-        return taken(self.memory, *vars(self.memory))
-
-    def restore(self, saved: Saved) -> None:
-        for name, array in vars(self.memory).items():
-            array[:] = saved[name]
 
     def close(self) -> None:
         """Nothing is open."""
-
-
-class Memory:
-    """What the sheet knows of its past, beside ``State``.
-
-    Scaled strain at the Gauss points, in groups of cells side by side; elastic bending force; the
-    stresses of both parts' branches, each over its ratio; their energies (2, branches); the energy
-    lost (1,).
-    """
-
-    def __init__(self, nodes: int, grid: Grid, branches: int) -> None:
-        groups = -(-grid.shape[0] * grid.shape[1] // LANES)
-        self.strain = np.zeros((groups, 9, 3, LANES))
-        self.strain_stress = np.zeros((groups, 9, branches, 3, LANES))
-        self.elastic_N = np.zeros((nodes, 3))
-        self.bending_stress_N = np.zeros((branches, nodes, 3))
-        self.energy_J = np.zeros((2, branches))
-        self.lost_J = np.zeros(1)
-
-    def arrays(self) -> list[Array]:
-        """In the order in which the compiled code takes them."""
-        return list(vars(self).values())
 
 
 def _cells(plan: PanelPlan, structure: Structure, grid: Grid) -> dict[str, Any]:
@@ -154,7 +122,7 @@ def _cells(plan: PanelPlan, structure: Structure, grid: Grid) -> dict[str, Any]:
         "c01_N_per_m": plan.material.c01_Pa * plan.thickness_m,
         "solid": solid,
         "rest": rest,
-        "strain": strain,
+        "strain_entries": strain,
     }
 
 

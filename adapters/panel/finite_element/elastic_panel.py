@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 from scipy.sparse import csr_array, identity
 
-from adapters.panel.common.state import Action, HeldForce, State
+from adapters.panel.common.body import Action, BodyState, HeldForce
 from adapters.panel.finite_element.grid import Interpolating
 from orchestrator.ports import (
     Account,
@@ -45,7 +45,7 @@ class Body(Restorable, Protocol):
 
 
 class Integrator(Restorable, Protocol):
-    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
         """Move ``state`` to the interval's end under ``action``."""
         ...
 
@@ -64,7 +64,7 @@ class ElasticPanel:
         plan: PanelPlan,
         body: Body,
         integrator: Integrator,
-        state: State,
+        state: BodyState,
         grid: Interpolating,
         surface: Indices | slice,
     ) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.panel.common.state import Action, HeldForce, State
+from adapters.panel.common.body import Action, BodyState, HeldForce
 from adapters.panel.finite_element.structure import Structure
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval
@@ -22,7 +22,7 @@ class Explicit:
         self._largest_step_s = largest_step_s
 
     @np.errstate(over="ignore", invalid="ignore")  # the panel reports a blow-up
-    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
         """Move ``state`` to the interval's end under ``action``."""
         body, held = self._structure, self._structure.held
         steps = interval.steps(self._largest_step_s)

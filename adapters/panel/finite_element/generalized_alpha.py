@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.panel.common.state import Action, HeldForce, State
+from adapters.panel.common.body import Action, BodyState, HeldForce
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
 from orchestrator.ports import Array, Saved
@@ -52,7 +52,7 @@ class GeneralizedAlpha:
         self._mass_kg = structure.mass_kg[:, None]
 
     @np.errstate(over="ignore", invalid="ignore")  # the panel reports a blow-up
-    def advance(self, state: State, action: Action, interval: Interval) -> HeldForce:
+    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
         """Move ``state`` to the interval's end under ``action``."""
         steps = interval.steps(self._largest_step_s)
         on_held = HeldForce.none(len(self._structure.held))
@@ -80,7 +80,7 @@ class GeneralizedAlpha:
         self._tangent.close()
 
     def _cover(
-        self, state: State, action: Action, start: float, end: float, on_held: HeldForce, halvings: int
+        self, state: BodyState, action: Action, start: float, end: float, on_held: HeldForce, halvings: int
     ) -> None:
         """One step from fraction ``start`` to ``end`` of the interval; where it does not converge
         two of half the length, each of which may be halved ``halvings - 1`` times."""
@@ -93,7 +93,7 @@ class GeneralizedAlpha:
             self._cover(state, action, start, middle, on_held, halvings - 1)
             self._cover(state, action, middle, end, on_held, halvings - 1)
 
-    def _step(self, state: State, action: Action, start: float, end: float, on_held: HeldForce) -> None:
+    def _step(self, state: BodyState, action: Action, start: float, end: float, on_held: HeldForce) -> None:
         body, held = self._structure, self._structure.held
         outside_N, step_s = action.outside_N, (end - start) * action.held.length_s
         before = body.mobility_1_kg * (outside_N - state.filtered_N)  # acceleration
@@ -113,7 +113,7 @@ class GeneralizedAlpha:
         state.position_m[:] = trial
         state.internal_N, state.filtered_N = internal, filtered
 
-    def _solve(self, state: State, outside_N: Array, before: Array, trial: Array, step_s: float) -> Array:
+    def _solve(self, state: BodyState, outside_N: Array, before: Array, trial: Array, step_s: float) -> Array:
         """Newton's iteration on ``trial`` (changed in place); the internal force at its end."""
         body, free, mass = self._structure, self._structure.free, self._mass_kg
         drift = state.position_m + step_s * state.velocity_m_per_s

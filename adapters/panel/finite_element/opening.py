@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, closing
 from typing import Any
 
-from adapters.panel.common.state import State
+from adapters.panel.common.body import BodyState
 from adapters.panel.finite_element import integrators
 from adapters.panel.finite_element.elastic_panel import ElasticPanel
 from adapters.panel.finite_element.explicit import Explicit
@@ -62,9 +62,9 @@ def largest_step_s(plan: PanelPlan, structure: Structure) -> float:
         return integrators.largest_step_s(plan, tangent)
 
 
-def _at_rest(structure: Structure, resting_m: Array) -> State:
+def _at_rest(structure: Structure, resting_m: Array) -> BodyState:
     structure.rest(resting_m)
-    return State.at_rest(resting_m, structure.force_N(resting_m))
+    return BodyState.at_rest(resting_m, structure.force_N(resting_m))
 
 
 def _resting_m(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Array:

@@ -14,21 +14,19 @@ from typing import Any
 import numpy as np
 
 from adapters.panel._kernel import Chain as CompiledChain
+from adapters.panel.common.body import Action, CompiledBody
 from adapters.panel.common.maxwell import checked
 from adapters.panel.strip.chain import Chain
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.state import taken
-
-_STATE = ("position_m", "velocity_m_per_s", "internal_N", "_strain", "_stress", "_energy_J", "_lost_J")
 
 
-class ChainMotion:
-    """Starts at rest and relaxed at ``position_m`` (r, 3); ``mass_kg`` (r,).
+class ChainMotion(CompiledBody):
+    """A chain that starts at rest and relaxed at ``position_m`` (r, 3), with ``mass_kg`` (r,).
 
     ``internal_N`` (r, 3) is the force of springs and branches on the rows, now.  Branches act on
     spring lengths, with the springs' stiffness at no stretch, and on curvatures; their stresses
-    are kept over their ratios.  The compiled code works on these very arrays."""
+    are kept over their ratios."""
 
     def __init__(
         self,
@@ -38,57 +36,47 @@ class ChainMotion:
         branches: tuple[tuple[float, float], ...],
         across: Array,
     ) -> None:
-        self._chain = chain
-        self.held = np.flatnonzero(chain.held >= 0)
-        self._share, self._across = shares(chain), across
+        self._chain, self._share, self._across = chain, shares(chain), across
         self._springs = len(chain.area_m2)
         strains = self._springs + 3 * len(chain.bending_N_m3)
         self.position_m = position_m.copy()
         self.velocity_m_per_s, self.internal_N = np.zeros((2, *position_m.shape))
-        self._strain, self._stress = np.zeros(strains), np.zeros((len(branches), strains))
-        self._energy_J, self._lost_J = np.zeros(len(branches)), np.zeros(1)
+        memory = {
+            "position_m": self.position_m,
+            "velocity_m_per_s": self.velocity_m_per_s,
+            "internal_N": self.internal_N,
+            "strain": np.zeros(strains),
+            "stress": np.zeros((len(branches), strains)),
+            "energy_J": np.zeros(len(branches)),
+            "lost_J": np.zeros(1),
+        }
+        held = np.flatnonzero(chain.held >= 0)
         ratio, time_s = checked(branches)
-        self._kernel = CompiledChain(
+        kernel = CompiledChain(
             **_links(chain),
             mass_kg=mass_kg,
-            held=self.held.astype(np.int32),
+            held=held.astype(np.int32),
             free=np.flatnonzero(chain.held < 0).astype(np.int32),
             across=across,
             share=self._share,
             ratio=ratio,
             time_s=time_s,
-            state=[getattr(self, name) for name in _STATE],
+            **memory,
         )
-        self._kernel.rest()
+        super().__init__(kernel, held, memory)
+        kernel.rest()
 
     def run(self, path: Path, outside_N: Array, steps: int) -> tuple[Array, float]:
         """Move over ``path`` (of the held rows) under ``outside_N`` (r, 3), constant.
 
         Returns the impulse (held, 3) that the chain gives to the clamps, and its work on them.
         """
-        impulse_N_s = np.zeros((len(self.held), 3))
-        work_J = self._kernel.advance(
-            path.start.position_m,
-            path.start.velocity_m_per_s,
-            path.end.position_m,
-            path.end.velocity_m_per_s,
-            outside_N,
-            path.length_s,
-            steps,
-            impulse_N_s,
-        )
-        return impulse_N_s, work_J
-
-    def save(self) -> Saved:
-        return taken(self, *_STATE)
-
-    def restore(self, saved: Saved) -> None:
-        for name in _STATE:
-            getattr(self, name)[:] = saved[name.lstrip("_")]
+        on_held = self.move(Action(path, outside_N), steps)
+        return on_held.impulse_N_s, on_held.work_J
 
     def stretches(self) -> tuple[float, float]:
         """The smallest and the largest of the springs."""
-        stretch = self._strain[: self._springs] / self._chain.rest_m
+        stretch = self.memory["strain"][: self._springs] / self._chain.rest_m
         return float(stretch.min()), float(stretch.max())
 
     def stored_J(self) -> dict[str, float]:
@@ -97,12 +85,8 @@ class ChainMotion:
         return {
             "membrane": self._chain.membrane_J(self._chain.stretched(self.position_m)[1]),
             "bending": self._chain.bending_J(curvature_1_m),
-            "maxwell": float(self._energy_J.sum()),
+            "maxwell": float(self.memory["energy_J"].sum()),
         }
-
-    def lost_J(self) -> float:
-        """What the branches dissipated since the start."""
-        return float(self._lost_J[0])
 
     def onto_held(self, force: Array) -> Array:
         """(held, 3): how forces (r, 3) act on the held rows, across all of them."""
