@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 import numpy as np
+import pytest
 
 from orchestrator.ports import Array, Motion, Particles
 from orchestrator.ports.clock import Interval
@@ -16,6 +19,15 @@ from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
 G_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 WEIGHTLESS = np.zeros(3)
 SOFT = GrainMaterial("soft", 1e7, 0.3)
+
+SOLVERS = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
+
+
+def solver_module(name: str) -> ModuleType:
+    """The door of a solver; the test is skipped where LIGGGHTS's bridge is not built."""
+    if name == "liggghts":
+        pytest.importorskip("adapters.particles._liggghts")
+    return import_module(f"adapters.particles.{name}")
 
 
 def one(value: float) -> Array:

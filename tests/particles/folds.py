@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import import_module
+from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -16,12 +15,12 @@ from adapters.particles.spheres.neighbours import neighbours
 from adapters.particles.spheres.state import spheres as rows
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.plans import ParticlesPlan, SolverMissing
+from orchestrator.ports.plans import ParticlesPlan
+from tests.particles.contract import solver_module
 from tests.particles.liggghts_plans import make_plan, sheet, spheres
 
 RADIUS_M = 2.5e-3
 RIDGE, VALLEY = 1, -1
-CODES = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
 KINDS = pytest.mark.parametrize("kind", [RIDGE, VALLEY], ids=["ridge", "valley"])
 
 
@@ -32,13 +31,6 @@ class Held:
     force_N: Array
     load_N: Array
     elastic_J: Array
-
-
-def module(code: str) -> ModuleType:
-    try:
-        return import_module(f"adapters.particles.{code}")
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
 
 
 def fold(angle_deg: float, kind: int, half_m: float = 0.02) -> TriangleSurface:
@@ -73,7 +65,7 @@ def single_N(overlap_m: float) -> float:
 
 def held(code: str, surface: TriangleSurface, place_m: Array) -> Held:
     """Elastic, without friction, every place on its own."""
-    module(code)
+    solver_module(code)
     if code == "liggghts":
         return _in_liggghts(make_plan(surface, spheres([0.0, 0.0, 0.05])), place_m)
     return _in_spheres(make_plan(surface, spheres(place_m)))
@@ -97,18 +89,18 @@ def _in_spheres(plan: ParticlesPlan) -> Held:
 def _in_liggghts(plan: ParticlesPlan, place_m: Array) -> Held:
     from mpi4py import MPI
 
-    from adapters.particles import liggghts
+    from adapters.particles.liggghts.engine import create_particles, start_engine
     from adapters.particles.liggghts.input import FIRST_EVALUATION
 
     forces_N, loads_N, energies_J = [], [], []
     with TemporaryDirectory() as folder:
-        engine = liggghts.start(plan, MPI.COMM_SELF, liggghts.FilePath(folder))
-        liggghts.create(engine, plan.particles, 1)
+        engine = start_engine(plan, MPI.COMM_SELF, Path(folder))
+        create_particles(engine, plan.particles, 1)
         engine.command(FIRST_EVALUATION)
         for place in place_m:
             engine.particles()["x"][0] = place
             engine.prepare()
             forces_N.append(engine.particles()["f"][0].copy())
             loads_N.append(engine.force_N().sum(axis=0))
-            energies_J.append(engine.surface_energy_J()[0])
+            energies_J.append(engine.surface_energy_J()["elastic_J"])
     return Held(np.array(forces_N), np.array(loads_N), np.array(energies_J))

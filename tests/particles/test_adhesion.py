@@ -10,26 +10,14 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from adapters.particles import spheres as numpy_spheres
 from orchestrator.ports import Array, Particles
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import GrainMaterial, Jkr, Sjkr, SolverMissing
+from orchestrator.ports.plans import GrainMaterial, Jkr, Sjkr
 from tests.particles.contract import energy_defect_J
 from tests.particles.liggghts_plans import flat, make_plan, sheet, spheres, still, travel
 from tests.particles.sticky import DENSITY_KG_PER_M3, PAIR, PLANE, RADIUS_M, Known, on_surface, plan_of
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
-
-
-@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
-def module(request: pytest.FixtureRequest) -> ModuleType:
-    if request.param == "spheres":
-        return numpy_spheres
-    try:
-        from adapters.particles import liggghts
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-    return liggghts
 
 
 def curve(overlap_m: Array, known: Known) -> Array:

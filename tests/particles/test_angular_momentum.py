@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,23 +13,13 @@ from scipy.spatial.transform import Rotation
 from orchestrator.ports import Account, Array, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.plans import Jkr, ParticleList, ParticlesPlan, SolverMissing
+from orchestrator.ports.plans import Jkr, ParticleList, ParticlesPlan
 from tests.particles.contract import Run, energy_defect_J, one, particles, plan, plate
 
 Build = Callable[[ParticlesPlan], Run]
 SPIN_RAD_S = np.array([1.3, -2.1, 4.0])
 RISE_M_S = np.array([0.05, -0.02, 0.1])
 INTERVAL_S = 1e-3
-
-
-@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
-def build(request: pytest.FixtureRequest) -> Iterator[Build]:
-    try:
-        module = importlib.import_module(f"adapters.particles.{request.param}")
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-    with ExitStack() as opened:
-        yield lambda plan: Run(opened.enter_context(closing(module.build(plan))), plan)
 
 
 @dataclass

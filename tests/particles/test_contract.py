@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from orchestrator.ports import BrokenRecord, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan, SolverMissing
+from orchestrator.ports.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan
 from tests.particles.contract import (
     G_M_PER_S2,
     WEIGHTLESS,
@@ -33,16 +31,6 @@ Build = Callable[[ParticlesPlan], Run]
 EMPTY = particles(np.empty((0, 3)))
 UP = np.array([0.0, 0.0, 1.0])
 MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3  # of the usual particle
-
-
-@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
-def build(request: pytest.FixtureRequest) -> Iterator[Build]:
-    try:
-        module = importlib.import_module(f"adapters.particles.{request.param}")
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-    with ExitStack() as opened:
-        yield lambda plan: Run(opened.enter_context(closing(module.build(plan))), plan)
 
 
 def test_a_sphere_at_rest_loads_the_surface_with_its_weight(build: Build) -> None:

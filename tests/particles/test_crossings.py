@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,22 +13,12 @@ from orchestrator.ports import Array, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.plans import GrainMaterial, ParticlesPlan, SolverMissing
+from orchestrator.ports.plans import GrainMaterial, ParticlesPlan
 from orchestrator.ports.state import restorable
 from tests.particles.contract import WEIGHTLESS, Run, at_rest, one, particles, plan, plate
 
 Build = Callable[[ParticlesPlan], Run]
 VERY_SOFT = GrainMaterial("very soft", 1e3, 0.3)
-
-
-@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
-def build(request: pytest.FixtureRequest) -> Iterator[Build]:
-    try:
-        module = importlib.import_module(f"adapters.particles.{request.param}")
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-    with ExitStack() as opened:
-        yield lambda plan: Run(opened.enter_context(closing(module.build(plan))), plan)
 
 
 def soft(surface: TriangleSurface, *given: Any, **changes: Any) -> ParticlesPlan:

@@ -9,23 +9,12 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from tests.particles.folds import (
-    CODES,
-    KINDS,
-    RADIUS_M,
-    RIDGE,
-    VALLEY,
-    fold,
-    furrows,
-    held,
-    module,
-    pit,
-    single_N,
-)
+from tests.particles.contract import SOLVERS, solver_module
+from tests.particles.folds import KINDS, RADIUS_M, RIDGE, VALLEY, fold, furrows, held, pit, single_N
 from tests.particles.liggghts_plans import make_plan, spheres, still, travel
 
 # slow as a whole: thousands of steps of the NumPy spheres
-pytestmark = [pytest.mark.slow, pytest.mark.parametrize("code", CODES)]
+pytestmark = [pytest.mark.slow, pytest.mark.parametrize("code", SOLVERS)]
 FOLDS_DEG = pytest.mark.parametrize("angle_deg", [5.0, 15.0, 20.0, 30.0, 40.0, 60.0, 90.0])
 OVERLAP_M = 0.02 * RADIUS_M
 
@@ -204,7 +193,7 @@ def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float
         gravity_m_per_s2=np.array([0.0, 0.0, -gravity_m_per_s2]),
         step_s=step_s,
     )
-    with closing(module(code).build(plan)) as solver:
+    with closing(solver_module(code).build(plan)) as solver:
         energy_J = [sum(solver.account().stored_J.values())]
         for index in range(40):
             travel(solver, lambda t: still(surface), range(index, index + 1))

@@ -14,7 +14,8 @@ from orchestrator.ports.plans import ParticleList
 from tests.particles.liggghts_bed import WET, bed, bed_plan, impulse_N_s, wave
 from tests.particles.liggghts_plans import INTERVAL_S, flat, make_plan, spheres, still, travel
 
-liggghts = pytest.importorskip("adapters.particles.liggghts")
+pytest.importorskip("adapters.particles._liggghts")
+from adapters.particles import liggghts
 
 pytestmark = pytest.mark.solver
 

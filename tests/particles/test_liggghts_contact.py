@@ -10,8 +10,10 @@ from orchestrator.ports import Motion
 from orchestrator.ports.plans import GrainMaterial
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
-liggghts = pytest.importorskip("adapters.particles.liggghts")
-from adapters.particles.liggghts.input import FIRST_EVALUATION  # noqa: E402
+pytest.importorskip("adapters.particles._liggghts")
+from adapters.particles import liggghts
+from adapters.particles.liggghts.engine import create_particles, start_engine
+from adapters.particles.liggghts.input import FIRST_EVALUATION
 
 pytestmark = pytest.mark.solver
 
@@ -34,11 +36,11 @@ def impact(velocity_m_per_s, **laws):
 
 def on_stock_plane(plan, steps, folder):
     """The same plan with LIGGGHTS's own analytic plane z = 0 of material 2."""
-    engine = liggghts.start(plan, MPI.COMM_SELF, folder)
+    engine = start_engine(plan, MPI.COMM_SELF, folder)
     engine.command("unfix surface")
     model = "model hertz tangential history rolling_friction epsd2"
     engine.command(f"fix plane all wall/gran {model} primitive type 2 zplane 0.0")
-    liggghts.create(engine, plan.particles, 1)
+    create_particles(engine, plan.particles, 1)
     engine.command(FIRST_EVALUATION)
     engine.command(f"run {steps}")
     return {name: np.array(values) for name, values in engine.particles().items()}

@@ -10,7 +10,8 @@ from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import SolverFailed
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
-liggghts = pytest.importorskip("adapters.particles.liggghts")
+pytest.importorskip("adapters.particles._liggghts")
+from adapters.particles import liggghts
 
 pytestmark = pytest.mark.solver
 

@@ -9,8 +9,9 @@ from orchestrator.ports.geometry import TriangleSurface
 from tests.particles.liggghts_plans import make_plan, sheet, spheres, still, travel
 from tests.particles.test_liggghts_balance import ranks
 
-liggghts = pytest.importorskip("adapters.particles.liggghts")
-liggghts_start = pytest.importorskip("adapters.particles.liggghts.start")
+pytest.importorskip("adapters.particles._liggghts")
+from adapters.particles import liggghts
+from adapters.particles.liggghts.engine import join_across
 
 pytestmark = pytest.mark.solver
 
@@ -130,7 +131,7 @@ def test_a_feed_sees_what_is_across_the_boundary():
 
 
 def test_the_surface_is_joined_where_it_meets_itself():
-    joined = liggghts_start.joined_across(surface(bent_both, 0.0), PERIOD_M)
+    joined = join_across(surface(bent_both, 0.0), PERIOD_M)
     last, first = CELLS, 0  # numbers of the points at both sides of the first row
     assert first in joined
     assert last not in joined

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from adapters.particles import spheres
 from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.perforated_grid import perforated_grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Apertures, Rectangle, TriangleSurface
-from tests.particles.contract import Run, one, particles, plan
+from tests.particles.contract import SOLVERS, Run, one, particles, plan, solver_module
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
@@ -24,16 +23,10 @@ STAGGERED = Apertures("rectangle", 0.010, 0.006, 0.015, 0.009, 0.5, 0.02, 0.02)
 
 
 def build(solver: str, **given: Any) -> Any:
-    if solver == "spheres":
-        return spheres.build(plan(**given))
-    from adapters.particles import liggghts
-
-    return liggghts.build(plan(**given))
+    return solver_module(solver).build(plan(**given))
 
 
-every_solver = pytest.mark.parametrize(
-    "solver", ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
-)
+every_solver = pytest.mark.parametrize("solver", SOLVERS)
 
 
 def still(pattern: Apertures, panel: Rectangle = PANEL) -> TriangleSurface:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Iterable
 from contextlib import closing
 from itertools import pairwise
@@ -15,7 +14,7 @@ from scipy.integrate import solve_ivp
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.plans import ParticlesPlan, SolverMissing
+from orchestrator.ports.plans import ParticlesPlan
 from tests.particles.contract import WEIGHTLESS, one, particles, plan, plate
 
 RADIUS_M, SPEED_M_S = 0.005, 0.5
@@ -35,14 +34,6 @@ def shaken(time_s: float) -> tuple[float, float]:
     return amplitude_m * np.sin(phase), amplitude_m * omega_1_s * np.cos(phase)
 
 
-@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
-def solver(request: pytest.FixtureRequest) -> Any:
-    try:
-        return importlib.import_module(f"adapters.particles.{request.param}")
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-
-
 def at(given: ParticlesPlan, height_m: float, velocity_m_per_s: float) -> Motion:
     """The plate."""
     up = np.broadcast_to([0.0, 0.0, 1.0], given.surface.position_m.shape)
@@ -54,9 +45,9 @@ def following(given: ParticlesPlan, height: Height, intervals: int) -> list[Path
     return [Path(start, end, LENGTH_S) for start, end in pairwise(motions)]
 
 
-def carried(solver: Any, given: ParticlesPlan, paths: Iterable[Path]) -> tuple[Array, Array]:
+def carried(module: Any, given: ParticlesPlan, paths: Iterable[Path]) -> tuple[Array, Array]:
     """Heights and velocities of the spheres after the plate went along."""
-    with closing(solver.build(given)) as opened:
+    with closing(module.build(given)) as opened:
         for index, path in enumerate(paths):
             opened.advance(Interval(index, LENGTH_S), path)
         now = opened.snapshot()
@@ -79,12 +70,12 @@ def dropped(restitution: float, steps: int) -> ParticlesPlan:
 
 
 @pytest.mark.parametrize("height", [still, shaken])
-def test_without_dampers_it_is_of_second_order(solver: Any, height: Height) -> None:
+def test_without_dampers_it_is_of_second_order(module: Any, height: Height) -> None:
     """Inside the contact, against a fine step."""
     places_m = []
     for steps in (4, 8, 16, 128):
         given = dropped(1.0, steps)
-        places_m.append(carried(solver, given, following(given, height, 8))[0])
+        places_m.append(carried(module, given, following(given, height, 8))[0])
     error_m = [np.sqrt(np.mean((place - places_m[-1]) ** 2)) for place in places_m[:-1]]
     np.testing.assert_allclose(np.log2(np.divide(error_m[:-1], error_m[1:])), 2.0, atol=0.2)
 
@@ -109,7 +100,7 @@ def rebound_m_per_s(restitution: float, late_s: float) -> float:
     return -float(found.y[1, -1])
 
 
-def test_dampers_are_half_a_step_late(solver: Any) -> None:
+def test_dampers_are_half_a_step_late(module: Any) -> None:
     """Forces go by the velocities of the step's middle.  So the order is 1, and the error is what
     a damper half a step late makes of the rebound e v, within 2 %: when in a step a sphere begins
     to touch is chance."""
@@ -118,7 +109,7 @@ def test_dampers_are_half_a_step_late(solver: Any) -> None:
     error_m_per_s = []
     for steps in (8, 16, 32):
         given = dropped(0.34, steps)
-        found_m_per_s = carried(solver, given, following(given, still, 22))[1]
+        found_m_per_s = carried(module, given, following(given, still, 22))[1]
         error_m_per_s.append(float(np.mean(found_m_per_s)) - exact_m_per_s)
         late_m_per_s = rebound_m_per_s(0.34, LENGTH_S / steps / 2.0)
         assert error_m_per_s[-1] == pytest.approx(late_m_per_s - exact_m_per_s, rel=0.02)
@@ -136,7 +127,7 @@ def single(place_m: float, restitution: float, steps: int) -> ParticlesPlan:
     )
 
 
-def test_a_sphere_rests_on_a_plate_that_accelerates(solver: Any) -> None:
+def test_a_sphere_rests_on_a_plate_that_accelerates(module: Any) -> None:
     """At 50 g its overlap is Hertz's under 50 times its weight, whatever the step and the damper:
     both velocities that the damper compares are those of the middle of the step."""
     acceleration_m_per_s2 = 490.0
@@ -146,12 +137,12 @@ def test_a_sphere_rests_on_a_plate_that_accelerates(solver: Any) -> None:
         return acceleration_m_per_s2 * time_s**2 / 2.0, acceleration_m_per_s2 * time_s
 
     given = single(RADIUS_M - overlap_m, 0.34, 2)
-    (place_m,), _ = carried(solver, given, following(given, pushed, 40))
+    (place_m,), _ = carried(module, given, following(given, pushed, 40))
     found_m = RADIUS_M - (place_m - pushed(40 * LENGTH_S)[0])
     assert found_m == pytest.approx(overlap_m, rel=1e-8)
 
 
-def test_a_jump_of_the_surface_is_felt_half_a_step_late(solver: Any) -> None:
+def test_a_jump_of_the_surface_is_felt_half_a_step_late(module: Any) -> None:
     """The half step that follows a jump goes by the force before it: first order.  A plate jumps
     into a sphere by d; Hertz's energy, 8/15 E* sqrt(r) d^(5/2), throws it off."""
     jump_m = 6e-5
@@ -162,7 +153,7 @@ def test_a_jump_of_the_surface_is_felt_half_a_step_late(solver: Any) -> None:
         given = single(RADIUS_M, 1.0, n)
         before, after = (at(given, height_m, 0.0) for height_m in (0.0, jump_m))
         paths = [Path(before, before, LENGTH_S), *[Path(after, after, LENGTH_S)] * 19]
-        (place_m,), (found_m_per_s,) = carried(solver, given, paths)
+        (place_m,), (found_m_per_s,) = carried(module, given, paths)
         assert found_m_per_s == pytest.approx(speed_m_per_s, rel=2e-3)
         places_m.append(place_m)
     earlier_s = np.diff(places_m) / speed_m_per_s  # than with steps twice as long

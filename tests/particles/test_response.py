@@ -17,7 +17,8 @@ from adapters.particles import spheres
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.plans import Jkr, ParticlesPlan, SolverMissing
+from orchestrator.ports.plans import Jkr, ParticlesPlan
+from tests.particles.contract import solver_module
 from tests.particles.folds import VALLEY, fold
 from tests.particles.liggghts_plans import flat, make_plan
 from tests.particles.liggghts_plans import spheres as spheres_at
@@ -25,14 +26,6 @@ from tests.particles.liggghts_plans import spheres as spheres_at
 STEP_S, BEFORE_S = 1e-7, 2e-5
 CONTACT_S = 1.4e-4  # half a period of the spheres on their springs, about
 SIDE_M = 2.6e-3  # of one sphere to the next: less than their diameter would be 2.5 mm
-
-
-def liggghts() -> ModuleType:
-    try:
-        from adapters.particles import liggghts as module
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-    return module
 
 
 def pressed(**changes: Any) -> ParticlesPlan:
@@ -91,15 +84,13 @@ def errors(solver: Any, plan: ParticlesPlan, length_s: float) -> tuple[float, fl
     )
 
 
-@pytest.mark.solver
-@pytest.mark.parametrize("module", [lambda: spheres, liggghts], ids=["spheres", "liggghts"])
-def test_response_is_the_tangent_of_the_mean_load(module: Any) -> None:
+def test_response_is_the_tangent_of_the_mean_load(module: ModuleType) -> None:
     """Against finite differences, in intervals of 1/14 and 1/28 of a contact: the midpoint rule is
     of second order in what it tells of its contact; the sphere on top, whose force is taken as it
     is at the start, is of first order in the push (measured, the same four digits in both
     adapters: impedance off by 1.457 and 0.2015 %, push by 0.2114 and 0.1311 %)."""
     plan = pressed()
-    with in_touch(module(), plan) as solver:
+    with in_touch(module, plan) as solver:
         (push, impedance), (finer_push, finer) = (errors(solver, plan, length_s) for length_s in (1e-5, 5e-6))
     assert impedance < 0.03
     assert finer < 0.3 * impedance
@@ -121,7 +112,7 @@ def test_response_is_the_tangent_of_the_mean_load(module: Any) -> None:
 def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
     plan = pressed(**changes)
     told = []
-    for module in (spheres, liggghts()):
+    for module in (spheres, solver_module("liggghts")):
         with in_touch(module, plan) as solver:
             told.append(solver.response(1e-5))
     mine, theirs = told
@@ -135,11 +126,11 @@ def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
 def test_a_response_goes_along_with_a_saved_state() -> None:
     """Bit for bit, back at the sync point and in another instance."""
     plan = pressed()
-    with in_touch(liggghts(), plan) as solver:
+    with in_touch(solver_module("liggghts"), plan) as solver:
         before, told = solver.save(), solver.response(1e-5)
         load_N(solver, plan, np.array([0.0, 0.0, 0.01]), 1e-5)
         again = solver.response(1e-5)
-    with closing(liggghts().build(plan)) as other:
+    with closing(solver_module("liggghts").build(plan)) as other:
         other.restore(before)
         elsewhere = other.response(1e-5)
     for name in ("push_N", "impedance_N_s_per_m"):

@@ -13,8 +13,8 @@ import pytest
 from adapters.particles import spheres
 from orchestrator.ports import Account, Array, ParticleSnapshot
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr, SolverMissing
-from tests.particles.contract import Run, particles, plan, plate
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr
+from tests.particles.contract import Run, particles, plan, plate, solver_module
 from tests.particles.folds import furrows, pit
 from tests.particles.liggghts_plans import make_plan
 from tests.particles.liggghts_plans import spheres as spheres_at
@@ -26,12 +26,8 @@ Result = tuple[Array, ParticleSnapshot, Account]
 
 def both(given: ParticlesPlan, intervals: int, surface_m_per_s: Array) -> tuple[Result, Result]:
     """Loads, last snapshot and account of the spheres and of LIGGGHTS."""
-    try:
-        from adapters.particles import liggghts
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
     results = []
-    for module in (spheres, liggghts):
+    for module in (spheres, solver_module("liggghts")):
         with closing(module.build(given)) as solver:
             run = Run(solver, given, surface_m_per_s)
             run.advance(intervals)

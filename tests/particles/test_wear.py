@@ -5,9 +5,8 @@ Archard, J. F., Journal of Applied Physics 24, 1953, 981-988, doi 10.1063/1.1721
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -15,24 +14,14 @@ import pytest
 
 from adapters.particles import spheres
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, SolverMissing
-from tests.particles.contract import WEIGHTLESS, Run, one, particles, plan, plate
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
+from tests.particles.contract import WEIGHTLESS, Run, one, particles, plan, plate, solver_module
 
 Build = Callable[[ParticlesPlan], Run]
 
 RATE_M3_PER_N_M = 3e-10
 MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3
 WEIGHT_N = 9.81 * MASS_KG
-
-
-@pytest.fixture(params=["spheres", pytest.param("liggghts", marks=pytest.mark.solver)])
-def build(request: pytest.FixtureRequest) -> Iterator[Build]:
-    try:
-        module = importlib.import_module(f"adapters.particles.{request.param}")
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
-    with ExitStack() as opened:
-        yield lambda given: Run(opened.enter_context(closing(module.build(given))), given)
 
 
 def wearing(given: ParticlesPlan) -> ParticlesPlan:
@@ -158,10 +147,7 @@ def test_only_the_pair_with_a_rate_wears(build: Build) -> None:
 @pytest.mark.parametrize("adhesion", [None, Jkr(one(0.2), 1e-2)], ids=["dry", "sticky"])
 def test_two_codes_wear_alike(adhesion: Jkr | None) -> None:
     """Eighteen spheres with rolling resistance on a moving plate, point by point."""
-    try:
-        from adapters.particles import liggghts
-    except SolverMissing as missing:
-        pytest.skip(str(missing))
+    liggghts = solver_module("liggghts")
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
     velocity_m_per_s = np.random.default_rng(1).normal(0.0, 0.3, (18, 3))

@@ -43,7 +43,7 @@ def poisoned(self, interval, reaction):
 two_mass.{cls}.advance = poisoned
 """
 NAN_IN_LIGGGHTS = """
-from adapters.particles.liggghts import Liggghts
+from adapters.particles.liggghts.particles import Liggghts
 advance = Liggghts.advance
 def poisoned(self, interval, path):
     if interval.index == 2:
@@ -71,7 +71,7 @@ NOTHING_LEFT = (
     "self.hoard = [bytearray(2**16) for _ in range(2**20)]"
 )
 LOSES_A_PARTICLE = """
-from adapters.particles.liggghts import Liggghts
+from adapters.particles.liggghts.particles import Liggghts
 advance = Liggghts.advance
 def careless(self, interval, path):
     if interval.index == 2:

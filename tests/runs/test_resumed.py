@@ -126,7 +126,7 @@ def test_a_save_of_another_flipflow_is_said_to_be_one(
     stopped: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One that knew nothing of what the spheres need today; nothing of the save is lost."""
-    monkeypatch.setattr("adapters.particles.spheres._STATE", ("_spheres", "_plan"))
+    monkeypatch.setattr("adapters.particles.spheres.particles._STATE", ("_spheres", "_plan"))
     assert resume(stopped, []) == launch.FAILED
     said = capsys.readouterr().err
     assert "cannot be put back (KeyError: 'plan'): it was saved by another flipflow" in said

@@ -62,10 +62,9 @@ void FixSurface::save(SavedState &saved) const {
   search_.save(saved);
   history_.save(atom->nlocal, saved);
   load_.save(saved);
-  response_.save(saved);
+  tangent_.save(saved);
   wear_.save(saved);
   saved.reals["surface_energy_J"] = {energy_.elastic_J, energy_.adhesion_J};
-  saved.wholes["surface_contacts"] = {contacts_};
   for (Vec3 of : {mass_moment_, mass_moment_time_})
     for (double part : {of.x, of.y, of.z}) saved.reals["mass_moments"].push_back(part);
 }
@@ -75,7 +74,7 @@ void FixSurface::restore(const SavedState &saved) {
   search_.restore(saved);
   history_.restore(saved);
   load_.restore(saved);
-  response_.restore(saved);
+  tangent_.restore(saved);
   wear_.restore(saved);
   const auto &energy = saved.real("surface_energy_J");
   energy_ = {energy[0], energy[1]};
@@ -84,7 +83,6 @@ void FixSurface::restore(const SavedState &saved) {
   const double *moments = saved.real("mass_moments").data();
   mass_moment_ = from(moments);
   mass_moment_time_ = from(moments + 3);
-  contacts_ = static_cast<int>(saved.whole("surface_contacts")[0]);
 }
 
 // Sum of mass times place, by which gravity gives the particles angular momentum.
@@ -122,10 +120,9 @@ void FixSurface::post_force(int) {
   if (neighbours_listed_now_ || search_.stale(neighbor->skin)) search();
   const bool last = update->setupflag || update->ntimestep == last_step_;
   load_.next_evaluation(last);
-  responds_now_ = last && response_.asked();
-  if (responds_now_) response_.clear();
+  tangent_wanted_now_ = last && tangent_.asked();
+  if (tangent_wanted_now_) tangent_.clear();
   energy_ = {};
-  contacts_ = 0;
   touch_all_();
   load_.end_evaluation(update->setupflag ? 0.0 : update->dt);
   weigh(update->setupflag ? 0.0 : update->dt);
@@ -245,12 +242,89 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
   load_.add(surface_, corner, on_corners, step);
   deepest_.add(overlap, atom->radius[i]);
   if (laws_.touching(overlap, history)) {
-    ++contacts_;
-    if (responds_now_) respond(touch, contact, history, unshared, turned);
+    if (tangent_wanted_now_) add_tangent(touch, contact, history, unshared, turned);
     worn.after(before, contact, history, corner, w, touch.weight, step);
     energy_.add(laws_.stored(atom->type[i], atom_type_wall_, atom->radius[i], 0.0, overlap, history),
                 touch.weight);
   }
+}
+
+// What a contact does to a surface that moves: `added` is its whole force, of which it gives its
+// share, `turned` what it gives besides.  A contact that slides has no tangential spring or damper.
+void FixSurface::add_tangent(const Touch &touch,
+                         const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
+                         const double *history, Vec3 added, Vec3 turned) {
+  const Vec3 n = from(contact.en), slip = {contact.vtr1, contact.vtr2, contact.vtr3};
+  const double neck = laws_.neck_m(atom->radius[contact.i], contact.deltan, history);
+  Vec3 damping = -contact.gamman * contact.vn * n;
+  double spring = 0.0, damper = 0.0;
+  if (laws_.tangential_spring) {
+    const Vec3 stretch = from(history + laws_.spring());
+    const Vec3 across = added - dot(added, n) * n + contact.kt * stretch;  // -damper slip, or zero
+    const double sticking = contact.gammat * norm(slip);
+    if (norm(across) >= 0.5 * sticking) {
+      spring = contact.kt;
+      damper = contact.gammat;
+      damping = damping - damper * slip;
+    }
+  }
+  const double w = touch.weight, normal = 2.0 * law(contact.i, touch).e_star_Pa * neck;
+  const double *corner = touch.at.weight;
+  tangent_.add({contact.i,
+                 search_.triangle(touch.triangle),
+                 {corner[0], corner[1], corner[2]},
+                 n,
+                 w * added,
+                 w * (added - damping) + turned,
+                 {w * normal, w * spring},
+                 {w * contact.gamman, w * damper},
+                 contact.cri});
+}
+
+// Particles whose centre goes through the surface.  A contact pushes a centre back to the side that
+// it is on, so that one that is on the other side came there by contacts too soft or steps too long.
+// It is looked for in every step, by the way of the centre against the way of the triangles: who
+// goes through an opening, past a free edge or between two panels goes through no triangle.
+
+// No less than the square of how far centre and surface moved against each other in this step; in
+// the middle of a step of velocity Verlet its velocity is what it moved by.
+double FixSurface::step_length2(int i) const {
+  const double surface_m = surface_.farthest_moved_m(update->dt);
+  const Vec3 moved_m = update->dt * from(atom->v[i]);
+  return 2.0 * (dot(moved_m, moved_m) + surface_m * surface_m);
+}
+
+Vec3 FixSurface::place_before(int i) const {
+  return from(atom->x[i]) - update->dt * from(atom->v[i]);
+}
+
+// A centre that went through a triangle in this step is no farther from it than the step's length;
+// so nearly always the distance of the nearest one tells that there is nothing to look for.
+void FixSurface::watch_crossing(const ContactSearch::Near &near, double nearest2) {
+  const int i = near.sphere;
+  const double radius = atom->radius[i], step2 = step_length2(i);
+  if (update->setupflag || (step2 < nearest2 && step2 < radius * radius)) return;
+  if (search_.crossed(surface_, near, place_before(i), from(atom->x[i]))) add_crossing(i);
+}
+
+// Who moves farther against the surface in a step than triangles are listed around it is looked for
+// everywhere.  After such a step lists are made anew, so that it is enough to look then.
+void FixSurface::watch_long_steps() {
+  if (update->setupflag) return;
+  for (int i = 0; i < atom->nlocal; ++i) {
+    const double listed_m = atom->radius[i] * neighbor->contactDistanceFactor + neighbor->skin;
+    if (step_length2(i) < listed_m * listed_m) continue;
+    if (search_.crossed_any(surface_, place_before(i), from(atom->x[i]))) add_crossing(i);
+  }
+}
+
+void FixSurface::add_crossing(int i) {
+  const int tag = atom->tag[i];
+  const bigint step = update->ntimestep;
+  const bool known =
+      std::any_of(crossings_.begin(), crossings_.end(),
+                  [&](const Crossing &one) { return one.step == step && one.tag == tag; });
+  if (!known) crossings_.push_back({tag, step, from(atom->x[i])});
 }
 
 }  // namespace flipflow

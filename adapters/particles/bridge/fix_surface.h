@@ -11,7 +11,7 @@
 
 #include "contact_energy.h"
 #include "contact_history.h"
-#include "contact_response.h"
+#include "contact_tangent.h"
 #include "contact_search.h"
 #include "deepest_overlap.h"
 #include "jkr.h"
@@ -61,12 +61,11 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void save(SavedState &saved) const;
   void restore(const SavedState &saved);  // after the particles
 
-  ContactResponse &response() { return response_; }
+  ContactTangent &tangent() { return tangent_; }
 
   const SurfaceLoad &load() const { return load_; }
   const Wear &wear() const { return wear_; }
   ContactEnergy energy() const { return energy_; }  // in surface contacts, last evaluation
-  int contacts() const { return contacts_; }        // last evaluation
 
   // A centre that changed the side of the surface through a triangle: where it was at the end of the
   // step.
@@ -110,7 +109,7 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void watch_long_steps();
   void add_crossing(int i);
   Jkr law(int i, const Touch &touch) const;
-  void respond(const Touch &touch, const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
+  void add_tangent(const Touch &touch, const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
                const double *history, Vec3 added, Vec3 turned);
   template <class Worn>
   void push(int i, const Touch &touch, double *history, Worn &worn);
@@ -124,14 +123,13 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   std::vector<Touch> touches_;
   ContactHistory history_;
   SurfaceLoad load_;
-  ContactResponse response_;
+  ContactTangent tangent_;
   Wear wear_;
   std::function<void()> touch_all_;  // with or without wear
 
   LAMMPS_NS::bigint first_step_ = 0, last_step_ = 0;
-  bool neighbours_listed_now_ = true, responds_now_ = false;
+  bool neighbours_listed_now_ = true, tangent_wanted_now_ = false;
   ContactEnergy energy_;
-  int contacts_ = 0;
   DeepestOverlap deepest_;
   std::vector<Crossing> crossings_;
   Vec3 mass_moment_ = {0, 0, 0}, mass_moment_time_ = {0, 0, 0};

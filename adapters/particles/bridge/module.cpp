@@ -1,16 +1,22 @@
 // adapters.particles._liggghts: LIGGGHTS in this process, with our own surface.
+//
+// Arrays come and go by name: every function that takes more than one argument takes them by
+// keyword alone, never converts an array, and names the one whose shape is not what it should be.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "atom.h"
 #include "contact_energy.h"
 #include "engine.h"
 #include "lammps.h"
-#include "state_arrays.h"
 
 namespace py = pybind11;
 using flipflow::Engine;
@@ -19,6 +25,29 @@ namespace {
 
 using Doubles = py::array_t<double, py::array::c_style>;
 using Ints = py::array_t<int, py::array::c_style>;
+
+constexpr py::ssize_t kAny = -1;  // any number of rows
+
+std::string written(const std::vector<py::ssize_t> &shape) {
+  std::string text;
+  for (const py::ssize_t size : shape)
+    text += (text.empty() ? "" : ", ") + (size == kAny ? "n" : std::to_string(size));
+  return "(" + text + ")";
+}
+
+void check_shape(const char *name, const py::array &array, const std::vector<py::ssize_t> &wanted) {
+  const std::vector<py::ssize_t> shape(array.shape(), array.shape() + array.ndim());
+  bool right = shape.size() == wanted.size();
+  for (size_t k = 0; right && k < shape.size(); ++k)
+    right = wanted[k] == kAny || shape[k] == wanted[k];
+  if (!right)
+    throw py::value_error(std::string(name) + ": an array of shape " + written(wanted) +
+                          " is wanted, got " + written(shape));
+}
+
+std::vector<double> values_of(const Doubles &array) {
+  return {array.data(), array.data() + array.size()};
+}
 
 // LIGGGHTS's own memory as an array; valid until the next call that moves particles.
 template <class T>
@@ -49,7 +78,8 @@ py::dict particles(py::object self) {
   return arrays;
 }
 
-std::vector<flipflow::Triangle> corners_of(Ints triangles, int points) {
+std::vector<flipflow::Triangle> corners_of(const char *name, const Ints &triangles, int points) {
+  check_shape(name, triangles, {kAny, 3});
   std::vector<flipflow::Triangle> corners(triangles.shape(0));
   for (size_t t = 0; t < corners.size(); ++t)
     for (int k = 0; k < 3; ++k) {
@@ -60,26 +90,47 @@ std::vector<flipflow::Triangle> corners_of(Ints triangles, int points) {
   return corners;
 }
 
-void set_surface(Engine &engine, Doubles position_m, Ints triangles, Ints type,
+void set_surface(Engine &engine, const Doubles &position_m, const Ints &triangles, const Ints &type,
                  double largest_radius_m) {
-  std::vector<double> points(position_m.data(), position_m.data() + position_m.size());
-  auto corners = corners_of(triangles, static_cast<int>(position_m.shape(0)));
-  engine.surface().set_surface(flipflow::SurfacePath(std::move(points)), std::move(corners),
+  check_shape("position_m", position_m, {kAny, 3});
+  check_shape("type", type, {triangles.shape(0)});
+  auto corners = corners_of("triangles", triangles, static_cast<int>(position_m.shape(0)));
+  engine.surface().set_surface(flipflow::SurfacePath(values_of(position_m)), std::move(corners),
                                {type.data(), type.data() + type.size()}, largest_radius_m);
 }
 
-void create_particles(Engine &engine, Doubles position_m, Doubles velocity_m_per_s, Doubles spin_rad_per_s,
-            Doubles diameter_m, Doubles density_kg_per_m3, Ints type, int first_id) {
+void create_particles(Engine &engine, const Doubles &position_m, const Doubles &velocity_m_per_s,
+                      const Doubles &spin_rad_per_s, const Doubles &diameter_m,
+                      const Doubles &density_kg_per_m3, const Ints &type, int first_id) {
+  check_shape("position_m", position_m, {kAny, 3});
+  const py::ssize_t count = position_m.shape(0);
+  check_shape("velocity_m_per_s", velocity_m_per_s, {count, 3});
+  check_shape("spin_rad_per_s", spin_rad_per_s, {count, 3});
+  check_shape("diameter_m", diameter_m, {count});
+  check_shape("density_kg_per_m3", density_kg_per_m3, {count});
+  check_shape("type", type, {count});
   engine.create({position_m.data(), velocity_m_per_s.data(), spin_rad_per_s.data(), diameter_m.data(),
-                 density_kg_per_m3.data(), type.data(), static_cast<int>(diameter_m.size())},
+                 density_kg_per_m3.data(), type.data(), static_cast<int>(count)},
                 first_id);
 }
 
-void repeat_surface(Engine &engine, double period_m, Ints joined) {
-  engine.surface().repeat(period_m, corners_of(joined, engine.surface().points()));
+std::vector<bool> overlaps(Engine &engine, const Doubles &position_m, const Doubles &diameter_m) {
+  check_shape("position_m", position_m, {kAny, 3});
+  check_shape("diameter_m", diameter_m, {position_m.shape(0)});
+  return engine.overlaps(position_m.data(), diameter_m.data(), static_cast<int>(diameter_m.size()));
 }
 
-void set_exits(Engine &engine, Doubles center_m, Doubles axes, Doubles half_m, Doubles domain_m) {
+void repeat_surface(Engine &engine, double period_m, const Ints &joined_triangles) {
+  flipflow::FixSurface &surface = engine.surface();
+  surface.repeat(period_m, corners_of("joined_triangles", joined_triangles, surface.points()));
+}
+
+void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, const Doubles &half_m,
+               const Doubles &domain_m) {
+  check_shape("center_m", center_m, {kAny, 3});
+  check_shape("axes", axes, {center_m.shape(0), 3, 3});
+  check_shape("half_m", half_m, {center_m.shape(0), 3});
+  check_shape("domain_m", domain_m, {2, 3});
   std::vector<flipflow::FixExits::Box> boxes(half_m.shape(0));
   for (size_t e = 0; e < boxes.size(); ++e) {
     boxes[e].center = flipflow::from(center_m.data() + 3 * e);
@@ -143,10 +194,16 @@ py::dict take_crossings(Engine &engine) {
   return arrays;
 }
 
-void begin_path(Engine &engine, Doubles start_m, Doubles start_m_per_s, Doubles end_m,
-                Doubles end_m_per_s, double length_s, int steps) {
-  engine.surface().begin_path(start_m.data(), start_m_per_s.data(), end_m.data(), end_m_per_s.data(),
-                              length_s, steps);
+void begin_path(Engine &engine, const Doubles &start_m, const Doubles &start_m_per_s,
+                const Doubles &end_m, const Doubles &end_m_per_s, double length_s, int steps) {
+  flipflow::FixSurface &surface = engine.surface();
+  const py::ssize_t points = surface.points();
+  check_shape("start_m", start_m, {points, 3});
+  check_shape("start_m_per_s", start_m_per_s, {points, 3});
+  check_shape("end_m", end_m, {points, 3});
+  check_shape("end_m_per_s", end_m_per_s, {points, 3});
+  surface.begin_path(start_m.data(), start_m_per_s.data(), end_m.data(), end_m_per_s.data(), length_s,
+                     steps);
 }
 
 void run(Engine &engine, int steps, double step_s) {
@@ -155,29 +212,43 @@ void run(Engine &engine, int steps, double step_s) {
   engine.surface().end_sums(step_s);
 }
 
-void set_laws(Engine &engine, std::vector<double> e_star_Pa, std::vector<double> g_star_Pa,
-              bool tangential_spring, const std::string &adhesion, std::vector<double> strength) {
+// A table (types, types), row by row.
+std::vector<double> table(const char *name, const Doubles &values, int types) {
+  check_shape(name, values, {types, types});
+  return values_of(values);
+}
+
+void set_laws(Engine &engine, const Doubles &e_star_Pa, const Doubles &g_star_Pa,
+              bool tangential_spring, const Doubles &work_J_per_m2,
+              const Doubles &energy_density_J_per_m3) {
+  using Adhesion = flipflow::ContactLaws::Adhesion;
   flipflow::ContactLaws laws;
   laws.types = engine.lammps().atom->ntypes;
-  laws.e_star_Pa = std::move(e_star_Pa);
-  laws.g_star_Pa = std::move(g_star_Pa);
+  laws.e_star_Pa = table("e_star_Pa", e_star_Pa, laws.types);
+  laws.g_star_Pa = table("g_star_Pa", g_star_Pa, laws.types);
   laws.tangential_spring = tangential_spring;
-  laws.adhesion = adhesion == "jkr"    ? flipflow::ContactLaws::Adhesion::jkr
-                  : adhesion == "sjkr" ? flipflow::ContactLaws::Adhesion::sjkr
-                                       : flipflow::ContactLaws::Adhesion::none;
-  laws.strength = std::move(strength);
+  if (work_J_per_m2.size()) {
+    laws.adhesion = Adhesion::jkr;
+    laws.strength = table("work_J_per_m2", work_J_per_m2, laws.types);
+  } else if (energy_density_J_per_m3.size()) {
+    laws.adhesion = Adhesion::sjkr;
+    laws.strength = table("energy_density_J_per_m3", energy_density_J_per_m3, laws.types);
+  }
   engine.set_laws(laws);
 }
 
-// `rate_m3_per_N_m` by pair of types, row by row.
-void set_wear(Engine &engine, std::vector<double> rate_m3_per_N_m) {
+void set_wear(Engine &engine, const Doubles &rate_m3_per_N_m) {
   const flipflow::ContactLaws &laws = engine.laws();
   flipflow::FixSurface &surface = engine.surface();
-  surface.set_wear({std::move(rate_m3_per_N_m), laws.types, laws.spring(), surface.points()});
+  surface.set_wear({table("rate_m3_per_N_m", rate_m3_per_N_m, laws.types), laws.types, laws.spring(),
+                    surface.points()});
 }
 
-std::pair<double, double> pair_of(flipflow::ContactEnergy energy) {
-  return {energy.elastic_J, energy.adhesion_J};
+py::dict by_name(flipflow::ContactEnergy energy) {
+  py::dict values;
+  values["elastic_J"] = energy.elastic_J;
+  values["adhesion_J"] = energy.adhesion_J;
+  return values;
 }
 
 Doubles triple(flipflow::Vec3 value) {
@@ -191,12 +262,17 @@ Doubles worn_m3(Engine &engine) {
   return Doubles(static_cast<py::ssize_t>(worn.size()), worn.data());
 }
 
-// Particle-particle and surface contacts of all steps since this was last asked, on this rank: depth
-// and its share of a diameter, of each.
-py::tuple take_deepest_overlaps(Engine &engine) {
+// Of all steps since this was last asked, on this rank: the deepest overlap and the largest share of
+// a diameter, between particles and with the surface.
+py::dict take_deepest_overlaps(Engine &engine) {
   const auto between = std::exchange(flipflow::deepest_between(engine.lammps()), {});
   const auto surface = engine.surface().take_deepest();
-  return py::make_tuple(between.depth_m, between.share, surface.depth_m, surface.share);
+  py::dict values;
+  values["between_m"] = between.depth_m;
+  values["between_per_diameter"] = between.share;
+  values["surface_m"] = surface.depth_m;
+  values["surface_per_diameter"] = surface.share;
+  return values;
 }
 
 Doubles by_point(const std::vector<double> &values) {
@@ -205,58 +281,109 @@ Doubles by_point(const std::vector<double> &values) {
   return array;
 }
 
-py::tuple response(Engine &engine, double length_s) {
-  const size_t points = engine.surface().points();
+py::dict contact_tangent(Engine &engine, double length_s) {
+  const py::ssize_t points = engine.surface().points();
   std::vector<double> push_N(3 * points, 0.0), impedance_N_s_per_m(9 * points, 0.0);
-  engine.surface().response().respond(*engine.lammps().atom, length_s, push_N, impedance_N_s_per_m);
-  return py::make_tuple(by_point(push_N), by_point(impedance_N_s_per_m));
+  engine.surface().tangent().predict(*engine.lammps().atom, length_s, push_N, impedance_N_s_per_m);
+  Doubles impedance({points, py::ssize_t{3}, py::ssize_t{3}});
+  std::copy(impedance_N_s_per_m.begin(), impedance_N_s_per_m.end(), impedance.mutable_data());
+  py::dict arrays;
+  arrays["push_N"] = by_point(push_N);
+  arrays["impedance_N_s_per_m"] = impedance;
+  return arrays;
+}
+
+template <class Value>
+void to_arrays(const std::map<std::string, std::vector<Value>> &values, py::dict &arrays) {
+  for (const auto &[name, value] : values) {
+    py::array_t<Value> array(static_cast<py::ssize_t>(value.size()));
+    std::copy(value.begin(), value.end(), array.mutable_data());
+    arrays[py::str(name)] = array;
+  }
+}
+
+template <class Value>
+std::vector<Value> vector_of(const py::array_t<Value, py::array::c_style> &array) {
+  return {array.data(), array.data() + array.size()};
+}
+
+// The saved state as arrays by name, (n,) of float64 or int64, and back.
+py::dict save(Engine &engine) {
+  const flipflow::SavedState saved = engine.save();
+  py::dict arrays;
+  to_arrays(saved.reals, arrays);
+  to_arrays(saved.wholes, arrays);
+  return arrays;
+}
+
+void restore(Engine &engine, const py::dict &arrays) {
+  flipflow::SavedState saved;
+  for (const auto &[key, value] : arrays) {
+    const auto name = key.cast<std::string>();
+    const auto array = value.cast<py::array>();
+    if (array.dtype().kind() == 'f')
+      saved.reals[name] = vector_of<double>(array);
+    else
+      saved.wholes[name] = vector_of<std::int64_t>(array);
+  }
+  engine.restore(saved);
+}
+
+// An argument that is never converted: an array of another kind of number is refused.
+py::arg exactly(const char *name) {
+  py::arg argument(name);
+  argument.noconvert();
+  return argument;
 }
 
 }  // namespace
 
 PYBIND11_MODULE(_liggghts, module) {
+  const py::kw_only by_keyword;
   py::class_<Engine>(module, "Engine")
       .def(py::init([](int communicator, const std::string &screen, const std::string &log,
                        double contact_distance_factor) {
              return std::make_unique<Engine>(MPI_Comm_f2c(communicator), screen, log,
                                              contact_distance_factor);
            }),
-           py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"),
+           by_keyword, py::arg("communicator"), py::arg("screen_file"), py::arg("log_file"),
            py::arg("contact_distance_factor"))
-      .def("command", &Engine::command)
-      .def("set_surface", &set_surface)
-      .def("set_laws", &set_laws)
-      .def("set_wear", &set_wear)
-      .def("create", &create_particles)
-      .def("repeat_surface", &repeat_surface)
-      .def("set_exits", &set_exits)
+      .def("command", &Engine::command, py::arg("line"))
+      .def("set_surface", &set_surface, by_keyword, exactly("position_m"), exactly("triangles"),
+           exactly("type"), py::arg("largest_radius_m"))
+      .def("set_laws", &set_laws, by_keyword, exactly("e_star_Pa"), exactly("g_star_Pa"),
+           py::arg("tangential_spring"), exactly("work_J_per_m2"), exactly("energy_density_J_per_m3"))
+      .def("set_wear", &set_wear, exactly("rate_m3_per_N_m"))
+      .def("create", &create_particles, by_keyword, exactly("position_m"), exactly("velocity_m_per_s"),
+           exactly("spin_rad_per_s"), exactly("diameter_m"), exactly("density_kg_per_m3"),
+           exactly("type"), py::arg("first_id"))
+      .def("repeat_surface", &repeat_surface, by_keyword, py::arg("period_m"),
+           exactly("joined_triangles"))
+      .def("set_exits", &set_exits, by_keyword, exactly("center_m"), exactly("axes"),
+           exactly("half_m"), exactly("domain_m"))
       .def("take_removed", &take_removed)
-      .def("overlaps",
-           [](Engine &engine, Doubles position_m, Doubles diameter_m) {
-             return engine.overlaps(position_m.data(), diameter_m.data(),
-                                    static_cast<int>(diameter_m.size()));
-           })
+      .def("overlaps", &overlaps, by_keyword, exactly("position_m"), exactly("diameter_m"))
       .def("store_history", &Engine::store_history)
       .def("prepare", &Engine::prepare)
-      .def("begin_path", &begin_path)
-      .def("run", &run)
-      .def("save", &flipflow::save)
-      .def("restore", &flipflow::restore)
+      .def("begin_path", &begin_path, by_keyword, exactly("start_m"), exactly("start_m_per_s"),
+           exactly("end_m"), exactly("end_m_per_s"), py::arg("length_s"), py::arg("steps"))
+      .def("run", &run, by_keyword, py::arg("steps"), py::arg("step_s"))
+      .def("save", &save)
+      .def("restore", &restore, py::arg("arrays"))
       .def("particles", &particles)
       .def("impulse_N_s", [](Engine &e) { return by_point(e.surface().load().impulse_N_s()); })
       .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })
-      .def("ask_response", [](Engine &e) { e.surface().response().ask(); })
-      .def("response", &response)
+      .def("ask_contact_tangent", [](Engine &e) { e.surface().tangent().ask(); })
+      .def("contact_tangent", &contact_tangent, py::arg("length_s"))
       .def("worn_m3", &worn_m3)
       .def("angular_impulse_N_m_s",
            [](Engine &e) { return triple(e.surface().load().angular_impulse_N_m_s()); })
       .def("mass_moment_time_kg_m_s",
            [](Engine &e) { return triple(e.surface().mass_moment_time()); })
       .def("surface_work_J", [](Engine &e) { return e.surface().load().work_J(); })
-      .def("surface_energy_J", [](Engine &e) { return pair_of(e.surface().energy()); })
+      .def("surface_energy_J", [](Engine &e) { return by_name(e.surface().energy()); })
       .def("take_deepest_overlaps", &take_deepest_overlaps)
       .def("take_crossings", &take_crossings)
-      .def("surface_contacts", [](Engine &e) { return e.surface().contacts(); })
       .def("pair_energy_J",
-           [](Engine &e) { return pair_of(flipflow::pair_energy(e.lammps(), e.laws())); });
+           [](Engine &e) { return by_name(flipflow::pair_energy(e.lammps(), e.laws())); });
 }

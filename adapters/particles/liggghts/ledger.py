@@ -1,4 +1,4 @@
-"""Momentum and energy of the particles: what they own, and what came and went."""
+"""The books of LIGGGHTS's particles: the momentum and energy that they own, and what came and went."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from orchestrator.ports import Account, AngularAccount, Array, Saved
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
 from orchestrator.ports.state import put_back, taken
 
@@ -18,52 +19,46 @@ _SUMS = ("_mass_kg", "_impulse_N_s", "_came_kg_m2_per_s", "_fed_J", "_removed_J"
 
 
 class Ledger:
-    """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
+    """Sums over the ranks of the communicator.  Potential energy is zero at the origin.
+
+    Particles are given by LIGGGHTS's arrays: rmass, x, v, omega, radius.
+    """
 
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
         self._comm = communicator
         self._gravity_m_per_s2 = plan.gravity_m_per_s2
         self._adhesive = plan.adhesion is not None
-        self._mass_kg = 0.0
-        self._impulse_N_s, self._came_kg_m2_per_s = np.zeros((2, 3))
         self._periodic = plan.periodic_y
+        self._mass_kg = float(_arrays(plan.particles)["rmass"].sum())
+        self._impulse_N_s, self._came_kg_m2_per_s = np.zeros((2, 3))
         self._fed_J = self._removed_J = self._first_J = 0.0
         self.removed_count = 0
-        self._mass_kg = float(_mass(plan.particles).sum())
 
     def open(self, engine: Engine) -> None:
-        """At t = 0."""
-        self._first_J = sum(self._stored(engine).values())
+        """Remember the energy at t = 0."""
+        self._first_J = sum(self._stored_J(engine).values())
 
-    def fell(self, length_s: float) -> None:
-        """Gravity acted on all particles for ``length_s``."""
+    def add_gravity(self, length_s: float) -> None:
+        """Book gravity's impulse on all particles for ``length_s``."""
         self._impulse_N_s += self._mass_kg * length_s * self._gravity_m_per_s2
 
-    def fed(self, new: ParticleList) -> None:
-        mass_kg = _mass(new)
-        self._mass_kg += float(mass_kg.sum())
-        self._impulse_N_s += mass_kg @ new.velocity_m_per_s
-        self._came_kg_m2_per_s += _angular_momentum(
-            mass_kg, new.position_m, new.velocity_m_per_s, new.spin_rad_per_s, 0.5 * new.diameter_m
-        )
-        self._fed_J += sum(
-            self._motion_J(
-                mass_kg, new.position_m, new.velocity_m_per_s, new.spin_rad_per_s, 0.5 * new.diameter_m
-            )
-        )
+    def add_fed(self, particles: ParticleList) -> None:
+        """Book particles that came, alike on all ranks."""
+        new = _arrays(particles)
+        self._mass_kg += float(new["rmass"].sum())
+        self._impulse_N_s += new["rmass"] @ new["v"]
+        self._came_kg_m2_per_s += _angular_momentum_kg_m2_per_s(new, new["v"])
+        self._fed_J += sum(self._motion_J(new))
 
-    def removed(self, mine: dict[str, Any], before_end_s: Array, step_s: float) -> None:
-        """Particles of this rank taken out, ``before_end_s`` (n,) before the interval's end."""
-        mass_kg, velocity_m_per_s = mine["rmass"], mine["v"]
-        motion_J = self._motion_J(mass_kg, mine["x"], velocity_m_per_s, mine["omega"], mine["radius"])
-        # `fell` lets gravity act on them to the interval's end
+    def subtract_removed(self, gone: dict[str, Any], before_end_s: Array, step_s: float) -> None:
+        """Book particles of this rank taken out, ``before_end_s`` (n,) before the interval's end."""
+        mass_kg, velocity_m_per_s = gone["rmass"], gone["v"]
+        # `add_gravity` lets gravity act on them to the interval's end
         taken_N_s = mass_kg @ velocity_m_per_s + (mass_kg @ before_end_s) * self._gravity_m_per_s2
         # the sum of gravity's moments knows them up to the step before
         half_a_step_before_m_per_s = velocity_m_per_s - step_s / 2.0 * self._gravity_m_per_s2
-        gone = _angular_momentum(
-            mass_kg, mine["x"], half_a_step_before_m_per_s, mine["omega"], mine["radius"]
-        )
-        sums = np.array([len(mass_kg), mass_kg.sum(), sum(motion_J), *taken_N_s, *gone])
+        angular = _angular_momentum_kg_m2_per_s(gone, half_a_step_before_m_per_s)
+        sums = np.array([len(mass_kg), mass_kg.sum(), sum(self._motion_J(gone)), *taken_N_s, *angular])
         sums = self._comm.allreduce(sums)
         self.removed_count += round(sums[0])
         self._mass_kg -= sums[1]
@@ -72,8 +67,9 @@ class Ledger:
         self._came_kg_m2_per_s -= sums[6:]
 
     def account(self, engine: Engine) -> Account:
+        """The books of now."""
         mine = engine.particles()
-        stored_J = self._stored(engine)
+        stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))
         gained_J = sum(stored_J.values()) - self._first_J
         return Account(
@@ -87,9 +83,9 @@ class Ledger:
         )
 
     def _angular(self, engine: Engine) -> AngularAccount:
-        """Of particles that are moved across periodic sides it would jump."""
+        """Angular momentum; of particles that are moved across periodic sides it would jump."""
         mine = engine.particles()
-        momentum = _angular_momentum(mine["rmass"], mine["x"], mine["v"], mine["omega"], mine["radius"])
+        momentum = _angular_momentum_kg_m2_per_s(mine, mine["v"])
         given, moment = engine.angular_impulse_N_m_s(), engine.mass_moment_time_kg_m_s()
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))
         fell = np.cross(moment, self._gravity_m_per_s2)
@@ -101,12 +97,10 @@ class Ledger:
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_SUMS)
 
-    def _stored(self, engine: Engine) -> dict[str, float]:
-        mine = engine.particles()
-        kinetic_J, potential_J = self._motion_J(
-            mine["rmass"], mine["x"], mine["v"], mine["omega"], mine["radius"]
-        )
-        contacts_J = np.add(engine.surface_energy_J(), engine.pair_energy_J())
+    def _stored_J(self, engine: Engine) -> dict[str, float]:
+        kinetic_J, potential_J = self._motion_J(engine.particles())
+        surface, pairs = engine.surface_energy_J(), engine.pair_energy_J()
+        contacts_J = [surface[part] + pairs[part] for part in ("elastic_J", "adhesion_J")]
         sums = self._comm.allreduce(np.array([kinetic_J, potential_J, *contacts_J]))
         names = ("kinetic", "gravitational", "contact_elastic", "adhesion")
         stored_J = dict(zip(names, map(float, sums), strict=True))
@@ -114,24 +108,30 @@ class Ledger:
             del stored_J["adhesion"]
         return stored_J
 
-    def _motion_J(
-        self, mass_kg: Array, x_m: Array, v_m_per_s: Array, spin_rad_per_s: Array, radius_m: Array
-    ) -> tuple[float, float]:
+    def _motion_J(self, some: dict[str, Any]) -> tuple[float, float]:
         """Kinetic (with rotation, solid spheres) and gravitational energy."""
-        inertia_kg_m2 = 0.4 * mass_kg * radius_m**2
-        turning = inertia_kg_m2 @ (spin_rad_per_s**2).sum(axis=1)
-        kinetic_J = 0.5 * float(mass_kg @ (v_m_per_s**2).sum(axis=1) + turning)
-        return kinetic_J, -float(mass_kg @ (x_m @ self._gravity_m_per_s2))
+        turning = _inertia_kg_m2(some) @ (some["omega"] ** 2).sum(axis=1)
+        kinetic_J = 0.5 * float(some["rmass"] @ (some["v"] ** 2).sum(axis=1) + turning)
+        return kinetic_J, -float(some["rmass"] @ (some["x"] @ self._gravity_m_per_s2))
 
 
-def _mass(particles: ParticleList) -> Array:
-    mass_kg: Array = np.pi / 6.0 * particles.diameter_m**3 * particles.density_kg_per_m3
-    return mass_kg
+def _arrays(particles: ParticleList) -> dict[str, Array]:
+    """Particles from memory under LIGGGHTS's names."""
+    return {
+        "rmass": sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3),
+        "x": particles.position_m,
+        "v": particles.velocity_m_per_s,
+        "omega": particles.spin_rad_per_s,
+        "radius": 0.5 * particles.diameter_m,
+    }
 
 
-def _angular_momentum(
-    mass_kg: Array, x_m: Array, v_m_per_s: Array, spin_rad_per_s: Array, radius_m: Array
-) -> Array:
-    """(3,) about the origin, of solid spheres."""
-    own = (0.4 * mass_kg * radius_m**2) @ spin_rad_per_s
-    return np.asarray(mass_kg @ np.cross(x_m, v_m_per_s) + own)
+def _inertia_kg_m2(some: dict[str, Any]) -> Array:
+    """The moments of inertia (n,) of solid spheres."""
+    return np.asarray(0.4 * some["rmass"] * some["radius"] ** 2)
+
+
+def _angular_momentum_kg_m2_per_s(some: dict[str, Any], velocity_m_per_s: Array) -> Array:
+    """The angular momentum (3,) about the origin."""
+    orbital = some["rmass"] @ np.cross(some["x"], velocity_m_per_s)
+    return np.asarray(orbital + _inertia_kg_m2(some) @ some["omega"])

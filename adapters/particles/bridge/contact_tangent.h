@@ -14,7 +14,7 @@ namespace flipflow {
 
 // How the load of this rank's particles answers to the surface's motion: the contacts of the last
 // force evaluation, linear about their present place (docs/theory/coupling.md).
-class ContactResponse {
+class ContactTangent {
  public:
   // Forces on the sphere; `normal` points to it.  `elastic` is `force` without dampers, and with what
   // goes through the sphere's centre; the contact point is `lever_m` from there.
@@ -34,7 +34,7 @@ class ContactResponse {
 
   // Mean load over the next `length_s` while the surface points keep a velocity:
   // push (3 * points) - impedance (9 * points) velocity.  Adds to both.
-  void respond(const LAMMPS_NS::Atom &atom, double length_s, std::vector<double> &push_N,
+  void predict(const LAMMPS_NS::Atom &atom, double length_s, std::vector<double> &push_N,
                std::vector<double> &impedance_N_s_per_m) const;
 
   void save(SavedState &saved) const;

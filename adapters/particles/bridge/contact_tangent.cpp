@@ -1,4 +1,4 @@
-#include "contact_response.h"
+#include "contact_tangent.h"
 
 #include "atom.h"
 
@@ -15,7 +15,7 @@ struct Point {
   double light_1_kg[2];  // velocity that an impulse gives it, normal and tangential
 };
 
-Point touching_point(const LAMMPS_NS::Atom &atom, const ContactResponse::Contact &contact) {
+Point touching_point(const LAMMPS_NS::Atom &atom, const ContactTangent::Contact &contact) {
   const int i = contact.sphere;
   const double mass = atom.rmass[i], radius = atom.radius[i], l = contact.lever_m;
   const double inertia = 0.4 * mass * radius * radius;
@@ -33,7 +33,7 @@ Point touching_point(const LAMMPS_NS::Atom &atom, const ContactResponse::Contact
 // Spring and damper by the implicit midpoint rule: their mean force on the sphere is
 // elastic - z (u - surface velocity), z = k H / 2 + g, with the point's mean velocity u, which it
 // changes itself by H / 2 times the force.
-void ContactResponse::respond(const LAMMPS_NS::Atom &atom, double length_s,
+void ContactTangent::predict(const LAMMPS_NS::Atom &atom, double length_s,
                               std::vector<double> &push_N,
                               std::vector<double> &impedance_N_s_per_m) const {
   const double half_s = 0.5 * length_s;
@@ -62,9 +62,9 @@ void ContactResponse::respond(const LAMMPS_NS::Atom &atom, double length_s,
   }
 }
 
-void ContactResponse::save(SavedState &saved) const {
-  auto &reals = saved.reals["response"];
-  auto &wholes = saved.wholes["response_at"];
+void ContactTangent::save(SavedState &saved) const {
+  auto &reals = saved.reals["contact_tangent"];
+  auto &wholes = saved.wholes["contact_tangent_at"];
   for (const Contact &c : contacts_) {
     wholes.insert(wholes.end(), {c.sphere, c.corner[0], c.corner[1], c.corner[2]});
     reals.insert(reals.end(), c.weight, c.weight + 3);
@@ -75,9 +75,9 @@ void ContactResponse::save(SavedState &saved) const {
   }
 }
 
-void ContactResponse::restore(const SavedState &saved) {
-  const auto &reals = saved.real("response");
-  const auto &wholes = saved.whole("response_at");
+void ContactTangent::restore(const SavedState &saved) {
+  const auto &reals = saved.real("contact_tangent");
+  const auto &wholes = saved.whole("contact_tangent_at");
   contacts_.clear();
   for (size_t c = 0; 4 * c < wholes.size(); ++c) {
     const double *r = &reals[kReals * c];

@@ -1,0 +1,139 @@
+"""The compiled engine with a plan's surface, laws and particles in it.  Arrays go to it by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
+
+from adapters.particles._liggghts import Engine
+from adapters.particles.liggghts.input import FIRST_EVALUATION, has_sliding, input_text
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.hermite import Path as SurfacePath
+from orchestrator.ports.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan, Sjkr
+
+SAME_PLACE = 1e-6  # of the period: points closer than this, one period on, are joined
+
+
+def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine:
+    """LIGGGHTS with the plan's laws and surface, before the first particle."""
+    text = input_text(plan)
+    if communicator.rank == 0:
+        (folder / "in.liggghts").write_text(text + FIRST_EVALUATION + "\n", encoding="utf-8")
+    engine = Engine(
+        communicator=communicator.py2f(),
+        screen_file=str(folder / "screen.liggghts"),
+        log_file=str(folder / "log.liggghts"),
+        contact_distance_factor=contact_distance_factor(plan),
+    )
+    for line in text.splitlines():
+        engine.command(line)
+    engine.set_surface(
+        position_m=floats(plan.surface.position_m),
+        triangles=ints(plan.surface.triangles),
+        type=ints(plan.surface.material + 1),
+        largest_radius_m=0.5 * plan.largest_diameter_m,
+    )
+    _set_laws(engine, plan)
+    if plan.wear_m3_per_N_m is not None:
+        engine.set_wear(floats(plan.wear_m3_per_N_m))
+    if plan.responds:
+        engine.ask_contact_tangent()
+    if plan.periodic_y:
+        period_m = float(plan.domain_m[1, 1] - plan.domain_m[0, 1])
+        joined = join_across(plan.surface, period_m)
+        engine.repeat_surface(period_m=period_m, joined_triangles=ints(joined))
+    engine.set_exits(
+        center_m=floats([exit.center_m for exit in plan.exits]).reshape(-1, 3),
+        axes=floats([exit.axes for exit in plan.exits]).reshape(-1, 3, 3),
+        half_m=floats([exit.half_m for exit in plan.exits]).reshape(-1, 3),
+        domain_m=floats(plan.domain_m),
+    )
+    return engine
+
+
+def create_particles(engine: Engine, new: ParticleList, first_id: int) -> None:
+    """Create particles from memory, with ids in order from ``first_id``."""
+    engine.create(
+        position_m=floats(new.position_m),
+        velocity_m_per_s=floats(new.velocity_m_per_s),
+        spin_rad_per_s=floats(new.spin_rad_per_s),
+        diameter_m=floats(new.diameter_m),
+        density_kg_per_m3=floats(new.density_kg_per_m3),
+        type=ints(new.material + 1),
+        first_id=first_id,
+    )
+
+
+def begin_path(engine: Engine, path: SurfacePath, length_s: float, steps: int) -> None:
+    """Let the surface points follow ``path`` over the next ``steps``."""
+    engine.begin_path(
+        start_m=floats(path.start.position_m),
+        start_m_per_s=floats(path.start.velocity_m_per_s),
+        end_m=floats(path.end.position_m),
+        end_m_per_s=floats(path.end.velocity_m_per_s),
+        length_s=length_s,
+        steps=steps,
+    )
+
+
+def floats(values: npt.ArrayLike) -> Array:
+    """An array as the engine takes it."""
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def ints(values: npt.ArrayLike) -> npt.NDArray[np.int32]:
+    """Numbers of points or types as the engine takes them."""
+    return np.ascontiguousarray(values, dtype=np.int32)
+
+
+def contact_distance_factor(plan: ParticlesPlan) -> float:
+    """The factor of their contact distance up to which two bodies keep a contact that has parted.
+
+    Beyond it LIGGGHTS forgets the contact (the tangential spring of one that forms again before the
+    next neighbour list would otherwise be the old one); a neck must snap within it.
+    """
+    stretch = plan.adhesion.largest_stretch if isinstance(plan.adhesion, Jkr) else 0.0
+    return max(1.05, 1.0 + 1.1 * stretch)
+
+
+def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[Array, Array]:
+    """Hertz's E* and Mindlin's G* for every pair of materials, (k, k) each."""
+    youngs = np.array([material.youngs_modulus_Pa for material in materials])
+    poisson = np.array([material.poisson_ratio for material in materials])
+    normal = (1.0 - poisson**2) / youngs
+    shear = 2.0 * (2.0 - poisson) * (1.0 + poisson) / youngs
+    return 1.0 / np.add.outer(normal, normal), 1.0 / np.add.outer(shear, shear)
+
+
+def join_across(surface: TriangleSurface, period_m: float) -> Indices:
+    """The triangles (m, 3), with points that are the same place one period along y further on
+    given the number of the lower one."""
+    number = np.arange(len(surface.position_m))
+    used = np.unique(surface.triangles)
+    place_m = surface.position_m[used]
+    lower = cKDTree(place_m).query(
+        place_m - [0.0, period_m, 0.0], distance_upper_bound=SAME_PLACE * period_m
+    )[1]
+    has_lower = lower < len(used)
+    number[used[has_lower]] = used[lower[has_lower]]
+    return np.asarray(number[surface.triangles])
+
+
+def _set_laws(engine: Engine, plan: ParticlesPlan) -> None:
+    """Tell the engine of the laws what it needs for the energy in contacts."""
+    e_star_Pa, g_star_Pa = effective_moduli(plan.materials)
+    adhesion, none = plan.adhesion, np.zeros((0, 0))
+    engine.set_laws(
+        e_star_Pa=e_star_Pa,
+        g_star_Pa=g_star_Pa,
+        tangential_spring=has_sliding(plan),
+        work_J_per_m2=floats(adhesion.work_J_per_m2) if isinstance(adhesion, Jkr) else none,
+        energy_density_J_per_m3=(
+            floats(adhesion.energy_density_J_per_m3) if isinstance(adhesion, Sjkr) else none
+        ),
+    )

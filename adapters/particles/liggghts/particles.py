@@ -1,0 +1,276 @@
+"""The open LIGGGHTS solver.
+
+Contacts between particles are LIGGGHTS's own; those with the surface are found by our bridge
+(``adapters/particles/bridge``) and handed to the same contact model:
+docs/theory/particle_surface_contact.md.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path as FilePath
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from adapters.particles.liggghts.input import FIRST_EVALUATION
+from adapters.particles.liggghts.ledger import Ledger
+from orchestrator.ports import (
+    Account,
+    Array,
+    BrokenRecord,
+    Crossings,
+    Load,
+    Overlaps,
+    ParticleSnapshot,
+    Removed,
+    Response,
+    Saved,
+    in_order,
+)
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.hermite import Path
+from orchestrator.ports.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
+from orchestrator.ports.state import as_arrays, like
+
+try:
+    from mpi4py import MPI
+
+    from adapters.particles.liggghts.engine import begin_path, create_particles, floats, start_engine
+except ImportError as missing:
+    raise SolverMissing(
+        "the LIGGGHTS bridge is not built: install Debian's libliggghts-dev, libopenmpi-dev and "
+        f"g++, then `pip install .` ({missing})"
+    ) from missing
+
+Arrays = dict[str, npt.NDArray[Any]]
+"""Arrays by LIGGGHTS's names, one row per particle of this rank; ``type`` counts from 1."""
+
+
+class Liggghts:
+    """LIGGGHTS with a plan's particles; all calls are collective over the plan's communicator."""
+
+    def __init__(self, plan: ParticlesPlan) -> None:
+        self._plan = plan
+        self._comm: Any = plan.communicator or MPI.COMM_SELF
+        self._ledger = Ledger(plan, self._comm)
+        self._created = 0
+        self._deepest, self._crossings = Overlaps(), Crossings.none()
+        self._unprepared = False
+        self._removed: list[Removed] = []
+        with ExitStack() as opened:
+            # LIGGGHTS's log goes to the plan's folder, or to one that goes with the solver
+            folder = plan.folder or FilePath(
+                opened.enter_context(TemporaryDirectory(prefix="flipflow_liggghts_"))
+            )
+            folder.mkdir(parents=True, exist_ok=True)
+            self._launch(folder)
+            self._check(0.0)
+            self._ledger.open(self._engine)
+            self._opened = opened.pop_all()
+
+    def _launch(self, folder: FilePath) -> None:
+        try:
+            self._engine = start_engine(self._plan, self._comm, folder)
+            self._create(self._plan.particles)
+            self._engine.command(FIRST_EVALUATION)
+        except RuntimeError as error:
+            raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
+
+    def _create(self, new: ParticleList) -> None:
+        create_particles(self._engine, new, self._created + 1)
+        self._created += len(new)
+
+    def initial(self) -> Load:
+        return Load(self._summed(self._engine.force_N()))
+
+    def advance(self, interval: Interval, path: Path) -> Load:
+        """Move the particles over an interval; see ``Particles.advance``.
+
+        Raises SolverFailed if LIGGGHTS fails, loses a particle or makes a NaN, and BrokenRecord if
+        the path is not that of the plan's surface points."""
+        points = len(self._plan.surface.position_m)
+        if len(path.start) != points or len(path.end) != points:
+            raise BrokenRecord(f"Path: {points} points wanted, got {len(path.start)}")
+        steps = interval.steps(self._plan.step_s)
+        try:
+            begin_path(self._engine, path, interval.length_s, steps)
+            self._feed(interval)
+            self._prepare()
+            self._engine.run(steps=steps, step_s=interval.length_s / steps)
+        except RuntimeError as error:
+            raise SolverFailed(f"LIGGGHTS failed after t = {interval.start_s} s: {error}") from error
+        self._ledger.add_gravity(interval.length_s)
+        self._take_out(interval, interval.length_s / steps)
+        crossed = self._engine.take_crossings()
+        if self._check(interval.end_s, len(crossed["tag"])):
+            self._add_crossings(crossed, interval.start_s, interval.length_s / steps)
+        return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
+
+    def snapshot(self) -> ParticleSnapshot:
+        """All particles in the order of their ids, on the first rank; none on the others."""
+        mine = self._engine.particles()
+        names = ("tag", "x", "v", "omega", "radius", "density", "type")
+        ranks = self._comm.gather([np.array(mine[name]) for name in names])
+        if self._comm.rank != 0:
+            ranks = [[np.array(mine[name][:0]) for name in names]]
+        tag, x, v, omega, radius, density, kind = map(np.concatenate, zip(*ranks, strict=True))
+        order = np.argsort(tag)
+        return ParticleSnapshot(
+            id=tag[order].astype(np.int64),
+            position_m=x[order],
+            velocity_m_per_s=v[order],
+            spin_rad_per_s=omega[order],
+            diameter_m=2.0 * radius[order],
+            density_kg_per_m3=density[order],
+            material=kind[order].astype(np.int64) - 1,
+        )
+
+    def removed(self) -> Removed:
+        mine, self._removed = self._removed, []
+        ranks = self._comm.gather(mine)
+        return in_order([part for rank in ranks or [] for part in rank])
+
+    def overlaps(self) -> Overlaps:
+        self._prepare()
+        since, self._deepest = self._deepest_of_rank(), Overlaps()
+        values = np.array(list(vars(since).values()))
+        self._comm.Allreduce(MPI.IN_PLACE, values, MPI.MAX)
+        return Overlaps(*values.tolist())
+
+    def crossings(self) -> Crossings:
+        return self._crossings
+
+    def worn_m3(self) -> Array:
+        return self._summed(self._engine.worn_m3())
+
+    def response(self, length_s: float) -> Response:
+        assert self._plan.responds, "asked of a plan without"
+        mine = self._engine.contact_tangent(length_s)
+        return Response(**{name: self._summed(values) for name, values in mine.items()})
+
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """Views of this rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
+        rmass, density, type (from 1), tag (n,), all SI.  Valid until the next advance."""
+        return self._engine.particles()
+
+    def account(self) -> Account:
+        """Exact but for ``contact_dissipation``, which is what is left of the energy balance."""
+        self._prepare()
+        return self._ledger.account(self._engine)
+
+    def save(self) -> Saved:
+        self._prepare()
+        return {
+            "engine": self._engine.save(),
+            "ledger": self._ledger.save(),
+            "created": np.array(self._created),
+            "deepest": as_arrays(self._deepest_of_rank()),
+            "crossings": as_arrays(self._crossings),
+            "removed": as_arrays(in_order(self._removed)),
+        }
+
+    def restore(self, saved: Saved) -> None:
+        self._engine.restore(saved["engine"])
+        self._ledger.restore(saved["ledger"])
+        self._created = int(saved["created"])
+        self._engine.take_deepest_overlaps()  # of what was evaluated to get back there
+        self._deepest = like(Overlaps(), saved["deepest"])
+        self._crossings = like(Crossings.none(), saved["crossings"])
+        self._removed = [like(in_order([]), saved["removed"])]
+        self._unprepared = False
+
+    def close(self) -> None:
+        del self._engine
+        self._opened.close()
+
+    def _summed(self, by_point: Array) -> Array:
+        self._comm.Allreduce(MPI.IN_PLACE, by_point)
+        return by_point
+
+    def _feed(self, interval: Interval) -> None:
+        if self._plan.feed is None:
+            return
+        offer = self._plan.feed.due(interval)
+        if len(offer) == 0:
+            return
+        blocked = np.array(
+            self._engine.overlaps(position_m=floats(offer.position_m), diameter_m=floats(offer.diameter_m))
+        )
+        self._comm.Allreduce(MPI.IN_PLACE, blocked, MPI.LOR)
+        accepted = ~blocked
+        if accepted.any():
+            new = offer.part(accepted)
+            self._engine.store_history()
+            self._create(new)
+            self._ledger.add_fed(new)
+            self._unprepared = True
+        self._plan.feed.settle(accepted)
+
+    def _take_out(self, interval: Interval, step_s: float) -> None:
+        mine = self._engine.take_removed()
+        # LIGGGHTS stopped half a step before; without contacts, gravity alone fills that up
+        mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
+        self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
+        if len(mine["tag"]):
+            self._removed.append(_removed(mine, interval.start_s + step_s * mine["step"]))
+
+    def _prepare(self) -> None:
+        """After particles came: sort them and evaluate their forces."""
+        if self._unprepared:
+            self._engine.prepare()
+            self._unprepared = False
+
+    def _deepest_of_rank(self) -> Overlaps:
+        """The deepest of this rank's contacts since ``overlaps`` was last asked."""
+        self._deepest = self._deepest.deepest(Overlaps(**self._engine.take_deepest_overlaps()))
+        return self._deepest
+
+    def _add_crossings(self, mine: Arrays, start_s: float, step_s: float) -> None:
+        """Count those of all ranks in the last interval, alike on every rank."""
+        ranks = self._comm.allgather(_crossings(mine, start_s, step_s))
+        some = [crossings for crossings in ranks if crossings.number]
+        for later in sorted(some, key=lambda one: (one.first_time_s, one.first_id)):
+            self._crossings = self._crossings.followed_by(later)
+
+    def _check(self, time_s: float, crossed: int = 0) -> int:
+        """The sum of all ranks' ``crossed``.  Raises SolverFailed where a particle is missing, or is
+        nowhere."""
+        mine = self._engine.particles()
+        bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
+        counts = np.array([len(mine["x"]), bad, crossed])
+        present, bad, crossed = self._comm.allreduce(counts)
+        if bad:
+            raise SolverFailed(f"LIGGGHTS at t = {time_s} s: a particle's place or velocity is NaN")
+        expected = self._created - self._ledger.removed_count
+        if present != expected:
+            raise SolverFailed(
+                f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
+            )
+        return crossed
+
+
+def _removed(mine: Arrays, time_s: Array) -> Removed:
+    """The record of the particles that this rank took out at ``time_s`` (n,)."""
+    return Removed(
+        id=mine["tag"].astype(np.int64),
+        time_s=time_s,
+        position_m=mine["x"],
+        velocity_m_per_s=mine["v"],
+        diameter_m=2.0 * mine["radius"],
+        density_kg_per_m3=mine["density"],
+        material=mine["type"].astype(np.int64) - 1,
+        exit=mine["exit"].astype(np.int64),
+    )
+
+
+def _crossings(mine: Arrays, start_s: float, step_s: float) -> Crossings:
+    """The record of this rank's particles that went through the surface in an interval that began at
+    ``start_s``; of one step the lowest id counts as the first."""
+    if not len(mine["tag"]):
+        return Crossings.none()
+    first = np.lexsort((mine["tag"], mine["step"]))[0]
+    time_s = start_s + step_s * int(mine["step"][first])
+    return Crossings(len(mine["tag"]), int(mine["tag"][first]), time_s, mine["x"][first])
