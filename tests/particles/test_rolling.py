@@ -20,11 +20,9 @@ from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
-from tests.particles.test_adhesion import module
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
-__all__ = ["module"]  # the fixture
 
 ROLLING = 0.1
 RADIUS_M, DENSITY_KG_PER_M3, G_M_PER_S2 = 2.5e-3, 2500.0, 9.81
