@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
+from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
-from orchestrator.output.records.summary import cycle_s, iteration_lines, watch_lines
+from orchestrator.output.records.summary import iteration_lines, watch_lines
 from tests.case.cases import loaded
 
 

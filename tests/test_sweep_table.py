@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,13 +11,13 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from orchestrator.output.records.summary import write_summary
 from orchestrator.studies import sweep_table
 from orchestrator.studies.points import Vary
-from orchestrator.studies.steady import NotSteady, Steady
 
 VARY = Vary("screen.exciters.shaft.speed_rad_per_s", ("58", "78", "98", "118"))
 RESULTS: dict[str, Any] = {
-    "missing": {},
+    "missing": {"orbits": "the case has no frames"},
     "failed": {},
     "steady": {"is_steady": True, "reason": ""},
     "screening": {
@@ -29,29 +28,32 @@ RESULTS: dict[str, Any] = {
         "in_time": {"time_s": [0.1, 0.2]},
     },
     "bed": {"velocity_m_per_s": {"value": 0.4, "half_width": 0.1, "batches": 20}},
-    "motion": {"is_settled": True, "frames": {"a": {"amplitude_m": [0.1, 0.2, 0.3]}}},
 }
 
 
 def point(place: Path, value: str, status: str, results: Any = RESULTS) -> Any:
     folder = place / value
     folder.mkdir()
-    (folder / "summary.json").write_text(json.dumps({"status": status, "results": results}))
+    write_summary(folder, {**{"status": status, "results": results}, "cycle_s": 2 * np.pi / 78.5})
     return SimpleNamespace(value=value, folder=folder, status=lambda: status)
 
 
+def orbit(along_m: float, width_m: float | None = None) -> dict[str, Any]:
+    width = None if width_m is None else [width_m, 0.0, width_m]
+    return {"amplitude_m": [along_m, 0.0, 2 * along_m], "half_width_m": width}
+
+
+def moving(drift: float, is_settled: bool) -> dict[str, Any]:
+    motion = {"is_settled": is_settled, "drift": drift, "relative": {"b-a": orbit(1e-3)}}
+    return RESULTS | {"motion": motion | {"frames": {"a": orbit(1e-3, 1e-5), "b": orbit(2e-3)}}}
+
+
 @pytest.fixture
-def points(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+def points(tmp_path: Path) -> list[Any]:
     """One that is good, one that still drifts by 43 %, one not to be trusted, and a failed one."""
-
-    def steady(folder: Path) -> Steady:
-        amplitude_m = np.array([1e-3, 0.0, 2e-3]) * complex(1.0)
-        drift = 0.43 if folder.name == "78" else 0.01
-        return Steady(78.5, {"a": amplitude_m, "b": 2 * amplitude_m}, {"b-a": amplitude_m}, drift)
-
-    monkeypatch.setattr(sweep_table, "steady", steady)
     states = ("done", "done", "doubtful", "failed")
-    return [point(tmp_path, *pair) for pair in zip(VARY.values, states, strict=True)]
+    results = (moving(0.01, True), moving(0.43, False), moving(0.01, True), RESULTS)
+    return [point(tmp_path, *one) for one in zip(VARY.values, states, results, strict=True)]
 
 
 def test_a_measured_figure_does_not_overwrite_the_swept_value(points: list[Any]) -> None:
@@ -70,24 +72,17 @@ def test_every_single_result_is_there_with_its_interval(points: list[Any], tmp_p
     assert float(row["screening.efficiency_percent.half_width"]) == 1.5
     assert float(row["screening.particles"]) == 22
     assert float(row["screening.sections.one.yield_percent"]) == 7.0
-    assert float(row["motion.frames.a.amplitude_m.z"]) == 0.3
+    assert float(row["motion.frames.a.amplitude_m.z"]) == float(row["a.z_m"]) == 2e-3
+    assert float(row["a.x_m.half_width"]) == 1e-5
     assert "screening.recovered_percent" not in row, "a value that is not known is none"
     assert not [name for name in row if "in_time" in name]
 
 
 def test_what_has_not_settled_says_so(points: list[Any], tmp_path: Path) -> None:
     assert [row.get("settled") for row in sweep_table.rows(VARY, points)] == ["yes", "no", "yes", None]
-    moving = RESULTS | {"motion": {"is_settled": False}}
-    (tmp_path / "more").mkdir()
-    (row,) = sweep_table.rows(VARY, [point(tmp_path / "more", "58", "done", moving)])
-    assert row["settled"] == "no"
 
 
-def test_without_frames_there_are_the_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def steady(folder: Path) -> Steady:
-        raise NotSteady("the case has no frames")
-
-    monkeypatch.setattr(sweep_table, "steady", steady)
+def test_without_frames_there_are_the_results(tmp_path: Path) -> None:
     found = sweep_table.rows(VARY, [point(tmp_path, value, "done") for value in VARY.values])
     assert {row["settled"] for row in found} == {"unknown: the case has no frames"}
     files = sweep_table.write(found, VARY, tmp_path)

@@ -7,6 +7,7 @@ A name with dots that is not in the table is taken as a path of keys in ``summar
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -101,7 +102,7 @@ def _stroke(summary: Summary) -> Value | None:
 def _middle(summary: Summary) -> Value | None:
     """Of the probe on a panel that moves most."""
     names = _inner(summary, "results.motion.panel_points") or {}
-    found = [_inner(summary, f"probes.{name}.amplitude_m") for name in names]
+    found = [_inner(summary, f"probes.{name}.half_range_m") for name in names]
     sizes = [math.hypot(*one) for one in found if one and None not in one]
     return Value(max(sizes)) if sizes else None
 
@@ -113,7 +114,7 @@ SCALARS: dict[str, Scalar] = {
         1e-6,
         _largest("results.motion.frames", "major_m"),
     ),
-    "middle_amplitude": Scalar("largest amplitude of a probe on a panel / m", 1e-6, _middle, of_panels=True),
+    "middle_amplitude": Scalar("largest half range of a probe on a panel / m", 1e-6, _middle, of_panels=True),
     "rms_g": Scalar(
         "acceleration of probes on panels, root mean square / g",
         1e-3,
@@ -192,6 +193,9 @@ def scalar(name: str) -> Scalar:
     """By its short name, or by a path of keys with dots.  Raises KeyError with what is near."""
     if name in SCALARS:
         return SCALARS[name]
+    if re.fullmatch(r"probes\..*\.amplitude_m\..*", name):
+        new = name.replace(".amplitude_m.", ".half_range_m.")
+        raise KeyError(f'"{name}" is half a range, whatever its harmonics, and is called "{new}" now')
     if "." in name:
         return Scalar(name, 1e-12, _at(name))
     near = get_close_matches(name, SCALARS, 1)

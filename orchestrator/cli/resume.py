@@ -12,7 +12,7 @@ from orchestrator.cli.launch import carried_out, ready, refused
 from orchestrator.coupling import ranks
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
-from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, write_case, write_json
+from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable, is_at_work, write_case, write_json
 from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.run.origin import origin, refuse_another_run, warnings
@@ -63,10 +63,10 @@ def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[s
     for what is another run."""
     now = origin(loaded, folder, world)
     refuse_another_run(save, now)
-    killed = [] if (folder / "summary.json").exists() else [KILLED]
+    killed = [] if (folder / SUMMARY).exists() else [KILLED]
     checkpoints.remove_later(folder, save)
     save.put_back(folder)
-    for of_the_end in ("failure.txt", "summary.json"):
+    for of_the_end in ("failure.txt", SUMMARY):
         (folder / of_the_end).unlink(missing_ok=True)
     write_case(folder, loaded)
     provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))

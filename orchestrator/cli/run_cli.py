@@ -78,6 +78,7 @@ def record(
     Exit code 0: written; 2: the folder does not hold what is needed.
     """
     from orchestrator.case import recording_file
+    from orchestrator.output.records.run_folder import SUMMARY
     from orchestrator.output.records.trust import is_trusted
     from orchestrator.studies.record import record as recorded
     from orchestrator.studies.sweep import status
@@ -89,7 +90,7 @@ def record(
     except OSError as error:
         refuse(str(error))
     if not is_trusted(state := status(run)):
-        CONSOLE.print(f"warning: the run is {state}: {run / 'summary.json'} says why")
+        CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
     for name, share in made.change.items():
         what = f"{made.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
         CONSOLE.print(f"{name}: {what}")

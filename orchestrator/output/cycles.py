@@ -15,7 +15,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 
 CYCLES_WITHOUT_DRIVE = 50
-ROUNDING = 1e-6  # of a cycle: a time that is nearer to the end of one is at its end
+ROUNDING = 1e-7  # of a cycle: a time that is nearer to the end of one is at its end
 
 
 def cycle_s(case: Case) -> float:

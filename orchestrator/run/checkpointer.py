@@ -14,6 +14,7 @@ from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.recorder import Recorder
+from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.state import as_arrays, like
@@ -75,7 +76,7 @@ class Checkpointer:
         about = self._about() | {"sync_points": done, "good": self._good}
         if self._machine.scheme.memory is not None:
             saved["scheme"] = self._machine.scheme.memory.save()
-        checkpoints.write(self._folder, saved, [self._folder / "history.h5"], about, self._world)
+        checkpoints.write(self._folder, saved, [self._folder / HISTORY], about, self._world)
         self._last = done
 
     def restore(self, save: Save, start: State) -> State:

@@ -14,12 +14,14 @@ from typing import Any
 from rich.console import Console
 
 from orchestrator.case.file.slice import share
+from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
 from orchestrator.output.records.history import store
-from orchestrator.output.records.run_folder import LOG, write_json
+from orchestrator.output.records.run_folder import HISTORY, LOG
 from orchestrator.output.results.compute import named_error, plain, results
-from orchestrator.output.results.machine import probe_figures
-from orchestrator.output.results.observed import checked
+from orchestrator.output.results.machine import point_ranges
+from orchestrator.output.results.observed import checked_by_run
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judgement.account import Entry, at_end
 from orchestrator.preflight.levels import LoadedCase
@@ -55,7 +57,7 @@ class Ending:
             "left_out": self.loaded.left_out,
             "effects": {name: one.figures() for name, one in self.effects.items()},
             "share_of_width": share(case.whole),
-            "cycle_s": summary.cycle_s(case),
+            "cycle_s": cycle_s(case),
             "stability": words.figures(self.stability),
             "wall_s": wall_s,
             "processor_s": time.process_time(),
@@ -65,13 +67,13 @@ class Ending:
             "particle_steps_per_s": rate,
             **progress.figures,
         }
-        write_json(folder / "summary.json", figures)
+        summary.write_summary(folder, figures)
         if figures["sync_intervals"]:
             self._add_results(figures)
         figures["doubts"] = trust.doubts(figures) if status != "failed" else []
         if status == trust.DONE:
             figures["status"] = trust.state_at_end(figures)
-        write_json(folder / "summary.json", figures)
+        summary.write_summary(folder, figures)
         if case.output.pictures and figures["sync_intervals"]:
             _draw(folder)
         return figures
@@ -82,9 +84,9 @@ class Ending:
         What could not be made is said on the console and in the log, and nothing else is lost.
         """
         failed: dict[str, str] = {}
-        history = self.folder / "history.h5"
-        with _noted(failed, "probes"):
-            figures["probes"] = plain(probe_figures(history, self.loaded.case))
+        history = self.folder / HISTORY
+        with _noted(failed, "probes"), RunReader(self.folder) as reader:
+            figures["probes"] = plain(point_ranges(reader))
         with _noted(failed, "everything"):
             figures["results"] = results(self.folder)
             failed |= figures["results"]["failed"]
@@ -107,7 +109,7 @@ class Ending:
     def _check_effects(self, figures: dict[str, Any]) -> None:
         """Judges the effects again by what the run recorded.  Under a run that failed, that stands
         in the log only: the last lines of the console are why it failed and how to go on."""
-        after = checked(self.effects, self.loaded.described, self.folder, figures["results"])
+        after = checked_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
         figures["effects"] = {name: one.figures() for name, one in after.items()}
         for line in at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
@@ -130,6 +132,6 @@ def _noted(failed: dict[str, str], part: str) -> Iterator[None]:
 
 def _draw(folder: Path) -> None:
     """Pictures in a process of their own; one that fails is a warning in the log."""
-    drawn = python("-m", "orchestrator.output.records.pictures", str(folder), capture_output=True)
+    drawn = python("-m", "orchestrator.output.report.pictures", str(folder), capture_output=True)
     if drawn.returncode:
         LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

@@ -6,34 +6,33 @@ figures are means over the panels.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
-from orchestrator.output.records.summary import cycle_s
+from orchestrator.output.cycles import cycle_s
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
-from orchestrator.preflight.levels import load
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.studies.panel_figures import panel_figures
 
 CYCLES = 4
 EXTENSIVE = {"clamp_peak_N", "clamp_rms_N", "passing_kg_per_s"}
 QUANTITIES = {
-    "deflection_m": "panel: amplitude of the middle / m",
+    "deflection_m": "panel: half range of the middle in a cycle / m",
     "shape": "panel: shape over the cycles",
     "clamp_peak_N": "clamp force: peak / N",
     "clamp_rms_N": "clamp force: rms / N",
     "peak_g": "panel's middle: peak acceleration / g",
     "rms_g": "panel's middle: rms acceleration / g",
-    "frame_m": "frames: largest amplitude / m",
+    "frame_m": "frames: largest half range / m",
     "passing_kg_per_s": "passing: through the exits / (kg/s)",
     "efficiency_percent": "screening efficiency / %",
     "velocity_m_per_s": "bed: mean velocity / (m/s)",
@@ -95,14 +94,18 @@ class Figures:
 
 def figures(folder: Path) -> Figures:
     """Of a finished run with ``output.shapes_s``."""
-    summary, case = json.loads((folder / "summary.json").read_text()), load(folder).case
+    with RunReader(folder) as run:
+        return _figures(run)
+
+
+def _figures(run: RunReader) -> Figures:
+    summary, case, history = run.summary, run.case, run.history
     end_s, cycle = summary["simulated_s"], cycle_s(case)
     count = max(1, min(CYCLES, int(end_s / 2 / cycle + 1e-9)))
     start_s = max(0.0, end_s - count * cycle)
-    with h5py.File(folder / "history.h5") as history:
-        panels = [panel_figures(history, case, one, start_s, cycle) for one in single_panels(case)]
-        values = {"frame_m": _frame(history, start_s)} if case.screen.frames else {}
-        passing = _passing(history, case, start_s, end_s)
+    panels = [panel_figures(history, case, one, start_s, cycle) for one in single_panels(case)]
+    values = {"frame_m": _frame(history, start_s)} if case.screen.frames else {}
+    passing = _passing(history, case, start_s, end_s)
     shapes_m = np.hstack([panel.shape_m for panel in panels]) if panels else np.empty((0, 0))
     for name in panels[0].values if panels else ():
         values[name] = float(np.mean([panel.values[name] for panel in panels]))
@@ -203,6 +206,6 @@ def _passing(history: Any, case: Case, start_s: float, end_s: float) -> tuple[fl
         return None
     gone = history["removed"]
     late = (gone["time_s"][:] > start_s) & (gone["exit"][:] >= 0)
-    mass_kg = np.pi / 6 * gone["diameter_m"][:] ** 3 * gone["density_kg_per_m3"][:]
+    mass_kg = sphere_mass_kg(gone["diameter_m"][:], gone["density_kg_per_m3"][:])
     span_s = end_s - start_s
     return float(mass_kg[late].sum() / span_s), float(np.sqrt(np.sum(mass_kg[late] ** 2)) / span_s)

@@ -26,6 +26,7 @@ from orchestrator.case.playback import turning
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
@@ -143,7 +144,7 @@ def _run(path: Path, level: str, sets: tuple[str, ...], patience_s: float, what:
         except subprocess.TimeoutExpired:
             raise NoPair(f"{what} took more than {patience_s:g} s and was ended") from None
         try:
-            summary: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+            summary = RunReader(folder).summary
         except (OSError, ValueError):
             said = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
             raise NoPair(f"{what} left nothing: {said[0]}") from None

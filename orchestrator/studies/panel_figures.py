@@ -9,8 +9,10 @@ import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel
 from orchestrator.case.tables.case import Case
-from orchestrator.output.results.vibration import STANDARD_GRAVITY_M_PER_S2, acceleration_m_per_s2
+from orchestrator.output.cycles import cycle_numbers
+from orchestrator.output.results.acceleration import acceleration_m_per_s2
 from orchestrator.ports import Array
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 from orchestrator.ports.recording import RecordedGrid
 
 
@@ -42,7 +44,7 @@ def panel_figures(history: Any, case: Case, panel: SinglePanel, start_s: float, 
     forces = history[f"forces/{panel.name}"]
     pull_N = np.linalg.norm(forces["first_clamp_N"][:], axis=1)[forces["time_s"][:] > start_s]
     values = {
-        "deflection_m": _amplitude(shape_m[:, middle, 2], time_s[last], cycle),
+        "deflection_m": _half_range(shape_m[:, middle, 2], time_s[last], cycle),
         "clamp_peak_N": float(pull_N.max()),
         "clamp_rms_N": float(np.sqrt(np.mean(pull_N**2))),
         "peak_g": _mean_peak(size_g, time_s[last], cycle),
@@ -51,7 +53,7 @@ def panel_figures(history: Any, case: Case, panel: SinglePanel, start_s: float, 
     return PanelFigures(values, shape_m[:, line][:, :, [0, 2]].reshape(len(shape_m), -1))
 
 
-def _amplitude(place_m: Array, time_s: Array, cycle: float) -> float:
+def _half_range(place_m: Array, time_s: Array, cycle: float) -> float:
     """Mean over the cycles of half the range."""
     return float(np.mean([np.ptp(part) / 2 for part in _cycles(place_m, time_s, cycle)]))
 
@@ -61,5 +63,5 @@ def _mean_peak(size: Array, time_s: Array, cycle: float) -> float:
 
 
 def _cycles(values: Array, time_s: Array, cycle: float) -> list[Array]:
-    number = np.floor((time_s - time_s[0]) / cycle - 1e-6).astype(int).clip(0)
+    number = cycle_numbers(time_s, cycle, float(time_s[0]))
     return [values[number == one] for one in range(max(1, number.max()))]

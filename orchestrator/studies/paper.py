@@ -21,7 +21,6 @@ from orchestrator.case.tables.quantities import Name, Number, OneLine, Switch, T
 from orchestrator.studies import sweep
 from orchestrator.studies.points import parsed
 from orchestrator.studies.quantities import QUANTITIES, UNITS, Sweep, Unknown
-from orchestrator.studies.steady import NotSteady
 
 FILE = "paper.toml"
 
@@ -147,7 +146,7 @@ def compared(paper: Paper, found: Mapping[str, Sweep]) -> list[Line]:
             part = of.at(row.at) if row.at else of.between(row.between)
             ours = QUANTITIES[row.quantity](part, row.point, row.axis)
             lines.append(Line(row, ours / UNITS[row.unit]))
-        except (Unknown, NotSteady) as error:
+        except Unknown as error:
             lines.append(Line(row, None, str(error)))
     return lines
 

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
-import h5py
 import numpy as np
 
+from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.studies.points import Vary
-from orchestrator.studies.steady import steady
 from orchestrator.studies.sweep import Point
 
 UNITS = {"mm": 1e-3, "m": 1.0, "rad/s": 1.0, "%": 0.01, "m/s": 1.0, "1": 1.0}
 COMPONENT = {"x": 0, "y": 1, "z": 2}
-
-
-_steady = cache(steady)  # a dozen rows ask for the same run
 
 
 class Unknown(Exception):
@@ -80,11 +75,12 @@ def _done(runs: Sweep) -> Sequence[Point]:
 def _amplitudes(runs: Sweep, name: str, axis: str) -> Array:
     found = []
     for point in _done(runs):
-        motion = _steady(point.folder)
-        everything = motion.points | motion.relative
-        if name not in everything:
-            raise Unknown(f'no point "{name}"; there are {", ".join(everything)}')
-        found.append(abs(everything[name][COMPONENT[axis]]))
+        results = RunReader(point.folder).results
+        if not (orbits := find_orbits(results)):
+            raise Unknown(f"{point.folder.name}: {why_no_orbits(results)}")
+        if name not in orbits:
+            raise Unknown(f'no point "{name}"; there are {", ".join(orbits)}')
+        found.append(orbits[name]["amplitude_m"][COMPONENT[axis]])
     return np.array(found)
 
 
@@ -112,13 +108,12 @@ def lowest_at(runs: Sweep, point: str, axis: str) -> float:
 def arch(runs: Sweep, point: str, axis: str) -> float:
     """Of a panel: the largest distance of its middle line from the straight line between its ends
     at the sync points of the cycles that end in the run's second half, in m, on either side."""
-    (run,) = _done(runs)
-    with h5py.File(run.folder / "history.h5") as history:
-        if f"panel_cycles/{point}" not in history:
+    (one,) = _done(runs)
+    with RunReader(one.folder) as run:
+        if not run.has(f"panel_cycles/{point}"):
             raise Unknown(f'no panel "{point}"')
-        rows = history[f"panel_cycles/{point}"]
-        late = rows["time_s"][:] > 0.5 * rows["time_s"][-1]
-        return float(rows["sag_most_m"][:][late].max())
+        time_s, sag_m = (run.read(f"panel_cycles/{point}/{name}") for name in ("time_s", "sag_most_m"))
+        return float(sag_m[time_s > 0.5 * time_s[-1]].max())
 
 
 def result(runs: Sweep, point: str, axis: str) -> float:
@@ -136,7 +131,7 @@ def rise(runs: Sweep, point: str, axis: str) -> float:
     """The largest from one entry of a list of such numbers (``*`` in the keys) to the next:
     negative if they fall all the way."""
     (run,) = _done(runs)
-    results = json.loads((run.folder / "summary.json").read_text())["results"]
+    results = RunReader(run.folder).results
     before, _, after = point.partition(".*.")
     count = len(_inner(results, before))
     return float(np.diff([_number(run, f"{before}.{n}.{after}") for n in range(count)]).max())
@@ -147,7 +142,7 @@ def _results(runs: Sweep, path: str) -> Array:
 
 
 def _number(run: Point, path: str) -> float:
-    inner = _inner(json.loads((run.folder / "summary.json").read_text())["results"], path)
+    inner = _inner(RunReader(run.folder).results, path)
     value = inner.get("value") if isinstance(inner, dict) else inner
     if value is None:
         raise Unknown(f"{run.folder.name}: {path} is not known")

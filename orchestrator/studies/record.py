@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
@@ -21,6 +20,7 @@ from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.playback import Turning, shape_of, turning
 from orchestrator.case.tables.case import Case
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.recording import RecordedGrid, Recording
 from orchestrator.preflight.levels import load
@@ -92,7 +92,8 @@ def _recorded(run: Path, cycles: int) -> Recorded:
         raise _refused(run, "nothing turns this machine: it has no cycle")
     panels, change = {}, {}
     try:
-        with h5py.File(run / "history.h5") as history:
+        with RunReader(run) as reader:
+            history = reader.history
             for panel in single_panels(case):
                 if f"shapes/{panel.name}" not in history:
                     raise _refused(run, "no shapes were recorded; run it with --set output.shapes_s=")

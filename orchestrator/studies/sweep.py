@@ -15,6 +15,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.overlays import changed
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, resolved_case, write_json
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.levels import LoadedCase, load
@@ -25,9 +26,10 @@ MAIN = "from orchestrator.cli.main import main; main()"
 
 
 def status(folder: Path) -> str:
-    """Returns the state of the run in a folder, as in its summary; "missing" without one."""
+    """Returns the state of the run in a folder, as in its summary; "missing" without one.
+    Raises OtherFormat where another version of flipflow wrote it."""
     try:
-        return str(json.loads((folder / "summary.json").read_text())["status"])
+        return str(RunReader(folder).summary["status"])
     except (OSError, ValueError, KeyError):
         return "missing"
 

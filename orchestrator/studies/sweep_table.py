@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,8 +11,10 @@ from typing import Any
 import matplotlib
 
 from orchestrator.output.records import trust
+from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
+from orchestrator.output.results.machine import LARGEST_DRIFT
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.studies.points import Vary
-from orchestrator.studies.steady import NotSteady, Steady, steady
 from orchestrator.studies.sweep import Point
 
 matplotlib.use("Agg")
@@ -21,7 +22,6 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 
 AXES = {0: "x", 2: "z"}
-LARGEST_DRIFT = 0.05  # of the largest amplitude, between two windows: more has not settled
 SETTLED, NOT_SETTLED = "yes", "no"
 DRAWN = {
     "screening.efficiency_percent": ("screening efficiency / %", 1.0),
@@ -43,9 +43,10 @@ def rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
     """Returns a row for each point.
 
     Its columns are the swept key as it is written after ``--vary``; ``status``, how the run ended;
-    ``settled``, whether its motion had; ``drift`` and the amplitudes of the first harmonic along
-    (x) and normal to the deck (z) of every frame, every probe on a frame, and of the frames against
-    each other; and every single number of the run's results, with the half width of its interval.
+    ``settled``, whether its motion had; ``drift`` and the amplitudes of the first harmonic along (x)
+    and normal to the deck (z), with their half widths, of every frame, every probe on a frame, and of
+    the frames against each other, all as in the run's results; and every single number of the
+    results, with the half width of its interval.
     """
     return [_row(vary, point) for point in points]
 
@@ -58,25 +59,26 @@ def _row(vary: Vary, point: Point) -> Row:
 def _measured(point: Point) -> Row:
     if not trust.came_to_its_end(point.status()):
         return {}
-    results = json.loads((point.folder / "summary.json").read_text()).get("results") or {}
-    motion = results.get("motion", {})
-    try:
-        found = steady(point.folder)
-    except NotSteady as short:
-        row: Row = {"settled": f"unknown: {short}"}
-    else:
-        row = {"settled": SETTLED if found.drift <= LARGEST_DRIFT else NOT_SETTLED}
-        row |= _amplitudes(found)
-    if not motion.get("is_settled", True):
-        row["settled"] = row["settled"] if row["settled"] != SETTLED else NOT_SETTLED
-    return row | dict(scalars(results))
+    run = RunReader(point.folder)
+    return _motion(run) | dict(scalars(run.results))
 
 
-def _amplitudes(motion: Steady) -> Row:
-    figures: Row = {"speed_rad_per_s": motion.speed_rad_per_s, "drift": motion.drift}
-    for name, amplitude in (motion.points | motion.relative).items():
-        figures |= {f"{name}.{letter}_m": abs(amplitude[axis]) for axis, letter in AXES.items()}
-    return figures
+def _motion(run: RunReader) -> Row:
+    """Whether it had settled, and the amplitudes with their half widths."""
+    orbits = find_orbits(run.results)
+    if not orbits:
+        return {"settled": f"unknown: {why_no_orbits(run.results)}"}
+    motion = run.results["motion"]
+    row: Row = {"settled": SETTLED if motion["is_settled"] else NOT_SETTLED}
+    row["speed_rad_per_s"] = 2 * math.pi / run.summary["cycle_s"]
+    if motion["drift"] is not None:
+        row["drift"] = motion["drift"]
+    for name, orbit in orbits.items():
+        for axis, letter in AXES.items():
+            row[f"{name}.{letter}_m"] = orbit["amplitude_m"][axis]
+            if orbit["half_width_m"] is not None:
+                row[f"{name}.{letter}_m.half_width"] = orbit["half_width_m"][axis]
+    return row
 
 
 def scalars(table: dict[str, Any], path: str = "") -> Iterator[tuple[str, float]]:

@@ -11,6 +11,7 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.run_folder import write_json
+from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.level_file import write_level
 from orchestrator.preflight.levels import load
 from orchestrator.studies.accuracy.answers import Answer, off
@@ -156,7 +157,7 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
 
 
 def test_an_answer_is_looked_up_in_the_summary(tmp_path: Path) -> None:
-    write_json(tmp_path / "summary.json", {"a": {"b.c": [0.0, {"value": 2.2}]}, "d": None})
+    write_summary(tmp_path, {"a": {"b.c": [0.0, {"value": 2.2}]}, "d": None})
     answer = Answer(of=("a", "b.c", "1"), value=2.0, source="known")
     assert off(answer, tmp_path) == pytest.approx(0.1)
     assert off(Answer(of=("d",), value=1.0, source="known"), tmp_path) is None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import pytest
 import tomli_w
 
 from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
+from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.sweep import Point, point
 from tests.runs.outside import ROOT
 
@@ -18,7 +18,7 @@ def done_point(folder: Path, stored: dict[str, Any]) -> Point:
     """A point of the empty machine whose folder holds a finished run of ``stored``."""
     folder.mkdir()
     (folder / "case.toml").write_text(tomli_w.dumps(stored))
-    (folder / "summary.json").write_text(json.dumps({"status": "done"}))
+    write_summary(folder, {"status": "done"})
     return point(ROOT / "cases/empty-machine", "draft", [], "draft", folder)
 
 

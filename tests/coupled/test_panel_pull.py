@@ -10,9 +10,9 @@ import pytest
 from orchestrator.coupling.build import build
 from orchestrator.coupling.schemes import exchange as coupling
 from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.ports.clock import intervals
 from orchestrator.preflight.levels import load
-from orchestrator.studies.steady import harmonic
 
 CASE = Path(__file__).parents[2] / "cases/panel-cycle"
 AMPLITUDE_M, SPEED_RAD_S, INTERVAL_S = 5.9e-3, 78.5, 4e-4
@@ -37,8 +37,8 @@ def pull_N_per_m(tension_m: float, folder: Path) -> float:
         times.append(interval.start_s + INTERVAL_S / 2)  # a mean over the interval
         pulls.append(-state.panel.reaction.force_N[moving].sum(axis=0))
     machine.close()
-    steady = np.array(times) > 0.16
-    pull_N = harmonic(np.array(times)[steady], np.array(pulls)[steady], SPEED_RAD_S)[0]
+    cycle_s = 2 * np.pi / SPEED_RAD_S
+    pull_N = first_harmonic(np.array(times), np.array(pulls), cycle_s, start_s=0.16).phasor[0]
     return float((pull_N / (-1j * AMPLITUDE_M)).real)  # it moves as sin(w t)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,6 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from orchestrator.case.tables.case import Case
+from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.judgement.catalogue import Judged
 from orchestrator.preflight.judgement.pair import Change
 from orchestrator.preflight.levels import load
@@ -260,5 +260,5 @@ def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:
     trial = Trial("high", "", runs)
     for status, count in (("failed", 0), ("doubtful", 1), ("done", 1), ("interrupted", 0)):
         runs[0].folder.mkdir(parents=True, exist_ok=True)
-        (runs[0].folder / "summary.json").write_text(json.dumps({"status": status}))
+        write_summary(runs[0].folder, {"status": status})
         assert len(trial.summaries) == count

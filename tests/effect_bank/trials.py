@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
 from orchestrator.preflight.levels import LoadedCase, load
@@ -49,11 +50,7 @@ class Trial:
     @property
     def summaries(self) -> list[dict[str, Any]]:
         """``summary.json`` of those runs that came to their end, trusted or not."""
-        return [
-            json.loads((one.folder / "summary.json").read_text(encoding="utf-8"))
-            for one in self.runs
-            if one.ended(one.folder)
-        ]
+        return [RunReader(one.folder).summary for one in self.runs if one.ended(one.folder)]
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import h5py
@@ -10,6 +9,8 @@ import numpy as np
 import pytest
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.output.records.history import HISTORY_FORMAT
+from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.hard import cases, measures, verdicts
 from orchestrator.studies.hard.criterion import Criterion
 from orchestrator.studies.hard.expected import Expected, read
@@ -34,6 +35,7 @@ def folders(tmp_path: Path) -> dict[str, Path]:
         (tmp_path / name).mkdir()
         time_s = np.arange(5.0)
         with h5py.File(tmp_path / name / "history.h5", "w") as history:
+            history.attrs["format_version"] = HISTORY_FORMAT
             history["probes/p/time_s"] = time_s
             history["probes/p/position_m"] = number * time_s[:, None] * [1.0, 0.0, -1.0]
             for book, values in (("stored.a", time_s), ("supplied.b", time_s / number)):
@@ -48,7 +50,7 @@ def folders(tmp_path: Path) -> dict[str, Path]:
             "energy_exchanged_J": {"panel-frames": 3.0},
             "n": number,
         }
-        (tmp_path / name / "summary.json").write_text(json.dumps(figures))
+        write_summary(tmp_path / name, figures)
     return {name: tmp_path / name for name in ("one", "two")}
 
 
@@ -108,7 +110,7 @@ def test_what_is_not_there_is_unknown(folders: dict[str, Path]) -> None:
     ],
 )
 def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> None:
-    (tmp_path / "summary.json").write_text(json.dumps(figures))
+    write_summary(tmp_path, figures)
     assert outcome(tmp_path) == expected
     assert outcome(tmp_path / "nowhere") == "not run"
 

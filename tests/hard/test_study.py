@@ -16,6 +16,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import write_case
+from orchestrator.output.records.summary import write_summary
 from orchestrator.studies import sweep
 from orchestrator.studies.hard import cases, pictures, stability_map, verdicts
 from orchestrator.studies.sweep import Point
@@ -32,7 +33,7 @@ STOPPED = {"status": "failed", "reason": "the panel became unstable"}
 def made_up(point: Point, figures: dict[str, object]) -> None:
     """The folder that such a run would leave."""
     point.folder.mkdir(parents=True)
-    (point.folder / "summary.json").write_text(json.dumps(figures))
+    write_summary(point.folder, figures)
     write_case(point.folder, point.loaded)
 
 

@@ -24,6 +24,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.output.records.history import History
 from orchestrator.output.records.run_folder import write_json
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
+from orchestrator.output.records.summary import write_summary
 from orchestrator.output.records.wear_record import PATCHES
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.preflight.levels import load
@@ -61,7 +62,7 @@ def folder_of(place: Path, particles: bool = True, cycles: int = CYCLES) -> Path
     if particles:
         _events(place / "history.h5", cycles)
     _snapshots(place, case, particles, cycles)
-    write_json(place / "summary.json", _summary(particles, cycles))
+    write_summary(place, _summary(particles, cycles))
     started = {"started": "2024-01-02T03:04:05+00:00", "ranks": 1, "machine": "by hand"}
     write_json(place / "provenance.json", started | {"commit": None, "versions": {"flipflow": "0"}})
     (place / "run.log").write_text("2024-01-02 03:04:05,000 WARNING a warning of the log\n")

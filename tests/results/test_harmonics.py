@@ -29,7 +29,7 @@ def wave(time_s: Array, phasor: Array = PHASOR, speed: float = SPEED) -> Array:
 def test_amplitude_and_phase_of_a_sine_at_any_place(cycles: float) -> None:
     """Also where the rows are no whole number of cycles, and drift."""
     time_s = times(cycles + 0.01)
-    moved = wave(time_s) + [0.1, 0.0, 3.0] + np.outer(time_s, [0.01, 0.0, -0.02])
+    moved = wave(time_s) + np.array([0.1, 0.0, 3.0]) + np.outer(time_s, [0.01, 0.0, -0.02])
     found = first_harmonic(time_s, moved, CYCLE_S)
     assert found.phasor == pytest.approx(PHASOR, abs=1e-13)
     assert found.amplitude == pytest.approx(AMPLITUDE_M, abs=1e-13)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import created_shares, share_created
 from orchestrator.output.records import trust
+from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.levels import load
 from orchestrator.studies import sweep
 from orchestrator.studies.accuracy import points as study_points
@@ -154,7 +154,7 @@ def test_a_run_that_failed_early_has_nothing_to_doubt() -> None:
 def doubtful(tmp_path: Path) -> sweep.Point:
     """A run that came to its end and is not to be trusted."""
     (tmp_path / "run").mkdir()
-    (tmp_path / "run" / "summary.json").write_text(json.dumps({"status": "doubtful"}))
+    write_summary(tmp_path / "run", {"status": "doubtful"})
     loaded = load(ROOT / "cases/quickstart", "draft")
     return sweep.Point("1.0", loaded, (), tmp_path / "run")
 

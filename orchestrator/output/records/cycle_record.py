@@ -8,13 +8,13 @@ and probes on frames and panels, ``panel_cycles/<name>`` of panels.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.exchange import State
+from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_lines import PanelLines, tension_N
 from orchestrator.ports import Array, Indices, Saved
@@ -26,9 +26,8 @@ _STATE = ("_cycle", "_last_s", "_count", "_least", "_most", "_sum")
 
 
 class CycleRecord:
-    """Cycle number n holds the sync points later than n and up to n + 1 cycles after t = 0; the
-    first one holds t = 0, too.  A cycle that the end of the run cuts short has a row like others.
-    """
+    """Keeps the extremes of the cycle that goes on (``cycles.py`` says which sync points it holds).  A
+    cycle that the end of the run cuts short has a row like others."""
 
     def __init__(
         self,
@@ -50,7 +49,7 @@ class CycleRecord:
     def sync_point(self, time_s: float, state: State, forces_N: Array) -> None:
         """``forces_N`` (5, panels, 3): the panels' forces over the interval that ends here, in the
         order of ``panel_forces.FORCES``."""
-        cycle = max(0, math.ceil(time_s / self._cycle_s - 1e-9) - 1)
+        cycle = int(cycle_numbers(time_s, self._cycle_s))
         if cycle != self._cycle and self._count:
             self._row()
         values = np.concatenate([self._points.at(state), self._panels.at(state, forces_N)])

@@ -10,6 +10,7 @@ from scipy.spatial import KDTree
 
 from orchestrator.case.deck.line import DeckLine, Over, deck_line, joined, over
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.state import put_back, taken
 
 BINS_PER_PANEL = 4
@@ -33,7 +34,7 @@ def profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> dict[str
     bins' middle."""
     edges = bins_m(deck)
     there = on_deck(particles, seen)
-    mass = np.pi / 6 * (particles.diameter_m**3 * particles.density_kg_per_m3)[there]
+    mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)[there]
     number = np.clip(np.searchsorted(edges, seen.station_m[there]) - 1, 0, len(edges) - 2)
     top = (seen.height_m + 0.5 * particles.diameter_m)[there]
     bins = len(edges) - 1
@@ -75,7 +76,6 @@ HELD_CYCLES = 5
 NEAR = 0.25  # diameters between panel and particle that still count as lying on it
 STAYS = 0.5  # diameters along and across that still count as the same place
 SEATED = 0.75  # radii from centre to surface that only an opening allows
-GRAVITY_M_PER_S2 = 9.81
 _STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
 
@@ -111,8 +111,8 @@ class Held:
         self._fastest_m_per_s = np.maximum(fastest, np.abs(seen.rise_m_per_s))
         self._id = particles.id
         held = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
-        held &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > GRAVITY_M_PER_S2
-        mass = np.pi / 6 * particles.density_kg_per_m3 * particles.diameter_m**3
+        held &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > STANDARD_GRAVITY_M_PER_S2
+        mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
         return {
             "stickers": float(held.sum()),
             "mass_kg": float(mass[held].sum()),

@@ -114,6 +114,8 @@ class Column:
 
 
 ROWS_IN_MEMORY = 500
+HISTORY_FORMAT = 2
+"""Version of the schema below (docs/run-folder.md, "history.h5"); files before had none."""
 
 
 class History:
@@ -126,6 +128,8 @@ class History:
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
         self._rows: dict[str, list[dict[str, Array | float]]] = {}
         self._columns: dict[str, Column] = {}
+        if not goes_on:
+            self._file.attrs["format_version"] = HISTORY_FORMAT
         self._file.flush()  # what is killed before its first row leaves a file that opens
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:

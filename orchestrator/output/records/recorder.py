@@ -21,17 +21,19 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import is_first
 from orchestrator.coupling.schemes.exchange import State
+from orchestrator.output.cycles import counted_cycle_s, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import deck_record
 from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_lines import PanelWatch
+from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
-from orchestrator.output.records.summary import counted_cycle_s, cycle_s
 from orchestrator.output.records.wear_record import WearRecord
 from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.particle_records import Bed
+from orchestrator.ports.physics import sphere_mass_kg
 
 
 class Recorder:
@@ -54,7 +56,7 @@ class Recorder:
         self._every = rows_every(case)
         self._shapes_every = shapes_every(case)
         if self._writes:
-            self._history = History(folder / "history.h5", goes_on)
+            self._history = History(folder / HISTORY, goes_on)
             self._panel_watch = PanelWatch(case)
             self._forces = PanelForces(machine, start)
             self._series = TimeSeries(machine, start, self._history)
@@ -200,7 +202,7 @@ def shapes_every(case: Case) -> int:
 
 
 def _bed(particles: ParticleSnapshot) -> dict[str, Any]:
-    mass = np.pi / 6 * particles.diameter_m**3 * particles.density_kg_per_m3
+    mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
     speed = np.linalg.norm(particles.velocity_m_per_s, axis=1)
     count = len(mass)
     return {

@@ -20,11 +20,25 @@ from orchestrator.case.provenance import provenance
 from orchestrator.preflight.levels import LoadedCase
 
 LOG = logging.getLogger("flipflow")
-RECORDING = "recording.h5"
+HISTORY, SUMMARY, RECORDING = "history.h5", "summary.json", "recording.h5"
 
 
 class FolderUnusable(Exception):
-    """The output folder exists already or cannot be written (exit code 2)."""
+    """The output folder exists already, cannot be written or holds what cannot be used (exit code 2)."""
+
+
+class OtherFormat(FolderUnusable):
+    """A file that another version of flipflow wrote, in another format."""
+
+
+def check_format(file: Path, found: Any, wanted: int) -> None:
+    """Raises OtherFormat where the version of a file's format is not the ``wanted`` one."""
+    if found != wanted:
+        version = "no version of its format, as older ones" if found is None else f"format {found}"
+        raise OtherFormat(
+            f"{file}: has {version}; this flipflow reads format {wanted}: run the case again, or read it "
+            "with the flipflow that wrote it (provenance.json names its version)"
+        )
 
 
 def create_run_folder(loaded: LoadedCase, out: Path | None, world: Any) -> Path:

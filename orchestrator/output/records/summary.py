@@ -5,37 +5,22 @@ The keys are documented in docs/run-folder.md; a test holds the two together.
 
 from __future__ import annotations
 
-import math
+from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 
-from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
+from orchestrator.output.records.run_folder import SUMMARY, write_json
 
-CYCLES_WITHOUT_DRIVE = 50
+SUMMARY_FORMAT = 2
+"""Version of the table (docs/run-folder.md, "summary.json"); files before had none."""
 PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "monitor")
 
 
-def cycle_s(case: Case) -> float:
-    """The machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
-    frames); the whole run where there is none."""
-    drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    speeds = [drive.speed_rad_per_s for drive in drives]
-    if case.frames.solver != "prescribed":
-        speeds += [exciter.speed_rad_per_s for exciter in case.screen.exciters.values()]
-    return 2 * math.pi / min(speeds) if speeds else case.duration_s
-
-
-def is_driven(case: Case) -> bool:
-    """Whether something gives the machine a cycle."""
-    return cycle_s(case) != case.duration_s
-
-
-def counted_cycle_s(case: Case) -> float:
-    """What results are counted by: the machine's cycle, or a part of the run where nothing drives
-    it."""
-    return cycle_s(case) if is_driven(case) else case.duration_s / CYCLES_WITHOUT_DRIVE
+def write_summary(folder: Path, table: dict[str, Any]) -> None:
+    """Writes ``summary.json`` into the folder of a run, whole or not at all."""
+    write_json(folder / SUMMARY, {"format_version": SUMMARY_FORMAT, **table})
 
 
 def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:

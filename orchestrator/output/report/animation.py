@@ -16,7 +16,7 @@ import numpy as np
 import pyvista
 from PIL import Image
 
-from orchestrator.output.records.rendering import PANELS, WALLS
+from orchestrator.output.report.rendering import PANELS, WALLS
 
 FRAMES = 32
 WIDTH, SMALLEST, LARGEST, TEXT = 1120, 300, 620, 70  # pixels

@@ -11,13 +11,13 @@ from jinja2 import UndefinedError
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output import checkpoints
-from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, write_text
+from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
 from orchestrator.output.report.film import film
 from orchestrator.output.report.page import NAME, page
 from orchestrator.output.results.compute import results
 
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
-NEEDED = ("case.toml", "summary.json", "provenance.json", "history.h5")
+NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
 
 
 def report(folder: Path) -> Path:
@@ -40,7 +40,7 @@ def _complete(folder: Path) -> None:
     missing = [name for name in NEEDED if not (folder / name).is_file()]
     if not folder.is_dir():
         raise FolderUnusable(f"{folder}: no such folder")
-    if missing == ["summary.json"]:
+    if missing == [SUMMARY]:
         raise FolderUnusable(f"{folder}: {_why_open(folder)}")
     if missing:
         raise FolderUnusable(f"{folder}: no run, or a damaged one: it has no {', '.join(missing)}")
@@ -52,6 +52,8 @@ def _made(folder: Path) -> Path:
         text = page(folder, results(folder), film)
         made = folder / NAME
         write_text(made, text)
+    except FolderUnusable:
+        raise
     except CaseError as error:
         raise FolderUnusable(f"{folder}: its case cannot be read\n{error}") from None
     except KeyError as error:

@@ -8,19 +8,17 @@ import numpy as np
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.report.drawing import HALF, HELD, LINES, WIDE, embedded, figure
-from orchestrator.output.results.run_reader import RunData
+from orchestrator.output.results.run_reader import RunReader
 
 COLUMNS = 4
 MOMENTS = 8
 
 
-def orbits(data: RunData, start_s: float, end_s: float) -> str:
+def orbits(data: RunReader, start_s: float, end_s: float) -> str:
     """Paths of the frames' centres of mass in deck axes, in the cycles averaged over."""
     drawn, ((axes,),) = figure(1, 1, HALF, 4.0)
     for name in data.names("frames"):
-        time = data.read(f"frames/{name}/time_s")
-        window = (time >= start_s) & (time <= end_s)
-        moved = 1e3 * data.read(f"frames/{name}/displacement_m")[window] @ data.deck_axes
+        moved = 1e3 * data.read_between(f"frames/{name}", "displacement_m", start_s, end_s) @ data.deck_axes
         moved -= (moved.max(axis=0) + moved.min(axis=0)) / 2
         stride = max(len(moved) // 3000, 1)
         axes.plot(moved[::stride, 0], moved[::stride, 2], lw=1, label=name)
@@ -31,7 +29,7 @@ def orbits(data: RunData, start_s: float, end_s: float) -> str:
     return embedded(drawn)
 
 
-def motion(data: RunData) -> str:
+def motion(data: RunReader) -> str:
     """Displacement of the frames along and normal to the deck over the whole run."""
     drawn, axes = figure(2, 1, HALF, 4.0)
     for name in data.names("frames"):
@@ -46,7 +44,7 @@ def motion(data: RunData) -> str:
     return embedded(drawn)
 
 
-def shapes(data: RunData) -> str:
+def shapes(data: RunReader) -> str:
     """Centre lines of the panels at moments of the last cycle (of the whole run where nothing
     drives it), over the line between their ends."""
     panels = single_panels(data.case)
@@ -79,7 +77,7 @@ def _phase(part: float) -> Any:
     return colormaps["twilight_shifted"](0.1 + 0.8 * part)
 
 
-def energy(data: RunData) -> str:
+def energy(data: RunReader) -> str:
     """What came in, what is lost and stored, and what the coupling made of it."""
     time = data.read("energy/time_s")
     terms = {name: data.read(f"energy/{name}") for name in data.names("energy")}

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-
-import h5py
 
 from orchestrator.output.report import bed_pictures, machine_pictures, tables
 from orchestrator.output.report.drawing import data_uri
@@ -18,7 +15,7 @@ from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.quality import quality, warnings
 from orchestrator.output.report.tables import left_out_rows
 from orchestrator.output.report.wear_pictures import wear_map, wear_sheet
-from orchestrator.output.results.run_reader import RunData, run_data
+from orchestrator.output.results.run_reader import RunReader
 
 NAME = "report.html"
 FILM_CYCLES = 3
@@ -26,10 +23,8 @@ FILM_CYCLES = 3
 
 def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
     """The HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
-    summary = json.loads((folder / "summary.json").read_text())
-    provenance = json.loads((folder / "provenance.json").read_text())
-    with h5py.File(folder / "history.h5") as history:
-        data = run_data(folder, history)
+    with RunReader(folder) as data:
+        summary, provenance = data.summary, data.provenance
         shown = film(folder, FILM_CYCLES * data.cycle_s if data.is_driven else data.end_s)
         return filled(
             "output/report/template.html",
@@ -54,7 +49,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
         )
 
 
-def _facts(data: RunData, scheme: str) -> dict[str, list[tuple[str, str]]]:
+def _facts(data: RunReader, scheme: str) -> dict[str, list[tuple[str, str]]]:
     return {
         "machine": list(tables.machine_facts(data)),
         "bed": list(tables.bed_facts(data.case)),
@@ -82,7 +77,7 @@ def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
     return sheets
 
 
-def _pictures(data: RunData, found: dict[str, Any], summary: dict[str, Any]) -> dict[str, str]:
+def _pictures(data: RunReader, found: dict[str, Any], summary: dict[str, Any]) -> dict[str, str]:
     drawn = {"cost": machine_pictures.cost(summary["wall_by_part_s"])}
     if "screening" in found:
         drawn["balance"] = bed_pictures.mass_balance(found)

@@ -10,7 +10,7 @@ from typing import Any
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.output.report.formatting import interval, number, vector
-from orchestrator.output.results.run_reader import RunData, cut_size_m
+from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.preflight.scene.effect import in_words
 
 
@@ -169,7 +169,7 @@ def panels_sheet(motion: dict[str, Any], whole: float) -> Sheet:
 NO_CYCLE = "none: nothing drives the machine"
 
 
-def machine_facts(data: RunData) -> Iterator[tuple[str, str]]:
+def machine_facts(data: RunReader) -> Iterator[tuple[str, str]]:
     """The machine and how it is driven."""
     case = data.case
     panels = single_panels(case)

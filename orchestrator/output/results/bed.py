@@ -7,32 +7,33 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
+from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.records.deck_record import bins_m
 from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, mean
 from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, Fed, Removed, per_cycle
-from orchestrator.output.results.run_reader import RunData
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.screening import share
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 
-def bed_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
+def bed_figures(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
     """Over the output times from ``start_s`` to ``end_s``, of which there must be one; intervals
     only where it is steady.
 
     All are means over time, in which a bin or a deck without particles has no mass and a depth of
     0; velocities are means over the mass, to which an empty one gives nothing.
     """
-    time = data.read("profile/time_s")
-    window = averaged(time, start_s, end_s)
+    time = run.read("profile/time_s")
+    window = within(time, start_s, end_s, run.cycle_s)
     mass, velocity, depth = (
-        np.nan_to_num(data.read(f"profile/{name}")[window])
+        np.nan_to_num(run.read(f"profile/{name}")[window])
         for name in ("mass_kg", "velocity_m_per_s", "depth_m")
     )
-    along = data.read("profile/along_m")[0]
-    cycle = np.floor((time[window] - start_s) / data.cycle_s - 1e-9).astype(int)
+    along = run.read("profile/along_m")[0]
+    cycle = cycle_numbers(time[window], run.cycle_s, start_s)
     kg, momentum = mass.sum(axis=1), (mass * velocity).sum(axis=1)
     total = mass.sum(axis=0)
-    present = data.read("bed/particles")[averaged(data.read("bed/time_s"), start_s, end_s)]
+    present = run.read_between("bed", "particles", start_s, end_s)
     return {
         "output_times": int(window.sum()),
         "particles": float(present.mean()),
@@ -50,24 +51,19 @@ def bed_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) ->
     }
 
 
-def held_figures(data: RunData, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
+def held_figures(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
     """Stickers and blinded openings over the same times."""
-    time = data.read("held/time_s")
-    window = averaged(time, start_s, end_s)
-    cycle = np.floor((time[window] - start_s) / data.cycle_s - 1e-9).astype(int)
+    time = run.read("held/time_s")
+    window = within(time, start_s, end_s, run.cycle_s)
+    cycle = cycle_numbers(time[window], run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
-        name: by_cycles(data.read(f"held/{series}")[window], cycle, is_steady)
+        name: by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)
         for name, series in names.items()
     }
 
 
-def averaged(time_s: Array, start_s: float, end_s: float) -> Any:
-    """(times,) which of the output times lie in the window."""
-    return (time_s > start_s + 1e-9) & (time_s <= end_s + 1e-9)
-
-
-def by_cycles(values: Array, cycle: Array, is_steady: bool) -> Estimate:
+def by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
     """Of values at output times, by cycles."""
     if not is_steady:
         return Estimate(float(values.mean()))
@@ -76,7 +72,7 @@ def by_cycles(values: Array, cycle: Array, is_steady: bool) -> Estimate:
     return mean(sums)
 
 
-def ratio_by_cycles(part: Array, whole: Array, cycle: Array, is_steady: bool) -> Estimate:
+def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
     """Sum of ``part`` over the sum of ``whole``, both at output times; None where that is 0."""
     which, index = np.unique(cycle, return_inverse=True)
     sums = np.array([np.bincount(index, one, len(which)) for one in (part, whole)], float).T

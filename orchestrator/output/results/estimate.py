@@ -31,6 +31,10 @@ class Estimate:
     half_width: float | None = None
     batches: int = 0
 
+    def table(self) -> dict[str, float | int | None]:
+        """Returns the estimate as results have it."""
+        return {"value": self.value, "half_width": self.half_width, "batches": self.batches}
+
 
 def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
     """(batches, ...) sums of (cycles, ...) over equal batches of whole cycles.

@@ -15,8 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.results.estimate import Estimate, batch_sums, estimate
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.physics import sphere_mass_kg
 
 LOST = -1
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
@@ -57,7 +59,7 @@ class Exits:
 
 
 def read(history: Any) -> tuple[Fed, Removed, Exits] | None:
-    """From an open ``history.h5``; None if the run counted no particles in and out."""
+    """Returns what an open ``history.h5`` says; None if the run counted no particles in and out."""
     if "fed/id" not in history or "removed/id" not in history:
         return None
     fed, removed = history["fed"], history["removed"]
@@ -77,15 +79,13 @@ def read(history: Any) -> tuple[Fed, Removed, Exits] | None:
 
 
 def _mass_kg(table: Any) -> Array:
-    return np.asarray(np.pi / 6 * table["diameter_m"][:] ** 3 * table["density_kg_per_m3"][:])
+    return sphere_mass_kg(table["diameter_m"][:], table["density_kg_per_m3"][:])
 
 
 def per_cycle(time_s: Array, mass_kg: Array, edges_s: Array, group: Indices, groups: int) -> Array:
-    """(cycles, groups): mass by cycle and group (a number from 0; others are not counted).
-    An event on an edge belongs to the cycle that ends there, at 0 to the first."""
-    cycle = np.searchsorted(edges_s, time_s, side="left") - 1
-    cycle[time_s == edges_s[0]] = 0
-    counted = (cycle >= 0) & (cycle < len(edges_s) - 1) & (group >= 0) & (group < groups)
+    """Returns (cycles, groups): mass by cycle and group (a number from 0; others are not counted)."""
+    cycle = cycle_numbers(time_s, float(edges_s[1] - edges_s[0]))
+    counted = (cycle < len(edges_s) - 1) & (group >= 0) & (group < groups)
     table = np.zeros((len(edges_s) - 1, groups))
     np.add.at(table, (cycle[counted], group[counted]), mass_kg[counted])
     return table
@@ -182,9 +182,9 @@ class Events:
     @property
     def counted(self) -> Any:
         """(removed,) which of the particles left through an exit within them."""
-        start, end = self.edges_s[self.steady.first], self.edges_s[self.steady.last]
-        time = self.removed.time_s
-        return (time > start) & (time <= end) & (self.removed.exit != LOST)
+        start_s, end_s = (float(self.edges_s[edge]) for edge in (self.steady.first, self.steady.last))
+        inside = within(self.removed.time_s, start_s, end_s, float(self.edges_s[1]))
+        return inside & (self.removed.exit != LOST)
 
     def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
         """``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""

@@ -13,6 +13,7 @@ and does not raise the amplitude, as a mean of the cycles' amplitudes or half a 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +24,7 @@ from orchestrator.output.cycles import count_whole_cycles, within
 from orchestrator.output.results.estimate import BATCHES, FEWEST_BATCHES, Estimate, half_width
 from orchestrator.ports import Array
 
-Phasors = npt.NDArray[np.complex128]
+Phasors = npt.NDArray[Any]  # complex
 FEWEST_CYCLES_FOR_HANN = 2  # of one cycle it would let the second harmonic in
 FEWEST_CYCLES_FOR_CHANGE = 4  # two in each half
 HANN_WIDENS = 1.5**0.5  # the standard error of a mean that is weighted by Hann's window
@@ -112,6 +113,20 @@ def drift(harmonics: list[Harmonic]) -> float | None:
     changes = [np.abs(one.change).max() for one in harmonics if one.change is not None]
     largest = max((one.amplitude.max() for one in harmonics), default=0.0)
     return float(max(changes) / largest) if changes and largest > 0 else None
+
+
+def find_orbits(results: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Returns the tables of first harmonics in a run's results by name: frames, probes on frames, and
+    frames against each other; none where the run has none."""
+    motion = results.get("motion", {})
+    return {**motion.get("frames", {}), **motion.get("relative", {})}
+
+
+def why_no_orbits(results: Mapping[str, Any]) -> str:
+    """Returns why a run's results have no first harmonics."""
+    missing, failed = results.get("missing", {}), results.get("failed", {})
+    reasons = (missing.get("everything"), missing.get("orbits"), failed.get("motion"))
+    return next(filter(None, reasons), "it has no results")
 
 
 def ellipse(x: complex, z: complex) -> tuple[float, float, float]:

@@ -1,76 +1,159 @@
-"""A run's folder, opened for its results."""
+"""One reader of a run: nothing else in the program opens ``history.h5`` or ``summary.json``."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from functools import cached_property
 from pathlib import Path
+from types import TracebackType
 from typing import Any
 
+import h5py
 import numpy as np
 
+from orchestrator.case.deck.line import DeckLine, deck_line
 from orchestrator.case.deck.opening_places import smaller_sides_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.tables.case import Case
-from orchestrator.output.records.summary import counted_cycle_s, is_driven
+from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, is_driven, within
+from orchestrator.output.records.history import HISTORY_FORMAT
+from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
+from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.ports import Array
 from orchestrator.preflight.levels import load
 
 
-@dataclass(frozen=True)
-class RunData:
-    """``history`` is the open file; ``end_s`` the simulated time; ``cycle_s`` the machine's cycle,
-    or a part of the run where nothing drives it (``is_driven``)."""
+class RunReader:
+    """The folder of a run, open for reading.
 
-    case: Case
-    history: Any
-    end_s: float
-    cycle_s: float
-    is_driven: bool
+    Each file is read when it is first asked for.  Raises OSError or ValueError where that file is
+    missing or damaged, and OtherFormat where another version of flipflow wrote it.  Used in a
+    ``with`` statement, or closed with ``close``, where time series are read.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __enter__(self) -> RunReader:
+        return self
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes the time series, if they were opened."""
+        if "history" in self.__dict__:
+            self.history.close()
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """The table of ``summary.json``."""
+        file = self.folder / SUMMARY
+        table: Any = json.loads(file.read_text(encoding="utf-8"))
+        if not isinstance(table, dict):
+            raise ValueError(f"{file}: holds no table")
+        check_format(file, table.get("format_version"), SUMMARY_FORMAT)
+        return table
+
+    @property
+    def results(self) -> dict[str, Any]:
+        """The results in the summary; empty where the run has none."""
+        return self.summary.get("results") or {}
+
+    @cached_property
+    def provenance(self) -> dict[str, Any]:
+        """The table of ``provenance.json``."""
+        table: dict[str, Any] = json.loads((self.folder / "provenance.json").read_text(encoding="utf-8"))
+        return table
+
+    @cached_property
+    def history(self) -> Any:
+        """The open file of time series."""
+        file = self.folder / HISTORY
+        history = h5py.File(file)
+        try:
+            check_format(file, history.attrs.get("format_version"), HISTORY_FORMAT)
+        except BaseException:
+            history.close()
+            raise
+        return history
+
+    @cached_property
+    def case(self) -> Case:
+        """The case that was run.  Raises CaseError where it cannot be read."""
+        return load(self.folder / "case.toml").case
+
+    @property
+    def end_s(self) -> float:
+        """The time up to which the run was recorded."""
+        return float(self.history["energy/time_s"][-1]) if "energy" in self.history else 0.0
+
+    @property
+    def cycle_s(self) -> float:
+        """The machine's cycle, or a part of the run where nothing drives the machine."""
+        return counted_cycle_s(self.case)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether something gives the machine a cycle."""
+        return is_driven(self.case)
 
     @property
     def edges_s(self) -> Array:
-        """(cycles + 1,) where whole cycles begin and end; a little short of one counts as one."""
-        whole = int(self.end_s / self.cycle_s + 1e-6) if self.end_s > 0 else 0
-        return self.cycle_s * np.arange(whole + 1)
+        """(cycles + 1,) times at which whole cycles begin and end."""
+        return self.cycle_s * np.arange(count_whole_cycles(self.end_s, self.cycle_s) + 1)
+
+    @property
+    def second_half_s(self) -> tuple[float, float]:
+        """Begin and end of the second half of the whole cycles."""
+        edges_s = self.edges_s
+        return float(edges_s[(len(edges_s) - 1) // 2]), float(edges_s[-1])
 
     @property
     def deck_axes(self) -> Array:
-        """(3, 3): columns are the deck axes in the world."""
+        """(3, 3) matrix whose columns are the deck axes in the world."""
         return axes(self.case)
 
+    @property
+    def deck(self) -> DeckLine | None:
+        """The line of the deck at t = 0; None where the panels form none."""
+        lines_m = [self.history[f"panels/{name}/centre_line_m"][0] for name in self.names("panels")]
+        return deck_line(lines_m)
+
+    def has(self, path: str) -> bool:
+        """Returns whether the time series have this group or dataset."""
+        return path in self.history
+
+    def names(self, group: str) -> list[str]:
+        """Returns the names in a group, in the order of the alphabet; none where it is not there."""
+        return list(self.history.get(group, {}))
+
     def read(self, path: str) -> Array:
-        """A whole dataset."""
+        """Returns a whole dataset.  Raises KeyError where there is none."""
         return np.asarray(self.history[path][:])
 
+    def read_between(self, group: str, name: str, start_s: float, end_s: float) -> Array:
+        """Returns the rows of a dataset that are later than ``start_s`` and not later than
+        ``end_s``."""
+        time_s = self.read(f"{group}/time_s")
+        return self.read(f"{group}/{name}")[within(time_s, start_s, end_s, self.cycle_s)]
+
+    def read_cycles(self, group: str, start_s: float, end_s: float) -> dict[str, Array]:
+        """Returns the rows of ``point_cycles`` or ``panel_cycles``, by column, of the cycles between
+        two of ``edges_s``."""
+        return {name: self.read_between(group, name, start_s, end_s) for name in self.names(group)}
+
     def series_s(self) -> Array:
-        """Times of the rows of the series; none where nothing is recorded in them."""
+        """Returns the times of the rows of the series; none where nothing is recorded in them."""
         for kind in ("frames", "forces", "probes"):
             for name in self.names(kind):
                 return self.read(f"{kind}/{name}/time_s")
         return np.empty(0)
 
-    def cycles(self, path: str, start_s: float, end_s: float) -> dict[str, Array]:
-        """Rows of ``point_cycles`` or ``panel_cycles``, by column, of the cycles between two of
-        ``edges_s``; at least one where the run lasted so long."""
-        rows = self.history[path]
-        ends_s = rows["time_s"][:]
-        inside = (ends_s > start_s + 1e-9) & (ends_s <= end_s + 1e-9)
-        return {name: column[:][inside] for name, column in rows.items()}
-
-    def names(self, group: str) -> list[str]:
-        """Groups in a group; none if it is not there."""
-        return list(self.history.get(group, {}))
-
-
-def run_data(folder: Path, history: Any) -> RunData:
-    """Raises CaseError if the case in the folder cannot be read."""
-    case = load(folder / "case.toml").case
-    end_s = float(history["energy/time_s"][-1]) if "energy" in history else 0.0
-    return RunData(case, history, end_s, counted_cycle_s(case), is_driven(case))
-
 
 def cut_size_m(case: Case) -> float | None:
-    """``output.cut_size_m``, or the smaller side of the largest openings; None without either."""
+    """Returns ``output.cut_size_m``, or the smaller side of the largest openings; None without
+    either."""
     if case.output.cut_size_m is not None:
         return case.output.cut_size_m
     return max(smaller_sides_m(case), default=None)

@@ -8,41 +8,42 @@ import numpy as np
 
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
+from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.results.bed import by_cycles
-from orchestrator.output.results.run_reader import RunData
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
 HOUR_S = 3600.0
 
 
 def wear_figures(
-    data: RunData, start_s: float, end_s: float, is_steady: bool, deck: DeckLine | None
+    run: RunReader, start_s: float, end_s: float, is_steady: bool, deck: DeckLine | None
 ) -> dict[str, Any] | None:
     """From the output times from ``start_s`` to ``end_s``; intervals only where it is steady.
     None if fewer than two output times lie there."""
-    names = [panel.name for panel in single_panels(data.case)]
-    time = data.read(f"wear/{names[0]}/time_s")
+    names = [panel.name for panel in single_panels(run.case)]
+    time = run.read(f"wear/{names[0]}/time_s")
     there = np.flatnonzero((time >= start_s - 1e-9) & (time <= end_s + 1e-9))
     if len(there) < 2:
         return None
     first, last = int(there[0]), int(there[-1])
     span = slice(first, last + 1)
-    cycle = np.floor((time[span][1:] - time[first]) / data.cycle_s - 1e-9).astype(int)
+    cycle = cycle_numbers(time[span][1:], run.cycle_s, float(time[first]))
     panels, rates = {}, []
-    for panel in single_panels(data.case):
-        mean_m, depth_m = (data.read(f"wear/{panel.name}/{name}") for name in ("mean_m", "depth_m"))
+    for panel in single_panels(run.case):
+        mean_m, depth_m = (run.read(f"wear/{panel.name}/{name}") for name in ("mean_m", "depth_m"))
         hours = (time[last] - time[first]) / HOUR_S
         depth_m_per_h = (depth_m[last] - depth_m[first]) / hours
         growth_m_per_h = np.diff(mean_m[span]) / np.diff(time[span]) * HOUR_S
         rates.append(depth_m_per_h)
         panels[panel.name] = {
-            "worn_m3": float(data.read(f"wear/{panel.name}/worn_m3")[-1]),
+            "worn_m3": float(run.read(f"wear/{panel.name}/worn_m3")[-1]),
             "mean_m_per_h": by_cycles(growth_m_per_h, cycle, is_steady),
             **_deepest(depth_m_per_h, panel.table.thickness_m),
             "depth_m_per_h": depth_m_per_h,
         }
     found: dict[str, Any] = {"start_s": time[first], "end_s": time[last], "panels": panels}
-    return found | {"profile": _profile(data, names, rates, deck) if deck else None}
+    return found | {"profile": _profile(run, names, rates, deck) if deck else None}
 
 
 def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
@@ -58,9 +59,9 @@ def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
     }
 
 
-def _profile(data: RunData, names: list[str], rates: list[Array], deck: DeckLine) -> dict[str, Array]:
+def _profile(run: RunReader, names: list[str], rates: list[Array], deck: DeckLine) -> dict[str, Array]:
     """Means across the width, along the deck."""
-    points = [data.history[f"panels/{name}/centre_line_m"].shape[1] for name in names]
+    points = [run.history[f"panels/{name}/centre_line_m"].shape[1] for name in names]
     along, mean, passed = [], [], 0
     for number, forth in deck.panels:
         station_m = deck.station_m[passed : passed + points[number]]

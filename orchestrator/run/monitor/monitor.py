@@ -14,7 +14,7 @@ from orchestrator.coupling.ledger import created_shares
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does, is_first
 from orchestrator.coupling.schemes.exchange import State
-from orchestrator.output.records.summary import cycle_s
+from orchestrator.output.cycles import cycle_s
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval, steps_in
 from orchestrator.ports.particle_records import Bed, Crossings

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from pydantic import ValidationError
 from orchestrator.case.file.errors import CaseError, from_validation
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.quantities import Number, OneLine, Table
+from orchestrator.output.results.run_reader import RunReader
 
 FILE = "answers.toml"
 
@@ -47,7 +47,7 @@ def answers(case: Path) -> dict[str, Answer]:
 
 def off(answer: Answer, run: Path) -> float | None:
     """Relative error of a run; None where it does not tell."""
-    found: Any = json.loads((run / "summary.json").read_text())
+    found: Any = RunReader(run).summary
     for key in answer.of:
         try:
             found = found[int(key)] if isinstance(found, list) else found[key]

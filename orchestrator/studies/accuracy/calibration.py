@@ -8,7 +8,6 @@ whatever else it is busy with.
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from scipy.optimize import brentq
 
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.levels import load
 from orchestrator.studies import sweep
@@ -95,8 +95,7 @@ def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
         if not trust.came_to_its_end(one.status()):
             said = (Path(scratch) / "short.log").read_text(encoding="utf-8").strip()
             raise SolverFailed(f"the calibration run failed: {said.splitlines()[-1:]}")
-        found: dict[str, Any] = json.loads((one.folder / "summary.json").read_text())
-        return found
+        return RunReader(one.folder).summary
 
 
 def by_study(study: Stored, case: Path, level: str | None) -> Timing:

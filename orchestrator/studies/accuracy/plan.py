@@ -11,7 +11,7 @@ from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
 from orchestrator.case.tables.case import Case
-from orchestrator.output.records.summary import cycle_s
+from orchestrator.output.cycles import cycle_s
 from orchestrator.preflight.cost import in_words
 from orchestrator.studies.accuracy.calibration import Timing
 from orchestrator.studies.accuracy.stored import Candidate, Stored

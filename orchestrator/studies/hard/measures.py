@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from orchestrator.coupling.ledger import share_created
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.studies.hard.outcome import Outcome, outcome
 
@@ -78,8 +77,8 @@ def kept(folders: Folders, row: Criterion) -> float:
 
 def share_unexplained(folders: Folders, row: Criterion) -> float:
     """``unexplained`` over all that was supplied and lost by the end."""
-    with h5py.File(folders[row.run] / "history.h5") as history:
-        books = {name: data[-1] for name, data in history["energy"].items()}
+    with RunReader(folders[row.run]) as run:
+        books = {name: run.read(f"energy/{name}")[-1] for name in run.names("energy")}
     turned_over_J = sum(
         abs(value) for name, value in books.items() if name.startswith(("supplied.", "lost."))
     )
@@ -156,24 +155,23 @@ MEASURES: dict[str, Callable[[Folders, Criterion], float]] = {
 
 def _summary(folder: Path) -> dict[str, Any]:
     try:
-        found: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        return RunReader(folder).summary
     except (OSError, ValueError):
         raise Unknown(f"{folder.name}: not run") from None
-    return found
 
 
 def _largest_J(folder: Path, signs: Mapping[str, float]) -> float:
     """Of the sum over whole books of the energy ledger, each with its sign."""
-    with h5py.File(folder / "history.h5") as history:
-        books = [(name.partition(".")[0], data[:]) for name, data in history["energy"].items()]
+    with RunReader(folder) as run:
+        books = [(name.partition(".")[0], run.read(f"energy/{name}")) for name in run.names("energy")]
     terms = [signs[book] * values for book, values in books if book in signs]
     return float(np.abs(np.sum(terms, axis=0)).max())
 
 
 def _dataset(folder: Path, name: str) -> Array:
     try:
-        with h5py.File(folder / "history.h5") as history:
-            return np.asarray(history[name][:], dtype=float)
+        with RunReader(folder) as run:
+            return np.asarray(run.read(name), dtype=float)
     except (OSError, KeyError):
         raise Unknown(f"{folder.name}: history.h5 has no {name}") from None
 

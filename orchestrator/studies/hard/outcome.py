@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any, Literal
 
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output.records import trust
+from orchestrator.output.results.run_reader import RunReader
 
 Outcome = Literal["stable", "warned", "stopped", "not run"]
 MISTAKE = "a mistake in flipflow"
@@ -45,7 +45,6 @@ def remarks(folder: Path) -> tuple[str, str, str]:
 def _summary(folder: Path) -> dict[str, Any]:
     """Empty where there is none."""
     try:
-        found: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        return RunReader(folder).summary
     except (OSError, ValueError):
         return {}
-    return found

@@ -1,17 +1,15 @@
 """Pictures of a finished (or interrupted) run, made from its folder alone.
 
-``python -m orchestrator.output.records.pictures RUN`` runs in a process of its own: the renderer's
+``python -m orchestrator.output.report.pictures RUN`` runs in a process of its own: the renderer's
 libraries do not share memory with the solvers', and a picture that fails loses nothing.
 """
 
 from __future__ import annotations
 
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
-import h5py
 import matplotlib
 import numpy as np
 
@@ -19,6 +17,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.colors import Normalize
 from scipy.integrate import trapezoid
+
+from orchestrator.output.results.run_reader import RunReader
 
 AXES = "xyz"
 COLUMNS = 4  # panels side by side in a picture
@@ -148,9 +148,8 @@ def _save(figure: Any, path: Path) -> None:
 
 def draw(folder: Path) -> list[str]:
     """All pictures that the folder has data for; returns their names."""
-    said = json.loads((folder / "summary.json").read_text())
-    cycle_s, end_s = said["cycle_s"], said["simulated_s"]
-    with h5py.File(folder / "history.h5") as history:
+    with RunReader(folder) as run:
+        history, cycle_s, end_s = run.history, run.summary["cycle_s"], run.summary["simulated_s"]
         if "frames" in history:
             frame_motion(history, cycle_s, folder / "frame_motion.png")
         if "panels" in history:
@@ -161,7 +160,7 @@ def draw(folder: Path) -> list[str]:
             energy(history, folder / "energy.png")
             end_s = float(history["energy/time_s"][-1])
     if any((folder / "surface").glob("*.vtu")):
-        from orchestrator.output.records.rendering import deck
+        from orchestrator.output.report.rendering import deck
 
         deck(folder, end_s, folder / "deck.png")
     return sorted(picture.name for picture in folder.glob("*.png"))
