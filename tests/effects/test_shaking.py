@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from adapters.frames.common import linear
-from adapters.frames.two_mass import steady_amplitudes_m
 from orchestrator.ports.plans import Drive
 from orchestrator.preflight.scene.shaking import PanelSpring, shakings
-from tests.frames.machines import bushing, exciter, two_bodies
+from tests.frames.machines import bushing, exciter, steady_amplitudes_m, two_bodies
 
 ENDS_M = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]])
 ALONG = np.array([1.0, 0.0, 0.0])

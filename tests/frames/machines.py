@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from adapters.frames.common import linear
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Body, Bushing, Exciter, FramesPlan
 
@@ -68,3 +69,17 @@ def two_bodies(
         step_s=step_s,
         sync_interval_s=interval_s,
     )
+
+
+def steady_amplitudes_m(plan: FramesPlan, speed_rad_per_s: float) -> Array:
+    """Complex amplitudes X (bodies, 3) of translations in the steady state at any constant speed of all
+    exciters:  x(t) = Re(X exp(i speed t)), with every exciter at its ``phase_rad`` at t = 0."""
+    machine = linear.linearised(plan, linear.TRANSLATIONS)
+    force_N = np.zeros((len(plan.bodies), 3), dtype=complex)
+    for exciter in plan.exciters:
+        turning = exciter.start - 1j * np.cross(exciter.axis, exciter.start)
+        size_N = exciter.mass_moment_kg_m * speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
+        force_N[linear.numbers(plan, (exciter.body,))[0]] += size_N * turning
+    dynamic = machine.stiffness + 1j * speed_rad_per_s * machine.damping
+    dynamic = dynamic - speed_rad_per_s**2 * machine.mass
+    return np.asarray(np.linalg.solve(dynamic, force_N.ravel()).reshape(-1, 3))

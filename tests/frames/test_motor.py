@@ -16,7 +16,7 @@ import pytest
 from scipy.optimize import brentq
 
 from adapters.frames import planar
-from adapters.frames.common.motor import torque_N_m
+from adapters.frames.common.exciter import motor_torque_N_m
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, Motor
@@ -58,7 +58,7 @@ def surplus_N_m(motor: Motor, speed: Array | float) -> Array:
     dynamic = STIFFNESS_N_per_m - MASS_kg * w**2 + 1j * DAMPING_N_s_per_m * w
     amplitude_m = MOMENT_kg_m * w**2 / np.abs(dynamic)
     taken = motor.bearing_N_m_s * w + DAMPING_N_s_per_m * w * amplitude_m**2
-    return np.asarray(torque_N_m(motor, motor.synchronous_rad_per_s - w) - taken)
+    return np.asarray(motor_torque_N_m(motor, motor.synchronous_rad_per_s - w) - taken)
 
 
 def steady_speeds(motor: Motor) -> list[float]:
@@ -89,10 +89,10 @@ def build(request: pytest.FixtureRequest) -> Build:
 def test_torque_by_hand() -> None:
     """The rating at the rated slip, and the breakdown torque at the top."""
     rated_N_m = 11e3 / (80.0 * 0.96)
-    assert torque_N_m(MOTOR, np.array(3.2)) == pytest.approx(rated_N_m, rel=1e-14)
-    top = torque_N_m(MOTOR, np.linspace(0.0, 80.0, 100001)).max()
+    assert motor_torque_N_m(MOTOR, np.array(3.2)) == pytest.approx(rated_N_m, rel=1e-14)
+    top = motor_torque_N_m(MOTOR, np.linspace(0.0, 80.0, 100001)).max()
     assert top == pytest.approx(2.5 * rated_N_m, rel=1e-8)
-    assert torque_N_m(MOTOR, np.array(0.0)) == 0.0
+    assert motor_torque_N_m(MOTOR, np.array(0.0)) == 0.0
 
 
 def test_the_steady_speed_balances_the_torques(build: Build) -> None:

@@ -9,11 +9,11 @@ import pytest
 import scipy.linalg
 
 from adapters.frames.common import linear
-from adapters.frames.two_mass import build, steady_amplitudes_m
+from adapters.frames.two_mass import build
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval, intervals
 from orchestrator.ports.plans import FramesPlan
-from tests.frames.machines import ALONG, GRAVITY, POINTS_M, body, exciter, two_bodies
+from tests.frames.machines import ALONG, GRAVITY, POINTS_M, body, exciter, steady_amplitudes_m, two_bodies
 
 
 def closed_form(speed: float, loss: float, ks: float) -> tuple[complex, complex]:

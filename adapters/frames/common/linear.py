@@ -15,7 +15,7 @@ import numpy as np
 import scipy.linalg
 
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.plans import Body, FramesPlan
+from orchestrator.ports.plans import Body, Drive, Exciter, FramesPlan
 
 IN_BALANCE = 1e-6  # of the forces in play: ten times what panels at rest are out of balance by
 TRANSLATIONS = (0, 1, 2)
@@ -111,10 +111,14 @@ def in_play_N(plan: FramesPlan) -> float:
 
 
 def displacement(body: Body, place_m: Array) -> Array:
-    """(3, 6): how a point of the body moves per translation and small rotation."""
-    x, y, z = place_m - body.center_of_mass_m
-    turned = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-    return np.hstack([np.eye(3), turned])
+    """Return (3, 6): how a point of the body moves per translation and small rotation."""
+    return np.hstack([np.eye(3), -skew(place_m - body.center_of_mass_m)])
+
+
+def skew(vector: Array) -> Array:
+    """Return the matrix (3, 3) that multiplies as  vector x  does."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
@@ -158,11 +162,16 @@ def free_first(plan: FramesPlan) -> FramesPlan:
     return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
 
 
-def rates_rad_per_s(plan: FramesPlan) -> list[float]:
-    """How fast what shakes the bodies changes: speeds of exciters and drives, and their run-ups."""
-    speeds = [one.speed_rad_per_s for one in plan.exciters] + [one.speed_rad_per_s for one in plan.drives]
-    run_ups_s = [one.run_up_s for one in plan.exciters] + [one.run_up_s for one in plan.drives]
-    return speeds + [math.pi / run_up_s for run_up_s in run_ups_s if run_up_s > 0]
+def largest_step_s(plan: FramesPlan, machine: LinearMachine, largest_rad: float) -> float:
+    """Return the step in which the fastest rate turns by ``largest_rad``, or the plan's if it is less.
+
+    Rates are the natural frequencies, the speeds of exciters and drives, and those of their run-ups.
+    """
+    shaking: list[Exciter | Drive] = [*plan.exciters, *plan.drives]
+    run_ups = [math.pi / source.run_up_s for source in shaking if source.run_up_s > 0]
+    rates = [machine.fastest_rad_per_s(), *(source.speed_rad_per_s for source in shaking), *run_ups]
+    limit_s = largest_rad / max(rates) if max(rates) > 0 else plan.sync_interval_s
+    return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
 
 
 def _mass(body: Body) -> Array:

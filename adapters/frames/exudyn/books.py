@@ -71,7 +71,7 @@ class Books:
         stored_J, lost_J = {}, {"bushing_damping": self._lost_J}
         if shafts:
             supplied_J["motor"] = sum(shaft.motor_J for shaft in shafts)
-            stored_J["shaft"] = sum(shaft.stored_J(now.poses) for shaft in shafts)
+            stored_J["shaft"] = sum(shaft.stored_J(shaft.velocity_m_per_s(now.poses)) for shaft in shafts)
             lost_J["shaft_bearing"] = sum(shaft.lost_J for shaft in shafts)
         speeded_m_per_s = (now.poses.velocity_m_per_s - self._start.velocity_m_per_s)[self._driven]
         return Account(

@@ -9,7 +9,7 @@ import exudyn
 import numpy as np
 
 from adapters.frames.common import linear
-from adapters.frames.common.unbalance import Unbalance
+from adapters.frames.common.exciter import Unbalance
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Body, Bushing, FramesPlan
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from adapters.frames.common import linear
 from adapters.frames.common.poses import Attached, Poses, cross, turned
-from adapters.frames.common.unbalance import Unbalance
+from adapters.frames.common.exciter import Unbalance
 from orchestrator.ports import Array
 from orchestrator.ports.plans import FramesPlan
 

@@ -4,46 +4,56 @@
 
 with the linearised bushings on the left and, on the right, weight, exciters, reaction and all
 that finite rotations add: arms that turn, spring axes that turn with their first body.  Each
-step is Gauss-Legendre collocation with six stages (order 12; Hairer, Lubich, Wanner, Geometric
-Numerical Integration, 2nd ed. 2006, section II.1.3).  The right side is iterated at the stages;
-as only rotations change it, it converges in one to three rounds.  With steps of  w h <= 1/2  the
-error is rounding, as in ``two_mass``; and momentum and energy close to rounding.
+step is Gauss-Legendre collocation (``common/collocation.py``).  The right side is iterated at the
+stages; as only rotations change it, it converges in one to three rounds.  With steps of  w h <= 1/2
+the error is rounding, as in ``two_mass``; and momentum and energy close to rounding.
 
-Bodies with a drive move as prescribed.  Equations and limits: docs/theory/frames.md.
+Bodies with a drive move as prescribed.  Guides keep all bodies in the plane: what pushes across goes
+into them, and so into the outside.  Equations and limits: docs/theory/frames.md.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from adapters.frames.common import linear
-from adapters.frames.common.collocation import STAGES, Gauss, gauss, onward
+from adapters.frames.common.collocation import STAGES, Collocation, onward
 from adapters.frames.common.drive import DrivenPoints
-from adapters.frames.planar.books import Books, Step
-from adapters.frames.planar.drive import planar_drives
-from adapters.frames.planar.forces import Bushings, Forces, Pulls
-from adapters.frames.planar.plane import Complex, Poses, carrying, in_space, wrench
-from adapters.frames.planar.rounds import Rounds
-from adapters.frames.planar.shaft import shafts
+from adapters.frames.common.ledger import BodySums, FramesLedger
+from adapters.frames.planar.forces import Bushings, OutsideForces, PlanarShaft, Pulls
+from adapters.frames.planar.plane import (
+    Complex,
+    PlanarPoses,
+    carrying,
+    in_plane,
+    in_space,
+    planar_drives,
+    power,
+    wrench,
+)
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed
 from orchestrator.ports.state import put_back, taken
 
 _STATE = ("_coordinates", "_poses", "_added")
-LARGEST_STEP = 0.5
-"""In 1 / rad, times the fastest rate of the machine."""
+LARGEST_STEP_RAD = 0.5
+"""Of the machine's fastest rate: the error is rounding."""
 MOST_ROUNDS = 50
 TOLERANCE = 1e-13
 """Of the largest force: what a step's forces may get wrong."""
+ROUNDING = 1e-15
 
 
 def build(plan: FramesPlan) -> PlanarFrames:
-    """Raises ValueError for unknown bodies, drives that make no sense or leave the plane, or
-    bushings that cannot hold the weight.  ``plan.step_s`` = 0 takes the largest step without
-    error."""
+    """Open the frames of ``plan``; its ``step_s`` = 0 takes the largest step without error.
+
+    Raises ValueError for unknown bodies, drives that make no sense or leave the plane, or bushings
+    that cannot hold the weight.
+    """
     return PlanarFrames(plan)
 
 
@@ -53,7 +63,7 @@ class Nodes:
     poses and the bushings' pulls."""
 
     load: Array
-    poses: Poses
+    poses: PlanarPoses
     pulls: Pulls
 
 
@@ -65,10 +75,9 @@ class PlanarFrames:
         self._drives, self._driven_points = planar_drives(plan), DrivenPoints(plan)
         self._free = slice(0, len(linear.free(plan)))
         machine = linear.linearised(plan, linear.PLANE)
-        self._mass, self._damping = machine.mass, machine.damping
-        self._stiffness = machine.stiffness
-        self._largest_step_s = _largest_step_s(plan, machine)
-        self._step_s, self._rounds = 0.0, Rounds(TOLERANCE)
+        self._damping, self._stiffness = machine.damping, machine.stiffness
+        self._largest_step_s = linear.largest_step_s(plan, machine, LARGEST_STEP_RAD)
+        self._collocation, self._rounds = Collocation(machine), Rounds(TOLERANCE)
         sag = np.zeros(len(machine.mass))
         if plan.drawn_at_rest:
             load = linear.resting_load(plan)[:, linear.PLANE].ravel()
@@ -77,15 +86,19 @@ class PlanarFrames:
         carrier = linear.numbers(plan, plan.carrier)
         self._carried = carrying(carrier, plan.points_m, drawn_m)
         self._bushings = Bushings(plan, drawn_m, (machine.stretch @ sag).reshape(-1, 3))
-        self._shafts = shafts(plan, drawn_m)
+        self._shafts = [PlanarShaft(e, e.motor, plan, drawn_m) for e in plan.exciters if e.motor is not None]
         self._inertia = np.full((len(plan.bodies), 3), np.inf)  # driven bodies feel nothing
         self._inertia[self._free] = np.diag(machine.mass).reshape(-1, 3)
-        self._forces = Forces(plan, drawn_m, self._carried)
+        self._forces = OutsideForces(plan, drawn_m, self._carried)
         self._coordinates = self._driven_at(np.zeros(1))
-        self._poses = Poses.of(*self._coordinates)
+        self._poses = PlanarPoses.of(*self._coordinates)
         self._added = np.zeros((STAGES, sag.size))  # by finite rotations, at the last step's nodes
         self._onward = onward()
-        self._books = Books(plan, carrier, self._poses)
+        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
+        self._spun_kg_m2 = np.array([body.inertia_kg_m2[1, 1] for body in plan.bodies])
+        self._into_outside = np.ones((len(carrier), 3))
+        self._into_outside[np.isin(carrier, linear.free(plan))] = [0.0, 1.0, 0.0]
+        self._ledger = FramesLedger(self._sums(), linear.driven(plan))
 
     def initial(self) -> Motion:
         return self._moved()
@@ -93,12 +106,15 @@ class PlanarFrames:
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         counted("frames' reaction", reaction, len(self._plan.points_m))
         steps = interval.steps(self._largest_step_s)
-        self._prepare(interval.length_s / steps)
+        self._collocation.set_step(interval.length_s / steps)
         on_bodies, before = self._forces.reaction(reaction.force_N), self._poses.place[0]
         for step in range(steps):
-            self._step(interval.start_s + step * self._step_s, on_bodies)
-        moved = self._poses.place[0] - before
-        self._books.interval(reaction.force_N, on_bodies, moved, interval.length_s)
+            self._step(interval.start_s + step * self._collocation.step_s, on_bodies)
+        work_J = power(on_bodies, self._poses.place[0] - before).reshape(2, -1).sum(axis=0)
+        ledger = self._ledger
+        ledger.reaction_J += float(work_J.sum())
+        ledger.pushed_J += float(work_J[self._free.stop :].sum())
+        ledger.outside_N_s -= interval.length_s * (reaction.force_N * self._into_outside).sum(axis=0)
         return self._moved()
 
     def ahead(self, interval: Interval) -> Known | None:
@@ -106,60 +122,55 @@ class PlanarFrames:
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))
-        return self._books.account(self._poses, elastic_J, self._shafts)
+        shafts = [(shaft, shaft.velocity_m_per_s(self._poses)) for shaft in self._shafts]
+        return self._ledger.account(self._sums(), elastic_J, shafts)
 
     def save(self) -> Saved:
         ratio = np.array(self._rounds.ratio)
         turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return taken(self, *_STATE) | {"ratio": ratio, "books": self._books.save(), "shafts": turning}
+        return taken(self, *_STATE) | {"ratio": ratio, "ledger": self._ledger.save(), "shafts": turning}
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_STATE)
         self._rounds.ratio = float(saved["ratio"])
-        self._books.restore(saved["books"])
+        self._ledger.restore(saved["ledger"])
         for number, shaft in enumerate(self._shafts):
             shaft.restore(saved["shafts"][str(number)])
 
     def close(self) -> None:
         pass
 
-    def _prepare(self, step_s: float) -> None:
-        """The collocation's matrices for this step length."""
-        if step_s != self._step_s:
-            self._step_s = step_s
-            self._gauss: Gauss = gauss(self._mass, self._damping, self._stiffness, step_s)
-
     def _step(self, start_s: float, reaction: Complex) -> None:
-        time_s = start_s + self._gauss.node_s
+        time_s = start_s + self._collocation.node_s
         exciter_N = self._forces.exciter_N(time_s)
         nodes = self._nodes(start_s, self._forces.given(exciter_N, reaction))
         self._book(nodes, exciter_N, reaction)
         for shaft in self._shafts:
-            shaft.end(self._gauss)
-        coordinates = self._driven_at(np.array([start_s + self._step_s]))
+            shaft.end(self._collocation.weight_s)
+        coordinates = self._driven_at(np.array([start_s + self._collocation.step_s]))
         x, v = self._freedoms()
-        ends = self._gauss.end(x, v, nodes.load)
+        ends = self._collocation.end(x, v, nodes.load)
         coordinates[:, 0, self._free] = np.reshape(ends, (2, -1, 3))
-        self._coordinates, self._poses = coordinates, Poses.of(*coordinates)
+        self._coordinates, self._poses = coordinates, PlanarPoses.of(*coordinates)
 
     def _nodes(self, start_s: float, given: Complex) -> Nodes:
         """The collocation's equations, solved in rounds: each shrinks what the last got wrong
         by the share that finite rotations have in the bushings' forces, times (step w)^2."""
         x, v = self._freedoms()
-        time_s = start_s + self._gauss.node_s
+        time_s = start_s + self._collocation.node_s
         coordinates = self._driven_at(time_s)
-        ahead = np.exp(1j * self._poses.spin_rad_per_s * self._gauss.node_s[:, None])
+        ahead = np.exp(1j * self._poses.spin_rad_per_s * self._collocation.node_s[:, None])
         expected = wrench(given, self._poses.turn * ahead)[:, self._free].reshape(len(time_s), -1)
         load = expected + self._onward @ self._added
         self._rounds.begin()
         for _ in range(MOST_ROUNDS):
-            xs, vs = self._gauss.stages(x, v, load)
+            xs, vs = self._collocation.stages(x, v, load)
             coordinates[:, :, self._free] = np.reshape((xs, vs), (2, len(time_s), -1, 3))
-            poses = Poses.of(*coordinates)
+            poses = PlanarPoses.of(*coordinates)
             pulls = self._bushings.pulls(poses)
             force = given + pulls.force
             for shaft in self._shafts:
-                force = force + shaft.force(self._gauss, start_s)
+                force = force + shaft.force(self._collocation, start_s)
             total = wrench(force, poses.turn)
             total[..., 2] += pulls.couple_N_m
             for shaft in self._shafts:
@@ -173,7 +184,7 @@ class PlanarFrames:
             f"planar frames at {start_s} s: its rounds do not end; take a smaller frames.step_s"
         )
 
-    def _acceleration(self, poses: Poses, total: Array) -> Complex:
+    def _acceleration(self, poses: PlanarPoses, total: Array) -> Complex:
         """Of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
         share = total / self._inertia
         return poses.acceleration(share[..., 0] + 1j * share[..., 1], share[..., 2])
@@ -185,19 +196,28 @@ class PlanarFrames:
     def _book(self, nodes: Nodes, exciter_N: Complex, reaction: Complex) -> None:
         """Momentum by the forces of the step's own equations."""
         x, v = self._freedoms()
-        xs, vs = self._gauss.stages(x, v, nodes.load)
+        xs, vs = self._collocation.stages(x, v, nodes.load)
         force_N = (nodes.load - self._linear(xs, vs)).reshape(len(xs), -1, 3).sum(axis=1)
         driven_W = np.zeros(len(xs))
         for drive in self._drives:
             driven_W += self._bushings.work_W(nodes.poses, nodes.pulls, drive.body)
-        self._books.step(
-            Step(
-                self._gauss.weight_s,
-                force_N[:, 0] + 1j * force_N[:, 1] - reaction[self._free].sum(),
-                self._bushings.lost_W(nodes.poses, nodes.pulls),
-                self._forces.exciter_W(nodes.poses, exciter_N),
-                driven_W,
-            )
+        weight_s, ledger = self._collocation.weight_s, self._ledger
+        outside_N = force_N[:, 0] + 1j * force_N[:, 1] - reaction[self._free].sum()
+        ledger.outside_N_s += in_space(np.asarray(weight_s @ outside_N))
+        ledger.damping_J += float(weight_s @ self._bushings.lost_W(nodes.poses, nodes.pulls))
+        ledger.exciter_J += float(weight_s @ self._forces.exciter_W(nodes.poses, exciter_N))
+        ledger.pushed_J += float(weight_s @ driven_W)
+
+    def _sums(self) -> BodySums:
+        """Momentum and energies of all bodies now."""
+        poses, mass_kg = self._poses, self._mass_kg
+        velocity_m_per_s = poses.velocity_m_per_s[0]
+        moving_J = mass_kg * np.abs(velocity_m_per_s) ** 2 / 2
+        gravity_m_per_s2 = in_plane(self._plan.gravity_m_per_s2)
+        return BodySums(
+            in_space(mass_kg * velocity_m_per_s),
+            moving_J + self._spun_kg_m2 * poses.spin_rad_per_s[0] ** 2 / 2,
+            -mass_kg * power(gravity_m_per_s2, poses.moved_m[0]),
         )
 
     def _freedoms(self) -> Array:
@@ -217,7 +237,28 @@ class PlanarFrames:
         return Motion(position_m, in_space((poses.rate @ self._carried)[0]))
 
 
-def _largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
-    fastest_rad_per_s = max([machine.fastest_rad_per_s(), *linear.rates_rad_per_s(plan)])
-    limit_s = LARGEST_STEP / fastest_rad_per_s if fastest_rad_per_s > 0 else plan.sync_interval_s
-    return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
+class Rounds:
+    """Decides when an iteration that converges linearly may end.
+
+    What is still wrong after a round is  q / (1 - q)  times its change, with q the last ratio of
+    changes; before there is one, that of the last step to the power 0.8, which forgets it slowly
+    (Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.8).
+
+    ``begin`` comes before the first round of each step, ``settled`` after each round; ``ratio`` is
+    all that is kept from step to step.
+    """
+
+    def __init__(self, tolerance: float) -> None:
+        self._tolerance = tolerance
+        self.ratio, self._before = 1.0, math.inf
+
+    def begin(self) -> None:
+        self.ratio, self._before = max(self.ratio, ROUNDING) ** 0.8, math.inf
+
+    def settled(self, change: float, size: float) -> bool:
+        """Tell whether less than the tolerance, a share of ``size``, is still wrong."""
+        if self._before < math.inf and self._before > 0:
+            self.ratio = change / self._before
+        self._before = change
+        left = change * self.ratio / (1 - self.ratio) if self.ratio < 1 else math.inf
+        return change == 0 or left <= self._tolerance * size

@@ -1,4 +1,4 @@
-"""What acts on bodies in the plane: bushings, exciters, weight and the panels' reaction."""
+"""What acts on bodies in the plane: bushings, exciters, shafts, weight and the panels' reaction."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.frames.common import linear
-from adapters.frames.common.unbalance import Unbalance
-from adapters.frames.planar.plane import Complex, Poses, Symmetric, carrying, in_plane, power
+from adapters.frames.common.collocation import STAGES, Collocation
+from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
 from orchestrator.ports import Array
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.plans import Exciter, FramesPlan, Motor
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class Bushings:
         self._stiffness = Symmetric.of(back @ (stiffness * axes))
         self._damping = Symmetric.of(back @ (damping * axes))
 
-    def pulls(self, poses: Poses) -> Pulls:
+    def pulls(self, poses: PlanarPoses) -> Pulls:
         """The spring axes turn with the first body, which therefore gets the couple stretch x
         pull besides: no moment is lost between the ends."""
         turn = poses.turn @ self._first + self._on_ground
@@ -61,12 +62,12 @@ class Bushings:
         couple_N_m = (stretch_m.conj() * pull_N).imag @ self._first.T
         return Pulls(stretch_m, stretch_m_per_s, elongation_m, drag_N, pull_N, force, couple_N_m)
 
-    def lost_W(self, poses: Poses, pulls: Pulls) -> Array:
+    def lost_W(self, poses: PlanarPoses, pulls: Pulls) -> Array:
         """(times,): damping forces times the elongations' rates along the turning axes."""
         turning_m_per_s = 1j * (poses.spin_rad_per_s @ self._first) * pulls.stretch_m
         return np.asarray(power(pulls.drag_N, pulls.stretch_m_per_s - turning_m_per_s).sum(axis=1))
 
-    def work_W(self, poses: Poses, pulls: Pulls, body: int) -> Array:
+    def work_W(self, poses: PlanarPoses, pulls: Pulls, body: int) -> Array:
         """(times,): what they do on one body."""
         both = [body, body + poses.turn.shape[1]]
         pushed_W = power(pulls.force[:, both], poses.rate[:, both]).sum(axis=1)
@@ -78,8 +79,8 @@ class Bushings:
         return float(power(self._stiffness.times(elongation_m), elongation_m).sum()) / 2
 
 
-class Forces:
-    """All but bushings and unbalances with motors, as forces on the natural coordinates.
+class OutsideForces:
+    """Forces on the natural coordinates, but those of bushings and of unbalances with motors.
 
     ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per
     coordinate."""
@@ -109,6 +110,52 @@ class Forces:
         """(times, 2 bodies): all that does not depend on where the bodies are."""
         return np.asarray(exciter_N @ self._excited.conj().T + (reaction + self._weight))
 
-    def exciter_W(self, poses: Poses, exciter_N: Complex) -> Array:
+    def exciter_W(self, poses: PlanarPoses, exciter_N: Complex) -> Array:
         """(times,)"""
         return np.asarray(power(exciter_N, poses.rate @ self._excited).sum(axis=1))
+
+
+class PlanarShaft(Shaft):
+    """A shaft across the plane, at the nodes of the frames' own collocation.
+
+    In each round of the frames' iteration, ``force`` and then ``feel``; ``end`` when the step is
+    accepted.  Raises ValueError for a shaft that does not lie across.
+    """
+
+    STATE = (*Shaft.STATE, "_felt_m_per_s2", "_growth_rad_per_s2")
+
+    def __init__(self, exciter: Exciter, motor: Motor, plan: FramesPlan, drawn_m: Array) -> None:
+        if abs(exciter.axis[1]) < 1 - 1e-12:
+            raise ValueError("a motor's shaft must lie across, along y, where frames are planar")
+        super().__init__(exciter, motor, plan)
+        body = linear.numbers(plan, (exciter.body,))
+        self._at = carrying(body, exciter.position_m[None], drawn_m)[:, 0]  # per natural coordinate
+        self._felt_m_per_s2, self._growth_rad_per_s2 = np.zeros((STAGES, 3)), np.zeros(STAGES)
+
+    def force(self, collocation: Collocation, start_s: float) -> Complex:
+        """Return the force on the natural coordinates, (nodes, 2 bodies)."""
+        time_s, integral_s = start_s + collocation.node_s, collocation.integral_s
+        turns = time_s >= self._exciter.start_s  # until then a brake holds it
+        speed = self.speed_rad_per_s + integral_s @ self._growth_rad_per_s2
+        angle = self.angle_rad + integral_s @ speed
+        torque = turns * self.torque_N_m(speed, time_s)
+        growth = turns * self.growth_rad_per_s2(angle, speed, torque, self._felt_m_per_s2)
+        self._speed_rad_per_s, self._growth_rad_per_s2, self._torque_N_m = speed, growth, torque
+        push = speed[:, None] ** 2 * self.radial(angle) - growth[:, None] * self.tangent(angle)
+        return np.outer(self._exciter.mass_moment_kg_m * in_plane(push), self._at.conj())
+
+    def feel(self, acceleration: Complex) -> None:
+        """Take the acceleration of the natural coordinates, (nodes, 2 bodies)."""
+        self._felt_m_per_s2 = in_space(acceleration @ self._at)
+
+    def end(self, weight_s: Array) -> None:
+        """Accept the step."""
+        speed = self._speed_rad_per_s
+        self.angle_rad += float(weight_s @ speed)
+        self.speed_rad_per_s += float(weight_s @ self._growth_rad_per_s2)
+        self.motor_J += float(weight_s @ (self._torque_N_m * speed))
+        self.lost_J += self._motor.bearing_N_m_s * float(weight_s @ speed**2)
+
+    def velocity_m_per_s(self, poses: PlanarPoses) -> Array:
+        """Return the velocity (3,) of its place, at one time."""
+        return in_space((poses.rate @ self._at)[0])

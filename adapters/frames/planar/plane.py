@@ -17,30 +17,34 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from adapters.frames.common import linear
+from adapters.frames.common.drive import shifted, turned
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import Body, Drive, FramesPlan
 
 Complex = npt.NDArray[np.complex128]
 
 
 def in_plane(vector: Array) -> Complex:
-    """z + i x of vectors (..., 3)."""
+    """Return  z + i x  of vectors (..., 3)."""
     return np.asarray(vector[..., 2] + 1j * vector[..., 0])
 
 
 def in_space(value: Complex) -> Array:
-    """The vectors (..., 3) of  z + i x,  without a part across."""
+    """Return the vectors (..., 3) of  z + i x,  without a part across."""
     vector = np.zeros((*value.shape, 3))
     vector[..., 0], vector[..., 2] = value.imag, value.real
     return vector
 
 
 def power(force: Complex, velocity: Complex) -> Array:
-    """F . v"""
+    """Return the power F . v of a force at a point with this velocity."""
     return np.asarray((force.conj() * velocity).real)
 
 
 def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
-    """(2 bodies, n): displacement of points at ``position_m`` (n, 3) per natural coordinate.
+    """Return (2 bodies, n): displacement of points at ``position_m`` (n, 3) per natural coordinate.
+
     They are fixed to the bodies ``body`` (n,), -1 for the ground, centres at ``drawn_m``."""
     fixed = np.arange(len(drawn_m))[:, None] == body
     arm_m = in_plane(position_m) - in_plane(drawn_m)[:, None]
@@ -56,7 +60,7 @@ class Symmetric:
 
     @staticmethod
     def of(matrix: Array) -> Symmetric:
-        """The plane's part of matrices (..., 3, 3)."""
+        """Return the plane's part of matrices (..., 3, 3)."""
         up, along, mixed = matrix[..., 2, 2], matrix[..., 0, 0], matrix[..., 0, 2]
         return Symmetric((up + along) / 2, (up - along) / 2 + 1j * mixed)
 
@@ -65,8 +69,8 @@ class Symmetric:
 
 
 @dataclass(frozen=True)
-class Poses:
-    """Bodies at several times: natural coordinates ``place`` and their ``rate`` (times, 2
+class PlanarPoses:
+    """Bodies in the plane at several times: natural coordinates ``place`` and their ``rate`` (times, 2
     bodies), displacements first; ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies)."""
 
     place: Complex
@@ -75,11 +79,12 @@ class Poses:
     spin_rad_per_s: Array
 
     @staticmethod
-    def of(place: Array, rate: Array) -> Poses:
-        """From (times, bodies, 3) each: displacement up and along, angle; and their rates."""
+    def of(place: Array, rate: Array) -> PlanarPoses:
+        """Make the poses from displacement up and along, and angle, and their rates, (times, bodies, 3)
+        each."""
         turned, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
         turn = 1 + turned
-        return Poses(
+        return PlanarPoses(
             np.concatenate([place[..., 0] + 1j * place[..., 1], turned], axis=1),
             np.concatenate([rate[..., 0] + 1j * rate[..., 1], 1j * spin_rad_per_s * turn], axis=1),
             turn,
@@ -88,26 +93,57 @@ class Poses:
 
     @property
     def moved_m(self) -> Complex:
-        """Of the centres of mass, (times, bodies)."""
+        """Displacement of the centres of mass, (times, bodies)."""
         return self.place[:, : self.turn.shape[1]]
 
     def acceleration(self, body_m_per_s2: Complex, spin_rad_per_s2: Array) -> Complex:
-        """Of the natural coordinates, (times, 2 bodies), from that of the centres of mass and of
-        the angles, (times, bodies) each."""
+        """Return the acceleration of the natural coordinates, (times, 2 bodies), from that of the centres
+        of mass and of the angles, (times, bodies) each."""
         return np.concatenate(
             [body_m_per_s2, (1j * spin_rad_per_s2 - self.spin_rad_per_s**2) * self.turn], axis=1
         )
 
     @property
     def velocity_m_per_s(self) -> Complex:
+        """Velocity of the centres of mass, (times, bodies)."""
         return self.rate[:, : self.turn.shape[1]]
 
 
 def wrench(force: Complex, turn: Complex) -> Array:
-    """Force up and along, and moment, (times, bodies, 3), of forces (times, 2 bodies) on the
+    """Return force up and along, and moment, (times, bodies, 3), of forces (times, 2 bodies) on the
     natural coordinates of bodies with these ``turn``."""
-    bodies = turn.shape[1]
-    found = np.empty((*turn.shape, 3))
-    found[..., 0], found[..., 1] = force[:, :bodies].real, force[:, :bodies].imag
-    found[..., 2] = (force[:, bodies:] * turn.conj()).imag
-    return found
+    push, moment = np.split(force, 2, axis=1)
+    return np.stack([push.real, push.imag, (moment * turn.conj()).imag], axis=-1)
+
+
+def planar_drives(plan: FramesPlan) -> list[PlanarDrive]:
+    """Return the drives of a plan.  Raises ValueError for those that make no sense or leave the plane."""
+    numbered = zip(linear.driven(plan), plan.drives, strict=True)
+    return [PlanarDrive(int(n), plan.bodies[n], drive) for n, drive in numbered]
+
+
+class PlanarDrive:
+    """The exact motion of body number ``body`` by its drive.
+
+    Raises ValueError for a drive that leaves the plane.
+    """
+
+    def __init__(self, number: int, body: Body, drive: Drive) -> None:
+        across = (drive.amplitude_m[1], *drive.rotation_rad[[0, 2]])
+        if any(across):
+            raise ValueError(
+                f"the drive of {drive.body!r} leaves the vertical plane, to which planar frames "
+                "are bound; exudyn and prescribed know no such bounds"
+            )
+        self.body, self._drive = number, drive
+        self._arm_m = in_plane(body.center_of_mass_m - drive.center_m)
+
+    def coordinates(self, time_s: Array) -> tuple[Array, Array]:
+        """Return displacement of the centre of mass up and along, and angle; and their rates: (times,
+        3) each."""
+        shift_m, shift_m_per_s = (in_plane(one) for one in shifted(self._drive, time_s))
+        angle_rad, spin_rad_per_s = (one[:, 1] for one in turned(self._drive, time_s))
+        moved_m = shift_m + np.expm1(1j * angle_rad) * self._arm_m
+        velocity_m_per_s = shift_m_per_s + 1j * spin_rad_per_s * np.exp(1j * angle_rad) * self._arm_m
+        place = np.stack([moved_m.real, moved_m.imag, angle_rad], axis=1)
+        return place, np.stack([velocity_m_per_s.real, velocity_m_per_s.imag, spin_rad_per_s], axis=1)

@@ -1,0 +1,139 @@
+"""Rotating unbalances: the force of one that runs up smoothly, and the shaft that a motor turns.
+
+A shaft's equation of motion is
+
+    J w' = torque - bearing w - u t . (a - g),    t = d(radial)/d(angle)
+
+with the acceleration a of the shaft's place and the unbalance's mass moment u.  The frame gets the
+force of any unbalance, -u d2(radial)/dt2.  The motor stands on the ground and passes on torque only,
+as by a cardan shaft: its reaction goes into the ground.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar
+
+import numpy as np
+
+from orchestrator.ports import Array, Saved
+from orchestrator.ports.plans import Exciter, FramesPlan, Motor
+from orchestrator.ports.state import put_back, taken
+
+
+class Unbalance:
+    """The inertia force of a rotating unbalance on its body, at a given speed.
+
+    With angle phi:  mass_moment (phi'^2 radial - phi'' tangential), which is minus the second
+    time derivative of  mass_moment * radial.
+    """
+
+    def __init__(self, exciter: Exciter) -> None:
+        self._exciter = exciter
+        # rows: radial and tangential at angle 0
+        self._axes = np.stack([exciter.start, np.cross(exciter.axis, exciter.start)])
+
+    def force_N(self, time_s: Array) -> Array:
+        """Return the force in the world at the times (n,): (n, 3)."""
+        angle, speed, growth = self._turning(time_s)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        along_start = speed**2 * cosine + growth * sine
+        along_tangent = speed**2 * sine - growth * cosine
+        size = self._exciter.mass_moment_kg_m
+        return np.asarray(size * np.stack([along_start, along_tangent], axis=1) @ self._axes)
+
+    def _turning(self, time_s: Array) -> tuple[Array, Array, Array]:
+        """Angle in rad, speed in rad/s and angular acceleration in rad/s^2."""
+        full, run_up_s = self._exciter.speed_rad_per_s, self._exciter.run_up_s
+        phase, since_s = self._exciter.phase_rad, time_s - self._exciter.start_s
+        if since_s[0] >= run_up_s:  # full speed
+            still = np.zeros_like(since_s)
+            return full * (since_s - run_up_s / 2) + phase, full + still, still
+        turns, since_s = since_s >= 0, np.maximum(since_s, 0.0)
+        if run_up_s <= 0:
+            return full * since_s + phase, full * turns, np.zeros_like(since_s)
+        rate = math.pi / run_up_s
+        rising = np.minimum(since_s, run_up_s)
+        angle = full / 2 * (rising - np.sin(rate * rising) / rate) + full * (since_s - rising)
+        speed = full / 2 * (1 - np.cos(rate * rising))
+        growth = np.where(since_s < run_up_s, full / 2 * rate * np.sin(rate * rising), 0.0)
+        return angle + phase, speed, growth
+
+
+def motor_torque_N_m(motor: Motor, lag_rad_per_s: Array) -> Array:
+    """Return an induction motor's torque at a lag of its shaft behind the synchronous speed.
+
+    Kloss, Archiv fuer Elektrotechnik 5, 1916, 59-87: 2 T d D / (d^2 + D^2) at the lag d, where T is
+    the breakdown torque, at the lag D.
+    """
+    rated_rad_per_s = motor.rated_slip * motor.synchronous_rad_per_s
+    rated_N_m = motor.rated_power_W / (motor.synchronous_rad_per_s - rated_rad_per_s)
+    surplus = motor.breakdown_ratio
+    breakdown_rad_per_s = rated_rad_per_s * (surplus + math.sqrt(surplus**2 - 1))
+    twice_N_m = 2 * surplus * rated_N_m * breakdown_rad_per_s
+    return np.asarray(twice_N_m * lag_rad_per_s / (lag_rad_per_s**2 + breakdown_rad_per_s**2))
+
+
+class Shaft:
+    """The angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
+
+    ``motor_J`` is the motor's work and ``lost_J`` the loss in the bearings.
+    """
+
+    STATE: ClassVar[tuple[str, ...]] = ("angle_rad", "speed_rad_per_s", "motor_J", "lost_J")
+
+    def __init__(self, exciter: Exciter, motor: Motor, plan: FramesPlan) -> None:
+        self._exciter, self._motor = exciter, motor
+        self._gravity_m_per_s2, self._across = plan.gravity_m_per_s2, np.cross(exciter.axis, exciter.start)
+        self.angle_rad, self.speed_rad_per_s = exciter.phase_rad, 0.0
+        self.motor_J = self.lost_J = 0.0
+
+    def torque_N_m(self, speed_rad_per_s: Array, time_s: Array) -> Array:
+        """Return the motor's torque (n,) on a shaft at these speeds and times, (n,) each.
+
+        The synchronous speed runs up as an exciter's does, at constant voltage over frequency.
+        """
+        full, run_up_s = self._motor.synchronous_rad_per_s, self._exciter.run_up_s
+        share = np.clip((time_s - self._exciter.start_s) / run_up_s, 0.0, 1.0) if run_up_s > 0 else 1.0
+        synchronous_rad_per_s = full * (1 - np.cos(np.pi * share)) / 2
+        return motor_torque_N_m(self._motor, synchronous_rad_per_s - speed_rad_per_s)
+
+    def growth_rad_per_s2(
+        self, angle_rad: Array, speed_rad_per_s: Array, torque_N_m: Array, felt_m_per_s2: Array
+    ) -> Array:
+        """Return the angular acceleration (n,) where the shaft's place is accelerated by
+        ``felt_m_per_s2`` (n, 3)."""
+        pull_m_per_s2 = np.sum(self.tangent(angle_rad) * (felt_m_per_s2 - self._gravity_m_per_s2), axis=-1)
+        swung_N_m = self._exciter.mass_moment_kg_m * pull_m_per_s2
+        drag_N_m = self._motor.bearing_N_m_s * speed_rad_per_s
+        return np.asarray((torque_N_m - drag_N_m - swung_N_m) / self._motor.inertia_kg_m2)
+
+    def stored_J(self, velocity_m_per_s: Array) -> float:
+        """Return the energy of shaft and unbalance beyond what the unbalance's mass has as a part of
+        its body; zero at rest at t = 0.
+
+        ``velocity_m_per_s`` (3,) is that of the shaft's place."""
+        moved_J = self.speed_rad_per_s * float(self.tangent(self.angle_rad) @ velocity_m_per_s)
+        risen = self.radial(self.angle_rad) - self.radial(self._exciter.phase_rad)
+        own_J = self._motor.inertia_kg_m2 * self.speed_rad_per_s**2 / 2
+        return own_J + self._exciter.mass_moment_kg_m * (moved_J - float(risen @ self._gravity_m_per_s2))
+
+    def radial(self, angle_rad: Array | float) -> Array:
+        """Return the unit vectors (..., 3) from the shaft to the unbalance."""
+        cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+        return np.asarray(
+            np.multiply.outer(cosine, self._exciter.start) + np.multiply.outer(sine, self._across)
+        )
+
+    def tangent(self, angle_rad: Array | float) -> Array:
+        """Return the derivatives (..., 3) of ``radial`` with respect to the angle."""
+        cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
+        return np.asarray(
+            np.multiply.outer(cosine, self._across) - np.multiply.outer(sine, self._exciter.start)
+        )
+
+    def save(self) -> Saved:
+        return taken(self, *self.STATE)
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, *self.STATE)
