@@ -52,22 +52,33 @@ def _code(error: Exception) -> int | None:
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 
 
+def find_problems(loaded: LoadedCase) -> list[CaseProblem]:
+    """Returns every problem that keeps a case from being run."""
+    from orchestrator.preflight.check import mistakes
+
+    problems = mistakes(loaded)
+    if loaded.case.monitor.items:
+        from orchestrator.run.monitor.discovery import unknown_items
+
+        problems += unknown_items(loaded.case)
+    return problems
+
+
 def checked(
     case: Path,
     level: str | None,
     overrides: list[str] | None,
-    rule: Callable[[LoadedCase], list[CaseProblem]] | None = None,
+    find: Callable[[LoadedCase], list[CaseProblem]] = find_problems,
 ) -> LoadedCase:
-    """The case, if it has no mistake (by default, of any kind); else all of them are said and the
-    program ends."""
+    """Returns the case if it has no problem (by default, of any kind); else reports all of them and
+    ends the program."""
     from orchestrator.case.file.errors import CaseError
-    from orchestrator.preflight.check import mistakes
     from orchestrator.preflight.levels import load
 
     with reported_errors():
         loaded = load(case, level, overrides or [])
-        if found := (rule or mistakes)(loaded):
-            raise CaseError(found)
+        if problems := find(loaded):
+            raise CaseError(problems)
     return loaded
 
 

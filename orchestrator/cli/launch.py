@@ -22,7 +22,7 @@ from rich.console import Console
 
 from orchestrator.case import adapter, distributions
 from orchestrator.case.file.errors import CaseError
-from orchestrator.cli.console import TOO_LARGE
+from orchestrator.cli.console import TOO_LARGE, find_problems
 from orchestrator.cli.going_on import go_on, last_good
 from orchestrator.coupling import ranks
 from orchestrator.output.checkpoints import Save
@@ -30,7 +30,7 @@ from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable, lock
 from orchestrator.output.report.headline import headline
 from orchestrator.ports.plans import SolverFailed, SolverMissing
-from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judgement.account import Entry, account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import agree, key_of
@@ -84,8 +84,8 @@ def _tried_out(
 def ready(loaded: LoadedCase) -> None:
     """Raises CaseError for a case with mistakes, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
-    if found := mistakes(loaded):
-        raise CaseError(found)
+    if problems := find_problems(loaded):
+        raise CaseError(problems)
     adapter.imported("panel", loaded.case.panel.solver)
 
 

@@ -31,8 +31,7 @@ from orchestrator.preflight.stability.choice import with_scheme
 from orchestrator.run.checkpointer import Checkpointer, Schedule
 from orchestrator.run.ending import Ending
 from orchestrator.run.interruption import Interrupted, Stop
-from orchestrator.run.monitor.monitor import Monitor, Stopped
-from orchestrator.run.monitor.speed import check_stable
+from orchestrator.run.monitor.monitor import Monitor, Stopped, check_speeds
 from orchestrator.run.origin import origin
 from orchestrator.run.progress import Progress
 from orchestrator.run.time_left import Say
@@ -137,7 +136,7 @@ class Run:
                 runs = machine.particle_runs
                 with self._advised(), named("the coupling", interval):
                     state, seen = monitor.advance(interval, state)
-                check_stable(seen, interval.end_s, plain.advice(self._stability))
+                check_speeds(seen, interval.end_s, plain.advice(self._stability))
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, monitor, seen, interval.index + 1, steps)
                 with self._advised():
@@ -192,7 +191,7 @@ class Run:
                 finally:  # also when it is the material that stops the run
                     figures["material"] = recorder.material()
                 figures["particles"] = len(bed[0].id) if bed is not None else 0
-                monitor.output(time_s, state, terms_J, bed)
+                monitor.observe_output(time_s, state, terms_J, bed)
         self._progress.sync_point(done, time_s, steps)
 
     def _interval(self, index: int) -> Interval:

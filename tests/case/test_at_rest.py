@@ -103,7 +103,7 @@ def test_a_panel_that_sags_through_a_plate_during_the_run_stops_it(tmp_path: Pat
     sets = [*QUICK, plate(-0.012), "duration_s=0.12"]
     done = flipflow(*run_words("panel-cycle", tmp_path / "run", sets))
     assert done.returncode == 4, done.stderr
-    assert "stopped by the watch at t = " in done.stderr
+    assert "stopped by the monitor at t = " in done.stderr
     assert "panel deck has gone through plate by " in done.stderr
     assert "of its thickness, and nothing holds it there" in done.stderr
     stop = (

@@ -10,8 +10,13 @@ import pytest
 
 from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.ports.clock import Interval
-from orchestrator.run.monitor.created_energy import Balance, ClampWork, ContactWork, Exchange
-from orchestrator.run.monitor.interface_data import crossed
+from orchestrator.run.monitor.interface_work import (
+    Balance,
+    ClampWork,
+    ContactWork,
+    ExchangedEnergy,
+    interface_data,
+)
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
@@ -52,7 +57,7 @@ def test_an_elastic_impact_has_as_much_more_energy_as_was_created(
     work, before_J = ContactWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(3 * per_contact):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
-        work.add(crossed(machine.members, length_s))
+        work.add(interface_data(machine.members, length_s))
     gained_J = energy_J(sphere, plate, frame) - before_J
     assert gained_J > 1e-4
     assert work.balance.created_J == pytest.approx(gained_J, rel=within)
@@ -69,7 +74,7 @@ def test_a_frame_on_a_panel_too(scheme: str) -> None:
     work, before_J = ClampWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(400):
         state = machine.scheme.advance(machine.solvers, Interval(index, 0.1), state)
-        work.add(crossed(machine.members, 0.1))
+        work.add(interface_data(machine.members, 0.1))
     gained_J = energy_J(sphere, plate, frame) - before_J
     assert abs(gained_J) > 1e-6
     assert work.balance.created_J == pytest.approx(gained_J, rel=0.1, abs=2e-6)
@@ -86,7 +91,7 @@ def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
         contacts, clamps = ContactWork(run.state, ALL), ClampWork(run.state, ALL)
         for _ in range(200):
             run.advance(1)
-            interval = crossed(run.machine.members, run.interval_s)
+            interval = interface_data(run.machine.members, run.interval_s)
             contacts.add(interval)
             clamps.add(interval)
         said = run.energy_J("created")
@@ -116,7 +121,7 @@ def test_a_share_of_what_went_through() -> None:
 def test_what_went_through_is_the_range_of_the_work() -> None:
     """Given for good, or to and fro; nothing but the floor where nothing moves."""
     still_N = np.array([[3.0, -4.0, 0.0]])
-    given, back, rest = Exchange(), Exchange(), Exchange()
+    given, back, rest = ExchangedEnergy(), ExchangedEnergy(), ExchangedEnergy()
     for _ in range(100):
         given.add(0.5, 0.0 * still_N, 1e-4)
         for work_J in (2.0, -2.0):
@@ -125,7 +130,7 @@ def test_what_went_through_is_the_range_of_the_work() -> None:
     assert given.scale_J == pytest.approx(50.0)
     assert back.scale_J == pytest.approx(2.0)
     assert rest.scale_J == pytest.approx(7.0 * 1e-3 * 1e-4)
-    saved = Exchange()
+    saved = ExchangedEnergy()
     saved.restore(back.save())
     saved.add(-3.0, 0.0 * still_N, 1e-4)
     assert saved.scale_J == pytest.approx(5.0)
@@ -140,7 +145,7 @@ def test_walls_count_in_what_went_through() -> None:
     work = ContactWork(state, slice(0, 0))
     for index in range(60):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
-        work.add(crossed(machine.members, length_s))
+        work.add(interface_data(machine.members, length_s))
     given_J = 0.5 * plate.mass_kg * plate.v**2
     assert work.exchange.scale_J == pytest.approx(given_J, rel=1e-3)
     assert work.balance.through_J == 0.0

@@ -12,7 +12,7 @@ from orchestrator.coupling.schemes.exchange import initial
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.contact_limits import light_point_s
-from orchestrator.run.monitor.growing_modes import Alternation
+from orchestrator.run.monitor.items.growing_modes import Alternation
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.stability.growth import CONTACT, Line, limit_s
 

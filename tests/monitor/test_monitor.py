@@ -81,7 +81,7 @@ def test_warn_warns_once(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> No
 
 def test_stop_stops_before_it_is_too_late(tmp_path: Path) -> None:
     plate, machine = pressed()
-    with pytest.raises(Stopped, match=r"stopped by the watch at t = .* s: a mode of the int") as at:
+    with pytest.raises(Stopped, match=r"stopped by the monitor at t = .* s: a mode of the int") as at:
         monitored(tmp_path, machine, LONG_s, INTERVALS, [*ALONE[GROWING], "monitor.growing_modes=stop"])
     assert at.value.state.panel.surface.position_m[0, 0] == plate.x
     assert abs(plate.x) < 0.01

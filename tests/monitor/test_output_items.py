@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 
+from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import MonitorSettings
-from orchestrator.coupling.machine import PanelPoints
+from orchestrator.coupling.machine import Machine, PanelPoints
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import Overlaps
 from orchestrator.ports.penetration import Penetrations
-from orchestrator.run.monitor.limits import Figures
-from orchestrator.run.monitor.output_watch import OutputWatch, largest_stretch
+from orchestrator.run.monitor.discovery import all_items, item_limit
+from orchestrator.run.monitor.interface_work import InterfaceWork
+from orchestrator.run.monitor.item import OutputTime, Subject
+from orchestrator.run.monitor.items import long_steps
+from orchestrator.run.monitor.items.stretched_panels import largest_stretch
+from orchestrator.run.monitor.monitor import Watched
 
 STEP_s = 1e-5
 NONE = np.empty(0, dtype=np.int64)
@@ -40,11 +47,21 @@ def state(position_m: np.ndarray = FLAT_m, speed_m_per_s: float = 1.0) -> State:
     return State(clamps, np.empty((0, 3)), PanelState(surface, Load.zero(0)), Load.zero(4))
 
 
-def alarms(now: State, balls: ParticleSnapshot, overlap: float) -> list[str]:
-    figures = Figures(MonitorSettings())
-    overlaps = Overlaps(0.0, 0.0, 0.001, overlap / 2)
-    OutputWatch([PANEL], UNTOUCHED, STEP_s).look(figures, 0.5, now, (balls, overlaps))
-    return [alarm.what for alarm in figures.alarms()]
+OUTPUT_ITEMS = ("stretched_panels", "penetrated_surfaces", "deep_overlaps", "long_steps")
+
+
+def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    monkeypatch.setattr(long_steps, "particle_step_s", lambda case: STEP_s)
+    machine = SimpleNamespace(panels=[PANEL], penetrations=UNTOUCHED)
+    subject = Subject(cast(Case, None), cast(Machine, machine), now, cast(InterfaceWork, None))
+    output = OutputTime(now, {}, (balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
+    said = []
+    for name in OUTPUT_ITEMS:
+        kind = all_items()[name]
+        item, limit = kind(subject), item_limit(MonitorSettings(), kind)
+        assert limit is not None
+        said += Watched(item, limit).judge(item.observe_output(output), 0.5)
+    return [alarm.what for alarm in said]
 
 
 def test_five_edges_of_two_triangles() -> None:
@@ -72,17 +89,25 @@ def test_stretch_is_the_largest_over_the_stress_free_lengths() -> None:
     ],
 )
 def test_each_is_found_alone(
-    position_m: np.ndarray, speed_m_per_s: float, fastest_m_per_s: float, overlap: float, said: str | None
+    position_m: np.ndarray,
+    speed_m_per_s: float,
+    fastest_m_per_s: float,
+    overlap: float,
+    said: str | None,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A step of 0.01 ms; the smaller ball has a radius of 2 mm, a tenth of which is 20 m/s."""
     velocity_m_per_s = np.array([[0, 0, -1.0], [fastest_m_per_s, 0, 0]])
     found = alarms(
-        state(position_m, speed_m_per_s), replace(BALLS, velocity_m_per_s=velocity_m_per_s), overlap
+        state(position_m, speed_m_per_s),
+        replace(BALLS, velocity_m_per_s=velocity_m_per_s),
+        overlap,
+        monkeypatch,
     )
     assert len(found) == (said is not None)
     assert all(f"t = 0.5 s: {said}" in what for what in found)
 
 
-def test_no_particles_is_no_trouble() -> None:
+def test_no_particles_is_no_trouble(monkeypatch: pytest.MonkeyPatch) -> None:
     nobody = ParticleSnapshot(**{name: values[:0] for name, values in vars(BALLS).items()})
-    assert alarms(state(), nobody, 0.0) == []
+    assert alarms(state(), nobody, 0.0, monkeypatch) == []

@@ -174,7 +174,7 @@ def test_a_particle_that_goes_through_a_panel_stops_the_run(tmp_path: Path, solv
     done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
     assert done.returncode == 4, done.stderr
     assert "warning: particles are expected to sink into what they meet by 1.9 of" in done.stderr
-    assert "stopped by the watch at t = " in done.stderr
+    assert "stopped by the monitor at t = " in done.stderr
     assert "1 times a particle went through the surface" in done.stderr
     figures = summary(tmp_path / "run")
     assert figures["status"] == "failed"

@@ -32,7 +32,7 @@ def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: P
     assert done.returncode == 4, done.stderr
     said_plainly(done)
     stopped, _, good, command = done.stderr.strip().splitlines()[-4:]
-    assert stopped.startswith("stopped by the watch at t = 0.006 s: particle ")
+    assert stopped.startswith("stopped by the monitor at t = 0.006 s: particle ")
     assert left_usable(folder, "failed")["reason"] == stopped
     assert good == f"last good state: t = 0.0055 s, {saves(folder)[-2]}"
     assert saves(folder)[-1].name == f"{60:012d}"  # that of the stop is there, too

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from annotated_types import Ge, Gt, Le
-from pydantic import Strict
+from pydantic import Field, Strict
 
-from orchestrator.case.tables.quantities import Cells, NotNegative, Positive, Switch, Table
+from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Number, Positive, Switch, Table
 
 
 class PanelSolver(Table):
@@ -108,6 +108,15 @@ class Exchange(Table):
 Then = Literal["warn", "shorten", "stop"]
 
 
+class ItemSettings(Table):
+    """What is done about an item of the monitor."""
+
+    then: Then
+    """What is done beyond the limit."""
+    limit: Number
+    """The largest value at which nothing is amiss, in the item's own unit."""
+
+
 class MonitorSettings(Table):
     """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
     runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
@@ -166,6 +175,9 @@ class MonitorSettings(Table):
     """A feed that took less than half of what was due for ``jam_s``."""
     jam_s: Positive = 0.2
     """How long."""
+    items: dict[Name, ItemSettings] = Field(default_factory=dict)
+    """What else is looked at: items that installed packages bring
+    (docs/how-to/add-a-monitor-item.md)."""
 
 
 class CheckpointSettings(Table):

@@ -1,1 +1,1 @@
-"""The watch on the coupling: what a run looks at while it goes on, and what it does about it."""
+"""The monitor of a run: what it looks at while the run goes on, and what it does about it."""

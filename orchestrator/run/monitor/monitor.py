@@ -1,78 +1,131 @@
-"""The watch: runs each interval as finely as needed, looks at it, and does what the case wants."""
+"""The monitor: it runs each interval as finely as needed, observes it, and does what the case wants."""
 
 from __future__ import annotations
 
 import logging
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
+import numpy as np
 from rich.console import Console
 
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.file.errors import CaseError
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import Then
-from orchestrator.coupling.ledger import created_shares
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does, is_first
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output.cycles import cycle_s
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval, steps_in
-from orchestrator.ports.particle_records import Bed, Crossings
+from orchestrator.ports.particle_records import Bed
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.ports.state import put_back, taken
-from orchestrator.run.monitor.coupling_watch import CouplingWatch
-from orchestrator.run.monitor.interface_data import Crossed, crossed
-from orchestrator.run.monitor.limits import Figures
-from orchestrator.run.monitor.output_watch import OutputWatch
+from orchestrator.run.monitor.discovery import ItemLimit, all_items, item_limit, unknown_items
+from orchestrator.run.monitor.interface_work import InterfaceData, InterfaceWork, interface_data
+from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 from orchestrator.run.monitor.pace import Pace
 
 LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
 TOGETHER = 5  # intervals are looked at, which costs little more than one, while all is well
 WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
+FASTEST_M_S = 300.0  # nothing on a screen moves at the speed of sound in air
 
 
 class Stopped(SolverFailed):
-    """The watch stops the run, at a sync point with the ``state`` there."""
+    """The monitor stops the run, at a sync point with the ``state`` there."""
 
     def __init__(self, what: str, state: State) -> None:
-        super().__init__(f"stopped by the watch at {what}")
+        super().__init__(f"stopped by the monitor at {what}")
         self.state = state
 
 
+class Alarm(NamedTuple):
+    """An observation beyond its limit: what to do about it, what it says, and whether it is the first one."""
+
+    then: Then
+    what: str
+    new: bool
+
+
+class Watched:
+    """An item with its limit, its largest value, how often it was beyond the limit, and when first."""
+
+    def __init__(self, item: MonitorItem, limit: ItemLimit) -> None:
+        self.item, self._limit = item, limit
+        self._worst, self._times, self._first_s = 0.0, 0, 0.0
+
+    def judge(self, observations: Iterable[Observation], time_s: float) -> list[Alarm]:
+        """Notes the observations, and returns those beyond the limit."""
+        then, limit, key = self._limit
+        alarms = []
+        for value, where in observations:
+            self._worst = max(self._worst, value)
+            if value > limit:
+                self._times += 1
+                if self._times == 1:
+                    self._first_s = time_s
+                message = self.item.message.format(value=value, where=where)
+                what = f"t = {time_s:.6g} s: {message} ({key} = {limit:g})"
+                alarms.append(Alarm(then, what, self._times == 1))
+        return alarms
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns what ``summary.json`` has of the item."""
+        first_s = self._first_s if self._times else None
+        return {"worst": self._worst, "limit": self._limit.limit, "times": self._times, "first_s": first_s}
+
+    def save(self) -> Saved:
+        return taken(self, "_worst", "_times", "_first_s") | {"item": self.item.save()}
+
+    def restore(self, saved: Saved) -> None:
+        put_back(self, saved, "_worst", "_times", "_first_s")
+        self.item.restore(saved.get("item", {}))
+
+
 class Monitor:
-    """On every rank; the first one looks and decides for all."""
+    """What a run observes and does about it, on every rank; the first one observes and decides for all.
+
+    Raises CaseError for a table ``[monitor.items.<name>]`` whose item is nowhere to be found.
+    """
 
     def __init__(self, case: Case, machine: Machine, start: State, world: Any, console: Console) -> None:
+        if problems := unknown_items(case):
+            raise CaseError(problems)
         self._machine, self._world, self._console = machine, world, console
         self._interval_s = case.coupling.sync_interval_s
         self.pace = Pace(self._interval_s, MOST_PARTS, calm_intervals(case))
-        self._figures = Figures(case.monitor)
-        self._coupling = CouplingWatch(case, machine, start)
-        self._output = OutputWatch(machine.panels, machine.penetrations, particle_step_s(case))
-        self._crossed: list[Crossed] = []
+        self._work = InterfaceWork(case, machine, start)
+        subject = Subject(case, machine, start, self._work)
+        self._watched = {
+            name: Watched(kind(subject), limit)
+            for name, kind in all_items().items()
+            if (limit := item_limit(case.monitor, kind)) is not None
+        }
+        self._alarms: list[Alarm] = []
+        self._pending: list[InterfaceData] = []
         self._judged, self._at_once = 0, False
         self._said_shortest = False
 
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
-        """The state after a sync interval, to go on from and to be recorded."""
+        """Returns the state after a sync interval, to go on from and to be recorded."""
         machine = self._machine
         with machine.stopwatch("coupling"):  # what the members take is not counted there
-            return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._look)
+            return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._note)
 
-    def output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
-        """At output times, after which everything is judged; ``terms_J`` of the ledger."""
+    def observe_output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
+        """Observes an output time, after which everything is judged; ``terms_J`` are the ledger's."""
         self._at_once = True
         if is_first(self._world):
             with self._machine.stopwatch("monitor"):
-                self._add_crossed()
-                for interface, share in created_shares(terms_J, self._coupling.exchanged_J()).items():
-                    self._figures.look("created_in_total", abs(share), time_s, interface)
-                self._output.look(self._figures, time_s, state, bed)
+                self._add_pending()
+                for watched in self._watched.values():
+                    observations = watched.item.observe_output(OutputTime(state, terms_J, bed))
+                    self._alarms += watched.judge(observations, time_s)
 
     def act(self, interval: Interval, state: State) -> None:
-        """After a sync interval: warns or shortens the next ones, as the case wants.  Raises
-        Stopped."""
+        """Warns after a sync interval, or shortens the next ones, as the case wants.  Raises Stopped."""
         done = interval.index + 1
         if self.pace.trusted and not self._at_once and done - self._judged < TOGETHER:
             return
@@ -85,86 +138,100 @@ class Monitor:
         if then == "shorten":
             self._shorten(time_s, what)
         elif self.pace.ease(since):
-            self._changed(f"t = {time_s:.6g} s: nothing was amiss for a while")
+            self._begin_anew(f"t = {time_s:.6g} s: nothing was amiss for a while")
 
     def figures(self, intervals: int) -> dict[str, Any]:
-        """For ``summary.json``, after so many sync intervals."""
+        """Returns what ``summary.json`` has of the monitor, after so many sync intervals."""
         return {
             "shortened_intervals": self.pace.divided,
             "shortened_share": self.pace.divided / intervals if intervals else 0.0,
             "shortest_interval_s": self._interval_s / self.pace.finest,
-            "figures": self._figures.as_json(),
+            "figures": {name: watched.as_json() for name, watched in self._watched.items()},
         }
 
     def exchanged_J(self) -> dict[str, float]:
-        """Energy that went through each interface since t = 0; where its hand-over is turned off,
-        it has none.  The first rank knows."""
+        """Returns the energy that went through each interface since t = 0, which the first rank knows.
+        An interface whose hand-over is turned off has none."""
         self._catch_up()
-        return self._coupling.exchanged_J()
+        return self._work.exchanged_J()
 
     def save(self) -> Saved:
         self._catch_up()
-        saved = {"pace": self.pace.save(), "figures": self._figures.save()}
-        return saved | {"coupling": self._coupling.save()} | taken(self, "_judged", "_at_once")
+        items = {name: watched.save() for name, watched in self._watched.items()}
+        books = {"pace": self.pace.save(), "work": self._work.save(), "items": items}
+        return books | taken(self, "_judged", "_at_once")
 
     def restore(self, saved: Saved) -> None:
+        """Takes back what ``save`` returned; an item that the case did not have then begins now."""
         self.pace.restore(saved["pace"])
-        self._figures.restore(saved["figures"])
-        self._coupling.restore(saved["coupling"])
+        self._work.restore(saved.get("work", {}))
+        for name, watched in self._watched.items():
+            if name in saved["items"]:
+                watched.restore(saved["items"][name])
         put_back(self, saved, "_judged", "_at_once")
 
-    def _look(self, part: Interval) -> None:
+    def _note(self, part: Interval) -> None:
         if is_first(self._world):
-            self._crossed.append(crossed(self._machine.members, part.length_s))
+            self._pending.append(interface_data(self._machine.members, part.length_s))
 
     def _catch_up(self) -> None:
         with self._machine.stopwatch("monitor"):
-            self._add_crossed()
+            self._add_pending()
 
-    def _add_crossed(self) -> None:
-        for interval in self._crossed:
-            self._coupling.add(interval)
-        self._crossed.clear()
+    def _add_pending(self) -> None:
+        for data in self._pending:
+            self._work.add(data)
+            for watched in self._watched.values():
+                watched.item.add_interval(data)
+        self._pending.clear()
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
-        """What is to be done, and why."""
+        """Returns what is to be done, and why."""
         self._catch_up()
-        self._coupling.look(self._figures, time_s)
-        self._look_at_crossings(time_s)
-        alarms = self._figures.alarms()
+        for watched in self._watched.values():
+            self._alarms += watched.judge(watched.item.observe(), time_s)
+        alarms, self._alarms = self._alarms, []
         for alarm in alarms:
             if alarm.new:
-                self._say(alarm.what)
-        for alarm in sorted(alarms, key=lambda alarm: WEIGHT.index(alarm.then)):
-            return alarm.then, alarm.what
-        return "warn", ""
-
-    def _look_at_crossings(self, time_s: float) -> None:
-        particles = self._machine.solvers.particles
-        found = particles.crossings() if particles is not None else Crossings.none()
-        if found.number:
-            self._figures.look("crossed_surface", found.number, time_s, found.first_in_words())
+                self._warn(alarm.what)
+        if not alarms:
+            return "warn", ""
+        gravest = min(alarms, key=lambda alarm: WEIGHT.index(alarm.then))
+        return gravest.then, gravest.what
 
     def _shorten(self, time_s: float, what: str) -> None:
         if self.pace.shorten():
-            self._changed(what)
+            self._begin_anew(what)
         elif not self._said_shortest:
             self._said_shortest = True
-            self._say(f"{what}: the sync intervals cannot be shortened any further")
+            self._warn(f"{what}: the sync intervals cannot be shortened any further")
 
-    def _changed(self, why: str) -> None:
-        """The length of what the coupling is looked at by is another from now on."""
-        self._coupling.begin_anew()
-        parts = self.pace.parts
+    def _begin_anew(self, why: str) -> None:
+        """Intervals are of another length from now on."""
+        self._work.begin_anew()
+        for watched in self._watched.values():
+            watched.item.begin_anew()
         if is_first(self._world):
-            LOG.info("%s: sync intervals of %g s from here on", why, self._interval_s / parts)
+            LOG.info("%s: sync intervals of %g s from here on", why, self._interval_s / self.pace.parts)
 
-    def _say(self, what: str) -> None:
+    def _warn(self, what: str) -> None:
         LOG.warning(what)
         self._console.print(f"warning: {what}")
 
 
+def check_speeds(state: State, time_s: float, advice: str) -> None:
+    """Raises SolverFailed, with the ``advice`` at its end, when a surface or frame point moves
+    impossibly fast."""
+    for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
+        fastest_m_per_s = float(np.abs(motion.velocity_m_per_s).max(initial=0.0))
+        if fastest_m_per_s > FASTEST_M_S:
+            raise SolverFailed(
+                f"{member} became unstable at t = {time_s:.6g} s: a point moves at "
+                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_S:g} m/s). {advice}"
+            )
+
+
 def calm_intervals(case: Case) -> int:
-    """Sync intervals of a cycle of the machine, if the case says nothing else: what was amiss comes
-    back with it."""
+    """Returns the sync intervals of a cycle of the machine, if the case says nothing else: what was amiss
+    comes back with it."""
     return steps_in(case.monitor.calm_s or cycle_s(case), case.coupling.sync_interval_s)

@@ -1,4 +1,4 @@
-"""Energy that the coupling creates, interval by interval, from what crosses at sync points.
+"""Work that crosses the interfaces, and the energy that the coupling creates there.
 
 Between two sync points each side of an interface moves from a known place to a known place under a
 known mean load, so that no solver needs to be asked, and no rank to wait.
@@ -19,13 +19,17 @@ docs/theory/stability.md, "The watch"; tests/monitor compares both with the ledg
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from orchestrator.case.tables.case import Case
+from orchestrator.coupling.ledger import Members
+from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.exchange import State
-from orchestrator.ports import Array, Indices, Load, Saved
+from orchestrator.ports import Array, Indices, Load, Motion, PanelState, Saved
+from orchestrator.ports.hermite import Path
 from orchestrator.ports.state import put_back, taken
-from orchestrator.run.monitor.interface_data import Crossed
 
 SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
@@ -34,7 +38,28 @@ _SUMS = ("created_J", "through_J", "_recent_created_J", "_recent_through_J", "_n
 _EXCHANGED = ("_given_J", "_least_J", "_most_J", "_slow_J")
 
 
-class Exchange:
+PARTICLES, FRAMES = "particles and panels", "panels and frames"
+LEDGER_NAMES = {PARTICLES: "particles-panel", FRAMES: "panel-frames"}
+
+
+class InterfaceData(NamedTuple):
+    """What crossed both interfaces in an interval of ``length_s``, under any scheme: the frames' load
+    and motion; where the panels' clamps were told to go, the load on the panels, and what came of
+    it; the particles' path and load, None without any."""
+
+    length_s: float
+    frames: tuple[Load, Motion]
+    panel: tuple[Motion, Load, PanelState]
+    particles: tuple[Path, Load] | None
+
+
+def interface_data(members: Members, length_s: float) -> InterfaceData:
+    """Returns what crossed in the interval that the members have just ended, as their meters have it."""
+    particles = members.particles.last if members.particles is not None else None
+    return InterfaceData(length_s, members.frames.last, members.panel.last, particles)
+
+
+class ExchangedEnergy:
     """How much energy went through an interface since t = 0: the scale for what was created there.
 
     The work that one side has done on the other since t = 0 rises where it gives and falls where it
@@ -137,15 +162,15 @@ class ContactWork:
 
     def __init__(self, start: State, points: slice) -> None:
         """``points``: those of the surface that count."""
-        self.balance, self.exchange, self._points = Balance(), Exchange(), points
+        self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
         self._load = self._load_before = acting(start.load, points)
 
-    def add(self, crossed: Crossed) -> None:
-        assert crossed.particles is not None
-        path, load = crossed.particles
-        _, given, state = crossed.panel
+    def add(self, data: InterfaceData) -> None:
+        assert data.particles is not None
+        path, load = data.particles
+        _, given, state = data.panel
         before_m, surface_m = (m[self._points] for m in (self._whole_m, state.surface.position_m))
         start_m, end_m = path.start.position_m[self._points], path.end.position_m[self._points]
         newest = acting(load, self._points)
@@ -158,16 +183,16 @@ class ContactWork:
         )
         jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
         particles_J = newest.work_J(start_m, end_m) + jump_J
-        went_J = through_J(newest.force_N, moved_m, crossed.length_s)
+        went_J = through_J(newest.force_N, moved_m, data.length_s)
         self.balance.add(float(given_J - particles_J), went_J)
         everywhere = newest if len(surface_m) == len(load) else acting(load, slice(None))
         work_J = everywhere.work_J(self._whole_m, state.surface.position_m)
-        self.exchange.add(work_J, everywhere.force_N, crossed.length_s)
+        self.exchange.add(work_J, everywhere.force_N, data.length_s)
         self._whole_m, self._path_end_m = state.surface.position_m, end_m
         self._load_before, self._load = self._load, newest
 
     def begin_anew(self) -> None:
-        """Intervals are of another length from now on."""
+        """Forgets what is recent: intervals are of another length from now on."""
         surface_m = self._whole_m[self._points]
         self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
 
@@ -189,14 +214,14 @@ class ClampWork:
 
     def __init__(self, start: State, points: slice) -> None:
         """``points``: those of the clamps that count."""
-        self.balance, self.exchange, self._points = Balance(), Exchange(), points
+        self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._clamps_m = start.clamps.position_m
         self._missed_m = np.zeros_like(self._clamps_m[points])
         self._at_end_J = 0.0  # R.e of the last interval
 
-    def add(self, crossed: Crossed) -> None:
-        reaction, clamps = crossed.frames
-        told, _, state = crossed.panel
+    def add(self, data: InterfaceData) -> None:
+        reaction, clamps = data.frames
+        told, _, state = data.panel
         all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
         moved_m, force_N = all_moved_m[self._points], all_N[self._points]
         missed_m = (clamps.position_m - told.position_m)[self._points]
@@ -204,13 +229,13 @@ class ClampWork:
         created_J = at_end_J - dot(force_N, self._missed_m)
         if reaction is not state.reaction:
             created_J += dot(reaction.force_N[self._points] - force_N, moved_m)
-        self.balance.add(created_J, through_J(force_N, moved_m, crossed.length_s))
-        self.exchange.add(dot(all_N, all_moved_m), all_N, crossed.length_s)
+        self.balance.add(created_J, through_J(force_N, moved_m, data.length_s))
+        self.exchange.add(dot(all_N, all_moved_m), all_N, data.length_s)
         self._clamps_m, self._missed_m = clamps.position_m, missed_m
         self._at_end_J = at_end_J
 
     def begin_anew(self) -> None:
-        """Intervals are of another length from now on."""
+        """Forgets what is recent: intervals are of another length from now on."""
         self.balance.begin_anew(self._at_end_J)
 
     def save(self) -> Saved:
@@ -231,3 +256,41 @@ def dot(one: Array, other: Array) -> float:
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
     """Of components that moved so far in ``length_s``, force and motion of the same shape."""
     return dot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s)
+
+
+class InterfaceWork:
+    """The work at both interfaces of the panels, which come before all else of the surface.
+
+    An interface where a hand-over is turned off has none: its energy does not close.
+    """
+
+    def __init__(self, case: Case, machine: Machine, start: State) -> None:
+        surface = slice(0, max((panel.surface.stop for panel in machine.panels), default=None))
+        clamps = slice(0, max((panel.clamps.stop for panel in machine.panels), default=None))
+        exchange = case.exchange
+        self.works: dict[str, ContactWork | ClampWork] = {}
+        if machine.members.particles is not None and exchange.panel_motion and exchange.particle_load:
+            self.works[PARTICLES] = ContactWork(start, surface)
+        if exchange.frame_motion and exchange.panel_reaction:
+            self.works[FRAMES] = ClampWork(start, clamps)
+
+    def add(self, data: InterfaceData) -> None:
+        """Books an interval."""
+        for work in self.works.values():
+            work.add(data)
+
+    def exchanged_J(self) -> dict[str, float]:
+        """Returns by interface, as the ledger names it, the scale for energy created there."""
+        return {LEDGER_NAMES[where]: work.exchange.scale_J for where, work in self.works.items()}
+
+    def begin_anew(self) -> None:
+        """Forgets what is recent: intervals are of another length from now on."""
+        for work in self.works.values():
+            work.begin_anew()
+
+    def save(self) -> Saved:
+        return {where: work.save() for where, work in self.works.items()}
+
+    def restore(self, saved: Saved) -> None:
+        for where, work in self.works.items():
+            work.restore(saved[where])

@@ -9,13 +9,15 @@ each time larger than before, is taken for such a mode: what rings decays betwee
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import sqrt
 
 import numpy as np
 
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.state import put_back, taken
-from orchestrator.run.monitor.created_energy import SLOW_M_S
+from orchestrator.run.monitor.interface_work import SLOW_M_S, InterfaceData
+from orchestrator.run.monitor.item import MonitorItem, Observation, Subject
 
 TURNS = 8  # as often in succession
 ROUND = 0.8  # of the way at least, as a cosine
@@ -98,3 +100,35 @@ class Alternation:
 
     def restore(self, saved: Saved) -> None:
         put_back(self, saved, *_ALL)
+
+
+class GrowingModes(MonitorItem):
+    """The largest speed of a point that alternates and grows, of the largest speed of the panels so far."""
+
+    name = "growing_modes"
+    limit_key = "largest_growing_share"
+    message = (
+        "a mode of the interface grows: a point alternates from interval to interval with "
+        "{value:.2g} of the surface's largest speed so far"
+    )
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        self._panels = slice(0, max((panel.surface.stop for panel in subject.machine.panels), default=None))
+        velocity_m_per_s = subject.start.panel.surface.velocity_m_per_s[self._panels]
+        self._modes = Alternation(velocity_m_per_s, subject.case.monitor.largest_growing_share)
+
+    def add_interval(self, data: InterfaceData) -> None:
+        self._modes.add(data.panel[2].surface.velocity_m_per_s[self._panels])
+
+    def observe(self) -> Iterator[Observation]:
+        yield Observation(self._modes.share())
+
+    def begin_anew(self) -> None:
+        self._modes.begin_anew()
+
+    def save(self) -> Saved:
+        return self._modes.save()
+
+    def restore(self, saved: Saved) -> None:
+        self._modes.restore(saved)
