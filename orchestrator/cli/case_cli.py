@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -97,9 +98,24 @@ def list_cases(
     folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
 ) -> None:
     """List cases with their titles and levels."""
-    from orchestrator.cli.overview import case_lines
-
     if not folder.is_dir():
         refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
-    for line in case_lines(folder):
+    for line in _case_lines(folder):
         CONSOLE.print(line)
+
+
+def _case_lines(folder: Path) -> Iterator[str]:
+    """Yields a line for each case in a folder, and one for its levels."""
+    from orchestrator.case.file.errors import CaseError, visible
+    from orchestrator.case.file.toml_file import read_toml
+    from orchestrator.preflight.levels import level_names, load
+
+    for file in sorted(folder.glob("*/case.toml")):
+        try:
+            title = str(read_toml(file).get("title", "(no title)"))
+            default = load(file).level
+        except CaseError:
+            title, default = f"(has mistakes: flipflow check {file.parent})", ""
+        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
+        yield visible(f"{file.parent}  {title}")
+        yield visible(f"    levels: {', '.join(names) or 'none'}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.surface_grids import surface_grids
 from orchestrator.case.file.contents import has_particles
-from orchestrator.case.file.errors import CaseError, visible
 from orchestrator.case.file.loss_curve import compared, moduli, rows
-from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.planning import material_numbers
 from orchestrator.case.planning.panel_meshes import meshes
 from orchestrator.case.tables.case import Case
@@ -27,37 +24,42 @@ from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_range_s
 from orchestrator.preflight.judgement.account import account, at_start
-from orchestrator.preflight.levels import LoadedCase, level_names, load
+from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.stability import plain, words
-from orchestrator.preflight.stability.choice import settled_card
-from orchestrator.studies.trials import wanted_before
+from orchestrator.preflight.stability.choice import settled_card, with_scheme
 
 
 def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
     """Lines about a case without mistakes; with ``detail`` all that limits its sync interval, in
     the theory's terms."""
     case = loaded.case
+    stability = settled_card(case)
     level = f"level {loaded.level}" if loaded.level else "no level"
     yield f"{loaded.name}, {level}: {case.title}"
     yield from _machine(loaded)
     if has_particles(case):
         yield from _particles(loaded)
     yield from _times(loaded)
-    yield from _cost(case, particles_at_start(case))
+    yield from _cost(with_scheme(case, stability.scheme), particles_at_start(case))
     yield from at_start(account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked))
-    if names := wanted_before(loaded):
+    if loaded.choice.undecided and (names := _tried_before(loaded)):
         yield (
             f'effects = "auto" cannot decide about {", ".join(names)}: '
             "a run begins with short runs with and without each"
         )
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
-    stability = settled_card(case)
     yield "stability:"
     yield from words.lines(stability) if detail else plain.lines(stability)
     for warning in [*warnings(loaded), *plain.warnings(stability), *missing_solvers(case)]:
         yield f"warning: {warning}"
     yield "the case can be run"
+
+
+def _tried_before(loaded: LoadedCase) -> tuple[str, ...]:
+    from orchestrator.studies.trials import wanted_before
+
+    return wanted_before(loaded)
 
 
 def _machine(loaded: LoadedCase) -> Iterator[str]:
@@ -143,16 +145,3 @@ def _times(loaded: LoadedCase) -> Iterator[str]:
     )
     if has_particles(case):
         yield (f"  particles' steps in an interval  {steps_in(interval_s, particle_step_s(case))}")
-
-
-def case_lines(folder: Path) -> Iterator[str]:
-    """One line per case in a folder, and one for its levels."""
-    for file in sorted(folder.glob("*/case.toml")):
-        try:
-            title = str(read_toml(file).get("title", "(no title)"))
-            default = load(file).level
-        except CaseError:
-            title, default = f"(has mistakes: flipflow check {file.parent})", ""
-        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
-        yield visible(f"{file.parent}  {title}")
-        yield visible(f"    levels: {', '.join(names) or 'none'}")

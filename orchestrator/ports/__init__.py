@@ -14,8 +14,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from scipy.sparse import csr_array
-
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.crossing import (
     Account,
@@ -35,6 +33,8 @@ from orchestrator.ports.crossing import (
 from orchestrator.ports.particle_records import Crossings, Overlaps, ParticleSnapshot, Removed, in_order
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
     from orchestrator.ports.hermite import Path
 
 __all__ = [

@@ -8,10 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import csr_array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
@@ -214,4 +217,6 @@ class Inertia:
 
     @staticmethod
     def unknown(points: int) -> Inertia:
+        from scipy.sparse import csr_array  # takes long to import, and few commands need it
+
         return Inertia(csr_array((points, 0)), np.empty(0), np.empty((0, 3)))

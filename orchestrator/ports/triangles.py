@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import closest_on_triangle
@@ -15,6 +14,8 @@ TOUCHING = 1e-9  # of a box's size: rounding where a triangle stands against its
 def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
     """(n,): by how much spheres at ``position_m`` (n, 3) overlap the nearest of the triangles
     ``corners_m`` (m, 3, 3); no more than zero for those that overlap none."""
+    from scipy.spatial import cKDTree
+
     deepest_m = np.zeros(len(position_m))
     if not len(position_m) or not len(corners_m):
         return deepest_m

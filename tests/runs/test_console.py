@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import pty
 import re
+import shutil
 import subprocess
 from pathlib import Path
+
+import pytest
 
 from tests.runs.outside import HANG_S, QUICK, ROOT, buffered, command, flipflow, run_words
 
@@ -60,13 +63,46 @@ def test_help_names_every_exit_code_and_manual() -> None:
         assert flipflow(word, "--help").returncode == 0
 
 
-def test_list_and_check_load_no_solver() -> None:
-    """They stay quick because they load none of these; dolfinx alone takes seconds."""
-    blocked = "import sys\nfor name in ('dolfinx', 'exudyn', 'mpi4py', 'h5py', 'matplotlib.pyplot',"
-    blocked += " 'adapters.particles._liggghts'): sys.modules[name] = None"
-    assert flipflow("list", before=blocked).returncode == 0
-    done = flipflow("check", "cases/quickstart", "--level", "draft", before=blocked)
+HEAVY = frozenset(
+    [
+        "scipy",
+        "h5py",
+        "matplotlib",
+        "pyvista",
+        "vtk",
+        "PIL",
+        "jinja2",
+        "pyarrow",
+        "distributed",
+        "mpi4py",
+        "petsc4py",
+        "dolfinx",
+        "exudyn",
+        "gmsh",
+    ]
+)
+LOADED = "import atexit, sys; atexit.register(lambda: print('loaded:', *sys.modules, file=sys.stderr))"
+
+
+@pytest.mark.parametrize(
+    ("words", "used"),
+    [
+        (["--help"], set()),
+        (["list", "{folder}"], set()),
+        (["check", "{folder}/quickstart", "--level", "draft"], {"scipy"}),
+        # the modes of its panels' mesh limit the sync interval; where solvers are is seen by loading them
+        (["check", "{folder}/quickstart"], {"scipy", "petsc4py", "mpi4py", "dolfinx", "exudyn"}),
+    ],
+)
+def test_quick_commands_load_only_what_they_use(tmp_path: Path, words: list[str], used: set[str]) -> None:
+    """They stay quick because they load no more; no clock is asked."""
+    shutil.copytree(ROOT / "cases/quickstart", tmp_path / "quickstart")
+    done = flipflow(*(word.format(folder=tmp_path) for word in words), before=LOADED)
     assert done.returncode == 0, done.stderr
+    loaded = {name.split(".")[0] for name in done.stderr.split("loaded:")[1].split()}
+    assert loaded & HEAVY <= used
+    if words == ["--help"]:
+        assert not loaded & {"numpy", "pydantic"}
 
 
 def test_a_folder_s_name_commands_no_terminal(tmp_path: Path) -> None:

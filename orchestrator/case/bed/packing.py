@@ -11,7 +11,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from orchestrator.case.bed.particle_sizes import SizeClass, diameters_m
 from orchestrator.ports import Array, Indices
@@ -93,6 +92,8 @@ def _batches(radius_m: Array) -> list[Indices]:
 
 def _earlier_overlap(center_m: Array, radius_m: Array) -> npt.NDArray[np.bool_]:
     """Which spheres overlap one in an earlier row."""
+    from scipy.spatial import cKDTree
+
     found = np.zeros(len(radius_m), dtype=bool)
     if len(radius_m) < 2:
         return found
@@ -104,6 +105,8 @@ def _earlier_overlap(center_m: Array, radius_m: Array) -> npt.NDArray[np.bool_]:
 
 def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Array) -> Indices:
     """Rows of the spheres that overlap one of the others."""
+    from scipy.spatial import cKDTree
+
     if not len(radii_m):
         return np.empty(0, dtype=np.int64)
     found = cKDTree(center_m).sparse_distance_matrix(

@@ -20,7 +20,6 @@ from functools import cache
 from itertools import pairwise, product
 
 import numpy as np
-from scipy.optimize import nnls
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.case import Case, Hyperelastic, MaxwellBranch
@@ -135,6 +134,8 @@ def _times(curve: Sequence[Point], count: int) -> Iterator[Array]:
 
 
 def _solved(curve: Sequence[Point], time_s: Array) -> Fit:
+    from scipy.optimize import nnls
+
     x = 2 * np.pi * np.outer([point[0] for point in curve], time_s)
     loss, storage = x / (1.0 + x**2), x**2 / (1.0 + x**2)
     rows = [line / eta - more for line, more, (_, eta, _) in zip(loss, storage, curve, strict=True)]

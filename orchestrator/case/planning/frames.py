@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from orchestrator.case.deck.panels import axes, to_world, unit
 from orchestrator.case.tables import frames as tables
@@ -55,6 +54,8 @@ def _body(case: Case, name: str, frame: tables.Frame) -> Body:
 
 def bushings(case: Case) -> list[Bushing]:
     """One by one, in world axes."""
+    from scipy.spatial.transform import Rotation
+
     return [
         Bushing(
             name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import product
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.file.contents import has_particles
@@ -55,6 +54,8 @@ def possible_inertia(case: Case) -> Iterator[CaseProblem]:
 def held_frames(case: Case) -> Iterator[CaseProblem]:
     """Frames drawn at rest need bushings that can hold their weight, to the ground or to driven
     frames: the static equations K u = weight, translations only, must have a solution."""
+    from scipy.spatial.transform import Rotation
+
     if case.frames.solver == "prescribed" or not case.screen.drawn_at_rest:
         return
     free = {name: frame for name, frame in case.screen.frames.items() if frame.drive is None}

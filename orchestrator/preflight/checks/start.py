@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck.panels import single_panels, walls
@@ -85,6 +84,8 @@ def _outside(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
 
 def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
     """Pairs nearer than the sum of their radii, by a k-d tree."""
+    from scipy.spatial import cKDTree
+
     tree = cKDTree(particles.position_m)
     pairs = tree.query_pairs(particles.diameter_m.max(), output_type="ndarray")
     one, two = pairs.T

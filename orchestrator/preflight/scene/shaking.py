@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports import Array
@@ -150,6 +149,8 @@ def assembled(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array
 
 def mass_of(body: Body, springs: Sequence[PanelSpring] = ()) -> Array:
     """(6, 6) of a frame; the panels' share rides at the centre of mass."""
+    from scipy.linalg import block_diag
+
     halves_kg = [spring.mass_kg / 2 for spring in springs for end in spring.frames if end == body.name]
     return np.asarray(block_diag((body.mass_kg + sum(halves_kg)) * np.eye(3), body.inertia_kg_m2))
 
