@@ -13,7 +13,7 @@ from adapters.frames.common.drive import DrivenPoints
 from orchestrator.ports import Account, Known, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_now", "_impulse_N_s", "_received_J")
 
@@ -60,10 +60,10 @@ class PrescribedFrames:
         )
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

@@ -22,7 +22,7 @@ from adapters.frames.common.ledger import BodySums, FramesLedger
 from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_displacement_m", "_velocity_m_per_s")
 LARGEST_STEP_RAD = 1.0
@@ -90,10 +90,10 @@ class TwoMassFrames:
         return self._ledger.account(self._sums(), elastic_J)
 
     def save(self) -> Saved:
-        return taken(self, *_STATE) | {"ledger": self._ledger.save()}
+        return save_attributes(self, *_STATE) | {"ledger": self._ledger.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         self._ledger.restore(saved["ledger"])
 
     def close(self) -> None:

@@ -24,7 +24,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan
 from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_clamps", "_surface", "_elapsed_s", "_supplied_J", "_received_J")
 
@@ -100,10 +100,10 @@ class RecordedPanel:
         pass
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
         """Cubic between the grid's points, linear under the clamps."""

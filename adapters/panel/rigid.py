@@ -20,7 +20,7 @@ from adapters.panel.common import bilinear
 from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_now", "_elapsed_s", "_received_J")
 
@@ -83,10 +83,10 @@ class RigidPanel:
         )
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

@@ -7,7 +7,7 @@ from types import ModuleType
 from typing import Any, cast
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.ports.naming import named
+from orchestrator.ports.failures import solver_failure_context
 from orchestrator.ports.plans import Cost
 
 
@@ -30,7 +30,7 @@ def opened(port: str, solver: str, plan: Any) -> Any:
     """
     build = imported(port, solver).build
     try:
-        with named(f"{port} ({solver})", None):
+        with solver_failure_context(f"{port} ({solver})", None):
             return build(plan)
     except ValueError as error:
         refusal = CaseProblem((port,), f"{solver} cannot take this case", str(error))

@@ -34,10 +34,10 @@ from orchestrator.ports import (
 )
 from orchestrator.ports.ahead import carried_ahead
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.failures import solver_failure_context
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.inertia import inertia_of
-from orchestrator.ports.naming import named
-from orchestrator.ports.state import put_back, restorable, taken
+from orchestrator.ports.state import restorable, restore_attributes, save_attributes
 
 _OF_FRAMES = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
 _OF_PANELS = (
@@ -83,14 +83,14 @@ class MeteredFrames:
         self.received_N_m_s: Array = np.zeros(3)
 
     def initial(self) -> Motion:
-        with named(self._name, None):
+        with solver_failure_context(self._name, None):
             self._now = self._frames.initial()
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
         self.through_N_s += size_N_s(reaction, interval)
-        with self._stopwatch("frames"), named(self._name, interval):
+        with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             motion = self._frames.advance(interval, reaction)
         moment_given_N_m_s = moment_N_m_s(reaction, self._now, motion, interval)
         self.received_N_m_s = self.received_N_m_s + moment_given_N_m_s
@@ -98,17 +98,17 @@ class MeteredFrames:
         return motion
 
     def ahead(self, interval: Interval) -> Known | None:
-        with self._stopwatch("frames"), named(self._name, interval):
+        with self._stopwatch("frames"), solver_failure_context(self._name, interval):
             return carried_ahead(self._frames, interval)
 
     def account(self) -> Account:
         return self._frames.account()
 
     def save(self) -> Saved:
-        return taken(self, *_OF_FRAMES) | {"inner": restorable(self._frames).save()}
+        return save_attributes(self, *_OF_FRAMES) | {"inner": restorable(self._frames).save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_OF_FRAMES)
+        restore_attributes(self, saved, *_OF_FRAMES)
         restorable(self._frames).restore(saved["inner"])
 
     def close(self) -> None:
@@ -161,10 +161,10 @@ class MeteredPanel:
         return self._panel.account()
 
     def save(self) -> Saved:
-        return taken(self, *_OF_PANELS) | {"inner": self._panel.save()}
+        return save_attributes(self, *_OF_PANELS) | {"inner": self._panel.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_OF_PANELS)
+        restore_attributes(self, saved, *_OF_PANELS)
         self._panel.restore(saved["inner"])
 
     def close(self) -> None:
@@ -187,11 +187,11 @@ class MeteredParticles:
         self.through_N_s = 0.0
 
     def initial(self) -> Load:
-        with named(self._name, None):
+        with solver_failure_context(self._name, None):
             return self._particles.initial()
 
     def advance(self, interval: Interval, path: Path) -> Load:
-        with self._stopwatch("particles"), named(self._name, interval):
+        with self._stopwatch("particles"), solver_failure_context(self._name, interval):
             load = self._particles.advance(interval, path)
         self.last = path, load
         self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
@@ -220,10 +220,10 @@ class MeteredParticles:
 
     def save(self) -> Saved:
         inner = {"inner": restorable(self._particles).save(), "feed": self._feed.save()}
-        return taken(self, "given_N_s", "through_N_s") | inner
+        return save_attributes(self, "given_N_s", "through_N_s") | inner
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "given_N_s", "through_N_s")
+        restore_attributes(self, saved, "given_N_s", "through_N_s")
         restorable(self._particles).restore(saved["inner"])
         self._feed.restore(saved["feed"])
 

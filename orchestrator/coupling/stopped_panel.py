@@ -37,7 +37,7 @@ from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.inertia import inertia_of
 from orchestrator.ports.plans import PanelPlan
-from orchestrator.ports.state import put_back, restorable, taken
+from orchestrator.ports.state import restorable, restore_attributes, save_attributes
 
 POINTS_PER_CELL = 2  # along and across, of the panel's mesh
 
@@ -101,11 +101,11 @@ class StoppedPanel:
         )
 
     def save(self) -> Saved:
-        return {"panel": restorable(self._panel).save(), **taken(self, *_STATE)}
+        return {"panel": restorable(self._panel).save(), **save_attributes(self, *_STATE)}
 
     def restore(self, saved: Saved) -> None:
         restorable(self._panel).restore(saved["panel"])
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
         return self._panel.interpolation(coordinates_m)

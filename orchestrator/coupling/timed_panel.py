@@ -7,7 +7,7 @@ from orchestrator.coupling.stopwatch import Stopwatch
 from orchestrator.ports import Known, Load, Motion, Panel, PanelState
 from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.naming import named
+from orchestrator.ports.failures import solver_failure_context
 
 
 def timed(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPanel:
@@ -15,15 +15,15 @@ def timed(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPa
     follow = ahead_of(panel)
 
     def initial() -> PanelState:
-        with named(name, None):
+        with solver_failure_context(name, None):
             return panel.initial()
 
     def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        with stopwatch(part), named(name, interval):
+        with stopwatch(part), solver_failure_context(name, interval):
             return panel.advance(interval, clamps, load)
 
     def ahead(interval: Interval, clamps: Known) -> Known:
-        with stopwatch(part), named(name, interval):
+        with stopwatch(part), solver_failure_context(name, interval):
             return follow(interval, clamps)
 
     return AlteredPanel(panel, advance, initial, ahead=ahead)

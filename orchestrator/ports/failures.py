@@ -1,6 +1,13 @@
-"""Why a run ends that is not the case's fault."""
+"""Why a run ends that is not the case's fault, and contexts that say in whom and when it happened."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from traceback import clear_frames
+
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.crossing import BrokenRecord
 
 
 class SolverMissing(Exception):
@@ -9,3 +16,48 @@ class SolverMissing(Exception):
 
 class SolverFailed(Exception):
     """A solver failed or went unstable; the message says which, when and why (exit code 4)."""
+
+
+class NamedSolverFailed(SolverFailed):
+    """A failure whose message says which solver failed, and when."""
+
+
+@contextmanager
+def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
+    """A failure inside says which member failed, and when (None: at the start); said once, by
+    the innermost of nested members.  Any other exception gets it as a note."""
+    try:
+        yield
+    except NamedSolverFailed:
+        raise
+    except (SolverFailed, BrokenRecord, FloatingPointError) as error:
+        raise NamedSolverFailed(f"{member} failed {_when(interval)}: {error}") from error
+    except MemoryError as error:
+        what = f"out of memory. {error}".strip()
+        clear_frames(error.__traceback__)  # what they hold is needed to close the books
+        raise NamedSolverFailed(f"{member} failed {_when(interval)}: {what}") from error
+    except Exception as error:
+        if not hasattr(error, "__notes__"):
+            error.add_note(f"{member} {_when(interval)}")
+        raise
+
+
+def _when(interval: Interval | None) -> str:
+    if interval is None:
+        return "at t = 0 s"
+    return (
+        f"between t = {interval.start_s:.6g} s and {interval.end_s:.6g} s "
+        f"(sync interval {interval.index // interval.parts})"
+    )
+
+
+@contextmanager
+def write_failure_context(what: str, time_s: float) -> Iterator[None]:
+    """An error of the disk inside, or too little memory, says of what, and when it came."""
+    try:
+        yield
+    except MemoryError as error:
+        error.add_note(f"the {what} at t = {time_s:.6g} s cannot be written")
+        raise
+    except OSError as error:
+        raise OSError(f"the {what} at t = {time_s:.6g} s cannot be written: {error}") from error

@@ -1,7 +1,7 @@
 """The state of solvers and books as plain arrays, and back: what ``Restorable`` is made of.
 
-``taken`` copies named attributes into arrays by name; ``put_back`` makes them what they were.  An
-attribute is an array, a number, a text, a record (a dataclass) or a dictionary of these.
+``save_attributes`` copies named attributes into arrays, ``restore_attributes`` sets them again from
+these.  An attribute is an array, a number, a text, a record (a dataclass) or a dictionary of these.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import numpy as np
 from orchestrator.ports import Restorable, Saved
 
 
-def taken(owner: object, *names: str) -> Saved:
+def save_attributes(owner: object, *names: str) -> Saved:
     """The attributes ``names``, without the underscore that marks them as private."""
     return {name.lstrip("_"): as_arrays(getattr(owner, name)) for name in names}
 
 
-def put_back(owner: object, saved: Saved, *names: str) -> None:
+def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
     """The reverse; the attributes' present values tell what they are made of."""
     for name in names:
         setattr(owner, name, like(getattr(owner, name), saved[name.lstrip("_")]))

@@ -21,7 +21,7 @@ from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
 from orchestrator.ports.clock import Interval, exact, intervals, steps_in
-from orchestrator.ports.naming import named, written
+from orchestrator.ports.failures import solver_failure_context, write_failure_context
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.judgement.account import Entry
 from orchestrator.preflight.levels import LoadedCase
@@ -84,7 +84,7 @@ class Run:
     def _coupled(self, machine: Machine, stop: Stop) -> None:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
-        with written("results", 0.0):
+        with write_failure_context("results", 0.0):
             goes_on = self.resumes is not None
             recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, goes_on)
         monitor = Monitor(self._case, machine, state, self._world, self._console)
@@ -134,7 +134,7 @@ class Run:
         with Say(first, self._intervals, self._interval_s, self._console) as say:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs = machine.particle_runs
-                with self._advised(), named("the coupling", interval):
+                with self._advised(), solver_failure_context("the coupling", interval):
                     state, seen = monitor.advance(interval, state)
                 check_speeds(seen, interval.end_s, plain.advice(self._stability))
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
@@ -160,7 +160,7 @@ class Run:
 
     def _save(self, checkpointer: Checkpointer, state: State) -> None:
         time_s = self._progress.figures["simulated_s"]
-        with self._progress.stopwatch("saves"), written("save", time_s):
+        with self._progress.stopwatch("saves"), write_failure_context("save", time_s):
             checkpointer.save(state, self._done)
         self._schedule.done()
 
@@ -183,7 +183,7 @@ class Run:
         ``_every`` of them, and the last."""
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
-        with self._progress.stopwatch("output"), written("results", time_s):
+        with self._progress.stopwatch("output"), write_failure_context("results", time_s):
             recorder.sync_point(done, time_s, state)
             if done % self._every == 0 or done == self._intervals:
                 try:

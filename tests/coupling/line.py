@@ -16,7 +16,7 @@ from orchestrator.coupling.schemes.exchange import Solvers
 from orchestrator.ports import Account, Crossings, Inertia, Load, Motion, Mount, PanelState, Response, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 def point(x: float, v: float) -> Motion:
@@ -37,10 +37,10 @@ class FreeFrame:
     damping_N_s_per_m: float = 0.0
 
     def save(self) -> Saved:
-        return taken(self, "x", "v")
+        return save_attributes(self, "x", "v")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "x", "v")
+        restore_attributes(self, saved, "x", "v")
 
     def initial(self) -> Motion:
         return point(self.x, self.v)
@@ -76,10 +76,10 @@ class HungPlate:
         return Inertia(csr_array(np.eye(1)), np.array([self.mass_kg]), np.zeros((1, 3)))
 
     def save(self) -> Saved:
-        return taken(self, "x", "v", "clamp")
+        return save_attributes(self, "x", "v", "clamp")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "x", "v", "clamp")
+        restore_attributes(self, saved, "x", "v", "clamp")
 
     def initial(self) -> PanelState:
         return PanelState(point(self.x, self.v), push(0.0))
@@ -119,10 +119,10 @@ class Sphere:
     seen: float = 0.0  # where the plate was at last
 
     def save(self) -> Saved:
-        return taken(self, "x", "v", "seen")
+        return save_attributes(self, "x", "v", "seen")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "x", "v", "seen")
+        restore_attributes(self, saved, "x", "v", "seen")
 
     def response(self, length_s: float) -> Response:
         """By the implicit midpoint rule, of the contact that there is now."""

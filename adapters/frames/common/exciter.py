@@ -18,7 +18,7 @@ import numpy as np
 
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.plans import Exciter, FramesPlan, Motor
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 class Unbalance:
@@ -133,7 +133,7 @@ class Shaft:
         )
 
     def save(self) -> Saved:
-        return taken(self, *self.STATE)
+        return save_attributes(self, *self.STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *self.STATE)
+        restore_attributes(self, saved, *self.STATE)

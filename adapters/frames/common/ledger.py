@@ -13,7 +13,7 @@ import numpy as np
 
 from adapters.frames.common.exciter import Shaft
 from orchestrator.ports import Account, Array, Indices, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _SUMS = ("outside_N_s", "damping_J", "exciter_J", "reaction_J", "pushed_J")
 
@@ -71,7 +71,7 @@ class FramesLedger:
         )
 
     def save(self) -> Saved:
-        return taken(self, *_SUMS)
+        return save_attributes(self, *_SUMS)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_SUMS)
+        restore_attributes(self, saved, *_SUMS)

@@ -29,7 +29,7 @@ from adapters.frames.exudyn.spatial_shaft import shafts
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 try:
     from adapters.frames.common import newmark
@@ -116,10 +116,14 @@ class ExudynFrames:
     def save(self) -> Saved:
         system = newmark.save(self._bodies.system, self._solver)
         turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return taken(self, *_STATE) | {"system": system, "books": self._books.save(), "shafts": turning}
+        return save_attributes(self, *_STATE) | {
+            "system": system,
+            "books": self._books.save(),
+            "shafts": turning,
+        }
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         newmark.restore(self._bodies.system, self._solver, saved["system"])
         self._books.restore(saved["books"])
         for number, shaft in enumerate(self._shafts):

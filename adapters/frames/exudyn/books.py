@@ -16,7 +16,7 @@ from adapters.frames.exudyn.spatial_shaft import SpatialShaft
 from adapters.frames.exudyn.trapezoidal import Forces, Instant
 from orchestrator.ports import Account, Array, Saved
 from orchestrator.ports.plans import FramesPlan
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _SUMS = ("_outside_N_s", "_lost_J", "_exciter_J", "_received_J")
 
@@ -90,10 +90,10 @@ class Books:
 
     def save(self) -> Saved:
         drives_J = np.array([drive.work_J for drive in self._drives])
-        return taken(self, *_SUMS) | {"drives_J": drives_J}
+        return save_attributes(self, *_SUMS) | {"drives_J": drives_J}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_SUMS)
+        restore_attributes(self, saved, *_SUMS)
         for drive, work_J in zip(self._drives, saved["drives_J"], strict=True):
             drive.work_J = float(work_J)
 

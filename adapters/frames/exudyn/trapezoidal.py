@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.frames.common import linear
-from adapters.frames.common.poses import Attached, Poses, cross, turned
 from adapters.frames.common.exciter import Unbalance
+from adapters.frames.common.poses import Attached, Poses, cross, turned
 from orchestrator.ports import Array
 from orchestrator.ports.plans import FramesPlan
 

@@ -37,7 +37,7 @@ from adapters.frames.planar.plane import (
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_coordinates", "_poses", "_added")
 LARGEST_STEP_RAD = 0.5
@@ -128,10 +128,14 @@ class PlanarFrames:
     def save(self) -> Saved:
         ratio = np.array(self._rounds.ratio)
         turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return taken(self, *_STATE) | {"ratio": ratio, "ledger": self._ledger.save(), "shafts": turning}
+        return save_attributes(self, *_STATE) | {
+            "ratio": ratio,
+            "ledger": self._ledger.save(),
+            "shafts": turning,
+        }
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         self._rounds.ratio = float(saved["ratio"])
         self._ledger.restore(saved["ledger"])
         for number, shaft in enumerate(self._shafts):

@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.state import taken
+from orchestrator.ports.state import save_attributes
 
 if TYPE_CHECKING:
     from adapters.panel import _kernel
@@ -37,7 +37,7 @@ class BodyState:
         return BodyState(position_m.copy(), np.zeros_like(position_m), internal_N)
 
     def save(self) -> Saved:
-        return taken(self, *vars(self))
+        return save_attributes(self, *vars(self))
 
     def restore(self, saved: Saved) -> None:
         """Restore into the arrays that are there: compiled code works on them."""

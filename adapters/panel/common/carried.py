@@ -11,7 +11,7 @@ import numpy as np
 
 from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_position_m", "_received_J")
 
@@ -49,10 +49,10 @@ class CarriedSurface:
         return Account(np.zeros(3), np.zeros(3), received_J=received_J)
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def close(self) -> None:
         pass

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_stress", "energy_J", "lost_J")
 
@@ -65,10 +65,10 @@ class Branches:
             stress += self._change
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def _book(self, cross: Array, square: float) -> None:
         """Work of each branch on the linear path, less what it stores, is lost."""

@@ -21,7 +21,7 @@ from scipy.sparse import csr_matrix
 from adapters.panel.common.compiled import form
 from adapters.panel.common.maxwell import Branches
 from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 # 3 is the least with which the matrix has no negative eigenvalue (docs/theory/panel_sheet.md).
 PENALTY = 4.0
@@ -143,10 +143,10 @@ class Bending:
         self._elastic_N[:] = self._trial_N
 
     def save(self) -> Saved:
-        return taken(self, "_position_m", "_elastic_N") | {"branches": self.branches.save()}
+        return save_attributes(self, "_position_m", "_elastic_N") | {"branches": self.branches.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_position_m", "_elastic_N")
+        restore_attributes(self, saved, "_position_m", "_elastic_N")
         self.branches.restore(saved["branches"])
 
     def close(self) -> None:

@@ -26,7 +26,7 @@ from orchestrator.ports import (
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan, SolverFailed
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_clamps", "_impulse_N_s", "_load_J", "_clamps_J")
 
@@ -143,10 +143,10 @@ class ElasticPanel:
 
     def save(self) -> Saved:
         parts = {"state": self._state, "body": self._body, "integrator": self._integrator}
-        return taken(self, *_STATE) | {name: part.save() for name, part in parts.items()}
+        return save_attributes(self, *_STATE) | {name: part.save() for name, part in parts.items()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         self._state.restore(saved["state"])
         self._body.restore(saved["body"])
         self._integrator.restore(saved["integrator"])

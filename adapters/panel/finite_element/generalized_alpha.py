@@ -20,7 +20,7 @@ from adapters.panel.finite_element.tangent import Tangent
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 SPECTRAL_RADIUS = 0.8
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
@@ -70,10 +70,10 @@ class GeneralizedAlpha:
 
     def save(self) -> Saved:
         """With the tangent, which Newton's iteration keeps for many steps."""
-        return taken(self, "_factorised_for_s") | {"tangent": self._tangent.save()}
+        return save_attributes(self, "_factorised_for_s") | {"tangent": self._tangent.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_factorised_for_s")
+        restore_attributes(self, saved, "_factorised_for_s")
         self._tangent.restore(saved["tangent"])
 
     def close(self) -> None:

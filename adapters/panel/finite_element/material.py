@@ -15,7 +15,7 @@ from dolfinx import fem
 from adapters.panel.common.compiled import expression, form, function_space
 from adapters.panel.common.maxwell import Branches
 from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 @dataclass(frozen=True)
@@ -78,10 +78,10 @@ class ViscousStrain:
         self.branches.end(self._change * self._weight, self._change)
 
     def save(self) -> Saved:
-        return taken(self, "_before") | {"branches": self.branches.save()}
+        return save_attributes(self, "_before") | {"branches": self.branches.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_before")
+        restore_attributes(self, saved, "_before")
         self.branches.restore(saved["branches"])
 
 

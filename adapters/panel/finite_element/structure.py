@@ -13,7 +13,7 @@ from adapters.panel.common.maxwell import Branches
 from adapters.panel.finite_element.bending import Bending
 from adapters.panel.finite_element.material import Law, Material
 from orchestrator.ports import Array, Indices, Restorable, Saved
-from orchestrator.ports.state import taken
+from orchestrator.ports.state import save_attributes
 
 
 def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
@@ -86,7 +86,7 @@ class Structure:
 
     def save(self) -> Saved:
         parts = {str(number): memory.save() for number, memory in enumerate(self._memories)}
-        return taken(self, "_position_m") | parts
+        return save_attributes(self, "_position_m") | parts
 
     def restore(self, saved: Saved) -> None:
         self._position_m[:] = saved["position_m"]

@@ -24,7 +24,7 @@ from orchestrator.ports import Account, Array, Inertia, Known, Load, Motion, Mou
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 try:
     from adapters.panel.strip.motion import ChainMotion, shares
@@ -153,10 +153,10 @@ class Strip:
         )
 
     def save(self) -> Saved:
-        return taken(self, *_STATE) | {"motion": self._motion.save()}
+        return save_attributes(self, *_STATE) | {"motion": self._motion.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         self._motion.restore(saved["motion"])
 
     def close(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from orchestrator.ports import Account, AngularAccount, Array, Saved
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
@@ -92,10 +92,10 @@ class Ledger:
         return AngularAccount(momentum, fell + self._came_kg_m2_per_s, {"surface": -given})
 
     def save(self) -> Saved:
-        return taken(self, *_SUMS)
+        return save_attributes(self, *_SUMS)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_SUMS)
+        restore_attributes(self, saved, *_SUMS)
 
     def _stored_J(self, engine: Engine) -> dict[str, float]:
         kinetic_J, potential_J = self._motion_J(engine.particles())

@@ -38,7 +38,7 @@ from orchestrator.ports import (
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import ParticlesPlan
-from orchestrator.ports.state import as_arrays, like, put_back, taken
+from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 _SUMS = (
     "_impulse_N_s",
@@ -146,11 +146,11 @@ class SpheresSolver:
         )
 
     def save(self) -> Saved:
-        saved = taken(self, *_STATE) | {"removed": as_arrays(in_order(self._removed))}
+        saved = save_attributes(self, *_STATE) | {"removed": as_arrays(in_order(self._removed))}
         return saved if self._wear is None else saved | {"wear": self._wear.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         self._removed = [like(in_order([]), saved["removed"])]
         if self._wear is not None:
             self._wear.restore(saved["wear"])

@@ -17,7 +17,7 @@ from orchestrator.case.bed.random_state import set_words, words
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ParticleList
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 SAME_PLACE_M = 1e-9
 ROUNDS = 20  # of proposals for the particles of one interval
@@ -123,10 +123,10 @@ class RateFeed:
         self._offered = np.empty(0, dtype=np.int64)
 
     def save(self) -> Saved:
-        return taken(self, *_STATE) | {"generator": words(self._generator)}
+        return save_attributes(self, *_STATE) | {"generator": words(self._generator)}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
         set_words(self._generator, saved["generator"])
 
     def _draw(self) -> None:

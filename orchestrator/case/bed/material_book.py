@@ -18,7 +18,7 @@ from orchestrator.case.bed.particle_sizes import mass_kg
 from orchestrator.ports import Array, Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Exit, ParticleList, SolverFailed
-from orchestrator.ports.state import as_arrays, like, put_back, taken
+from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 
 @dataclass(frozen=True)
@@ -67,10 +67,10 @@ class CountedFeed:
 
     def save(self) -> Saved:
         feeds = self._feed.save() if self._feed is not None else {}
-        return taken(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
+        return save_attributes(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_count")
+        restore_attributes(self, saved, "_count")
         self._since = [like(self._noted(), saved["since"])]
         if self._feed is not None:
             self._feed.restore(saved["feeds"])
@@ -152,10 +152,10 @@ class MaterialBook:
     def save(self) -> Saved:
         through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
         books = {"monitor": self._watch.save(), "through": through}
-        return taken(self, *_SINCE_START) | books
+        return save_attributes(self, *_SINCE_START) | books
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_SINCE_START)
+        restore_attributes(self, saved, *_SINCE_START)
         self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
         self._watch.restore(saved["monitor"])
 

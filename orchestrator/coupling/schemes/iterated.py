@@ -23,7 +23,7 @@ from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
 from orchestrator.coupling.schemes.steps import Ahead, ahead, chord, ended
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.state import put_back, restorable, taken
+from orchestrator.ports.state import restorable, restore_attributes, save_attributes
 from orchestrator.preflight.effort import Effort
 
 LOG = logging.getLogger("flipflow")
@@ -101,10 +101,10 @@ class Iterated:
         return {"mean": mean, "most": self._longest, "unsolved": self._unsolved, "worst": self._worst}
 
     def save(self) -> Saved:
-        return taken(self, *_COUNTS) | {"relaxation": self._relaxation.save()}
+        return save_attributes(self, *_COUNTS) | {"relaxation": self._relaxation.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_COUNTS)
+        restore_attributes(self, saved, *_COUNTS)
         self._relaxation.restore(saved["relaxation"])
 
     def _count(self, runs: int, solved: bool, off_N: float, load: Load, interval: Interval) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 FIRST_SHARE = 0.5  # of the residual, before anything is known of how the answer depends on the try
 SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they say nothing new
@@ -41,10 +41,10 @@ class Aitken:
 
     def save(self) -> Saved:
         """At a sync point."""
-        return taken(self, "_share")
+        return save_attributes(self, "_share")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_share")
+        restore_attributes(self, saved, "_share")
 
 
 class LeastSquares:
@@ -85,10 +85,10 @@ class LeastSquares:
 
     def save(self) -> Saved:
         """At a sync point."""
-        return taken(self, "_share")
+        return save_attributes(self, "_share")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_share")
+        restore_attributes(self, saved, "_share")
 
 
 def secant(tried_N: Array, residual_N: Array) -> float:

@@ -30,7 +30,7 @@ from orchestrator.coupling.schemes.yielding import Yielding, against
 from orchestrator.ports import Array, Load, Motion, Responding, Response, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.state import put_back, restorable, taken
+from orchestrator.ports.state import restorable, restore_attributes, save_attributes
 
 
 def robin() -> Scheme:
@@ -86,10 +86,10 @@ class Robin:
 
     def save(self) -> Saved:
         seen = {} if self._seen_m is None else {"seen_m": self._seen_m.copy()}
-        return taken(self, "_share") | seen
+        return save_attributes(self, "_share") | seen
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_share")
+        restore_attributes(self, saved, "_share")
         self._seen_m = np.array(saved["seen_m"]) if "seen_m" in saved else None
 
 

@@ -19,7 +19,7 @@ from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_lines import PanelLines, tension_N
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.geometry import Rectangle
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 Rows = dict[str, dict[str, Array | float]]
 _STATE = ("_cycle", "_last_s", "_count", "_least", "_most", "_sum")
@@ -64,10 +64,10 @@ class CycleRecord:
             self._row()
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def _row(self) -> None:
         middle = self._points.size

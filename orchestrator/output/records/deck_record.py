@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 from orchestrator.case.deck.line import DeckLine, Over, deck_line, joined, over
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 BINS_PER_PANEL = 4
 DEPTH_SHARE = 0.95  # of a bin's mass lies below the bed depth
@@ -120,10 +120,10 @@ class Held:
         }
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
     def _row(self, ids: Indices) -> tuple[Indices, Mask]:
         """Row of each particle at the last time, and whether it was there."""

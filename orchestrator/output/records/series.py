@@ -13,7 +13,7 @@ from orchestrator.coupling.machine import Machine, Probe
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.output.records.history import History
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 ARMS = np.arange(1, 4)
 
@@ -99,10 +99,10 @@ class TimeSeries:
         self._sum_N[:], self._summed = 0.0, 0
 
     def save(self) -> Saved:
-        return taken(self, "_sum_N", "_summed")
+        return save_attributes(self, "_sum_N", "_summed")
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_sum_N", "_summed")
+        restore_attributes(self, saved, "_sum_N", "_summed")
 
     def _frames(self, time_s: float, state: State) -> None:
         clamps, points = state.clamps, self._centres

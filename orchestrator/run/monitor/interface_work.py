@@ -29,7 +29,7 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.exchange import State
 from orchestrator.ports import Array, Indices, Load, Motion, PanelState, Saved
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
@@ -84,10 +84,10 @@ class ExchangedEnergy:
         return self._most_J - self._least_J + self._slow_J
 
     def save(self) -> Saved:
-        return taken(self, *_EXCHANGED)
+        return save_attributes(self, *_EXCHANGED)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_EXCHANGED)
+        restore_attributes(self, saved, *_EXCHANGED)
 
 
 class Balance:
@@ -124,10 +124,10 @@ class Balance:
         self._recent_through_J = self._newest_J = 0.0
 
     def save(self) -> Saved:
-        return taken(self, *_SUMS)
+        return save_attributes(self, *_SUMS)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_SUMS)
+        restore_attributes(self, saved, *_SUMS)
 
 
 @dataclass(frozen=True)
@@ -198,10 +198,10 @@ class ContactWork:
 
     def save(self) -> Saved:
         sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
-        return taken(self, *_OF_CONTACTS) | sums
+        return save_attributes(self, *_OF_CONTACTS) | sums
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_OF_CONTACTS)
+        restore_attributes(self, saved, *_OF_CONTACTS)
         self.balance.restore(saved["balance"])
         self.exchange.restore(saved["exchange"])
 
@@ -240,10 +240,10 @@ class ClampWork:
 
     def save(self) -> Saved:
         sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
-        return taken(self, *_OF_CLAMPS) | sums
+        return save_attributes(self, *_OF_CLAMPS) | sums
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_OF_CLAMPS)
+        restore_attributes(self, saved, *_OF_CLAMPS)
         self.balance.restore(saved["balance"])
         self.exchange.restore(saved["exchange"])
 

@@ -20,7 +20,7 @@ from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval, steps_in
 from orchestrator.ports.particle_records import Bed
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 from orchestrator.run.monitor.discovery import ItemLimit, all_items, item_limit, unknown_items
 from orchestrator.run.monitor.interface_work import InterfaceData, InterfaceWork, interface_data
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
@@ -77,10 +77,10 @@ class Watched:
         return {"worst": self._worst, "limit": self._limit.limit, "times": self._times, "first_s": first_s}
 
     def save(self) -> Saved:
-        return taken(self, "_worst", "_times", "_first_s") | {"item": self.item.save()}
+        return save_attributes(self, "_worst", "_times", "_first_s") | {"item": self.item.save()}
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, "_worst", "_times", "_first_s")
+        restore_attributes(self, saved, "_worst", "_times", "_first_s")
         self.item.restore(saved.get("item", {}))
 
 
@@ -159,7 +159,7 @@ class Monitor:
         self._catch_up()
         items = {name: watched.save() for name, watched in self._watched.items()}
         books = {"pace": self.pace.save(), "work": self._work.save(), "items": items}
-        return books | taken(self, "_judged", "_at_once")
+        return books | save_attributes(self, "_judged", "_at_once")
 
     def restore(self, saved: Saved) -> None:
         """Takes back what ``save`` returned; an item that the case did not have then begins now."""
@@ -168,7 +168,7 @@ class Monitor:
         for name, watched in self._watched.items():
             if name in saved["items"]:
                 watched.restore(saved["items"][name])
-        put_back(self, saved, "_judged", "_at_once")
+        restore_attributes(self, saved, "_judged", "_at_once")
 
     def _note(self, part: Interval) -> None:
         if is_first(self._world):

@@ -15,7 +15,7 @@ import numpy as np
 from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
 from orchestrator.ports import Load, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("parts", "last_s", "trusted", "divided", "finest", "_quiet", "_patience", "_eased")
 
@@ -86,10 +86,10 @@ class Pace:
         return replace(state, load=Load(share * state.load.force_N), panel=panel)
 
     def save(self) -> Saved:
-        return taken(self, *_STATE)
+        return save_attributes(self, *_STATE)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_STATE)
+        restore_attributes(self, saved, *_STATE)
 
 
 def mean_of(ends: list[State]) -> State:

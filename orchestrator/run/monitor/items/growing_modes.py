@@ -15,7 +15,7 @@ from math import sqrt
 import numpy as np
 
 from orchestrator.ports import Array, Indices, Saved
-from orchestrator.ports.state import put_back, taken
+from orchestrator.ports.state import restore_attributes, save_attributes
 from orchestrator.run.monitor.interface_work import SLOW_M_S, InterfaceData
 from orchestrator.run.monitor.item import MonitorItem, Observation, Subject
 
@@ -96,10 +96,10 @@ class Alternation:
         self._begin(self._before_m_per_s)
 
     def save(self) -> Saved:
-        return taken(self, *_ALL)
+        return save_attributes(self, *_ALL)
 
     def restore(self, saved: Saved) -> None:
-        put_back(self, saved, *_ALL)
+        restore_attributes(self, saved, *_ALL)
 
 
 class GrowingModes(MonitorItem):
