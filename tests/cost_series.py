@@ -2,7 +2,7 @@
 
 Shipped cases are run for a short time, and the processor time that they took is compared with what
 was predicted, part by part.  Processor time hardly depends on what else the machine does; another
-processor's is another one.  Measured figures: docs/theory/ladder.md, "What a run will take".
+processor's is another one.  Measured figures: docs/measured/cost.md.
 """
 
 from __future__ import annotations

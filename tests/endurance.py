@@ -3,7 +3,7 @@ quickstart's level "hour" into OUT and samples its process and its folder; OUT.c
 ten seconds, OUT.log what the run said.
 
 ``python -m tests.endurance --table OUT`` says how each of them grew, and what the machine's energy
-did.  Measured figures: docs/reliability.md, "An hour".
+did.  Measured figures: docs/reliability.md, "Long runs".
 """
 
 from __future__ import annotations

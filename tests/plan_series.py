@@ -3,7 +3,7 @@
 For the case as it was in the study and for what the study would take for 20, 10, 5 and 2 %, at
 half, once and one and a half times the study's duration: a short run as ``plan`` makes it, and then
 the run itself.  Wall times mean something only where nobody else is at work.  Measured figures:
-docs/theory/accuracy.md, "Times".
+docs/measured/accuracy.md, "Times".
 """
 
 from __future__ import annotations

@@ -105,7 +105,7 @@ def test_the_same_twice_to_the_last_bit() -> None:
 
 
 def test_few_triangles_for_the_ffs0827_panel_and_its_slice() -> None:
-    """What docs/theory/perforated_panel.md says they cost."""
+    """What docs/measured/perforated_panel.md says they cost."""
     assert len(perforated_grid(panel(), FFS0827, (22, 8)).triangles) < 8000
     thin = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
     assert len(perforated_grid(panel(width_m=0.03), thin, (22, 2)).triangles) < 350

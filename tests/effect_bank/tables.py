@@ -72,7 +72,7 @@ def write(found: Confusion, folder: Path) -> list[Path]:
 
 
 def markdown(found: Confusion) -> str:
-    """The tables of docs/theory/effects.md."""
+    """The tables of docs/measured/effects.md."""
     head = ["explain says", *OUTCOMES]
     table = [
         [predicted, *(str(found.count(predicted, outcome)) for outcome in OUTCOMES)]

@@ -1,4 +1,4 @@
-"""The ladder's predictions against what rungs have taken: the tables of docs/theory/ladder.md."""
+"""The ladder's predictions against what rungs have taken: the tables of docs/measured/model_hierarchy.md."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from orchestrator.studies.ladder.rungs import LADDERS, rungs
 from tests.runs.outside import ROOT
 
 GOOD_TO = 3.0  # a factor, as cost.py says; busy machines differ by as much
-TEXT = (ROOT / "docs/theory/ladder.md").read_text(encoding="utf-8")
+TEXT = (ROOT / "docs/measured/model_hierarchy.md").read_text(encoding="utf-8")
 
 
 def tables() -> Iterator[tuple[str, str, dict[tuple[str, str], float]]]:

@@ -1,4 +1,4 @@
-"""A long run holds no more than a short one.  An hour of it: docs/reliability.md."""
+"""A long run holds no more than a short one.  An hour of it: docs/reliability.md, "Long runs"."""
 
 from __future__ import annotations
 

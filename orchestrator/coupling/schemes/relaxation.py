@@ -56,7 +56,7 @@ class LeastSquares:
 
     IQN-ILS: Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87, 2009,
     793-801, doi 10.1016/j.compstruc.2008.11.013.  Columns of earlier intervals, which that paper
-    uses again, made it slower here: contacts come and go (docs/theory/coupling.md).  Kept is the
+    uses again, made it slower here: contacts come and go (docs/measured/coupling.md).  Kept is the
     share of the residual that would have suited the first change best.
     """
 

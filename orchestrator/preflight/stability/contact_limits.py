@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 HELD = 0.8
 """Share of the mass that counts: a sphere as heavy as the point it rests on makes the interval up
-to a tenth shorter than a held one does (scan of 288 linear pairs: docs/theory/stability.md)."""
+to a tenth shorter than a held one does (scan of 288 linear pairs: docs/measured/stability.md)."""
 
 
 FORETOLD = 0.5

@@ -101,7 +101,7 @@ def table(lines: Sequence[Line]) -> Table:
 
 
 def write(lines: Sequence[Line], folder: Path) -> list[Path]:
-    """``hard.csv`` and, for docs/theory/hard_cases.md, ``hard.md``."""
+    """``hard.csv`` and, for docs/measured/benchmarks.md, ``hard.md``."""
     file = folder / "hard.csv"
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.writer(text)
@@ -112,7 +112,7 @@ def write(lines: Sequence[Line], folder: Path) -> list[Path]:
 
 
 def markdown(lines: Sequence[Line]) -> str:
-    """The table of docs/theory/hard_cases.md."""
+    """The table of docs/measured/benchmarks.md."""
     rows = ["| case, run | criterion | why | asked for | measured | |", "|---|---|---|---|---|---|"]
     for one in lines:
         case, run, what, asked, said, verdict = one.words()

@@ -1,0 +1,68 @@
+"""The documents name what is there: links and their headings, files and folders, pages named in code."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FOLDERS = "orchestrator|adapters|tests|cases|docs|docker|meshes"
+PATH = re.compile(rf"`((?:{FOLDERS})/[\w./*<>\[\]-]+)`")
+FENCED = re.compile(r"^```.*?^```", re.M | re.S)
+
+
+def written(*patterns: str) -> list[Path]:
+    """The files of the project that match, without what is installed, built or computed."""
+    places = [ROOT, *(ROOT / folder for folder in FOLDERS.split("|"))]
+    found = [file for place in places[1:] for pattern in patterns for file in place.rglob(pattern)]
+    return sorted([*found, *(file for pattern in patterns for file in ROOT.glob(pattern))])
+
+
+PAGES = written("*.md")
+
+
+@cache
+def anchors(page: Path) -> set[str]:
+    """The anchors that GitHub gives to the headings of a page."""
+    found = set()
+    for line in FENCED.sub("", page.read_text(encoding="utf-8")).splitlines():
+        if line.startswith("#"):
+            title = re.sub(r"[`*$]", "", line.lstrip("#").strip()).lower()
+            found.add(re.sub(r"[^\w\- ]", "", title).replace(" ", "-"))
+    return found
+
+
+def links(page: Path) -> Iterator[str]:
+    for target in re.findall(r"\]\(([^)\s]+)\)", FENCED.sub("", page.read_text(encoding="utf-8"))):
+        if not re.match(r"[a-z]+:", target):
+            yield target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
+def test_links_lead_somewhere(page: Path) -> None:
+    for target in links(page):
+        name, _, anchor = target.partition("#")
+        file = (page.parent / name).resolve() if name else page
+        assert file.exists(), target
+        if anchor:
+            assert anchor in anchors(file), target
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
+def test_files_that_are_named_are_there(page: Path) -> None:
+    for path in PATH.findall(page.read_text(encoding="utf-8")):
+        if "<" not in path:
+            assert list(ROOT.glob(path.rstrip("/."))), path
+
+
+def test_pages_that_code_names_are_there() -> None:
+    missing = []
+    for file in written("*.py", "*.toml", "*.cpp", "*.h", "*.html", "*.sh"):
+        for page in re.findall(r"\bdocs/[\w./-]+\.md\b", file.read_text(encoding="utf-8")):
+            if not (ROOT / page).is_file():
+                missing.append(f"{file.relative_to(ROOT)}: {page}")
+    assert not missing
