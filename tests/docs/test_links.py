@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
 
@@ -12,9 +13,11 @@ import pytest
 ROOT = Path(__file__).parents[2]
 FOLDERS = "orchestrator|adapters|tests|cases|docs|docker|meshes"
 PATH = re.compile(rf"`((?:{FOLDERS})/[\w./*<>\[\]-]+)`")
+SOURCE = re.compile(r"`([\w/*-]+\.(?:py|cpp|h))`")
 FENCED = re.compile(r"^```.*?^```", re.M | re.S)
 
 
+@cache
 def written(*patterns: str) -> list[Path]:
     """The files of the project that match, without what is installed, built or computed."""
     places = [ROOT, *(ROOT / folder for folder in FOLDERS.split("|"))]
@@ -57,6 +60,14 @@ def test_files_that_are_named_are_there(page: Path) -> None:
     for path in PATH.findall(page.read_text(encoding="utf-8")):
         if "<" not in path:
             assert list(ROOT.glob(path.rstrip("/."))), path
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
+def test_sources_that_are_named_without_their_folder_are_there(page: Path) -> None:
+    """As ``shaking.py``, or ``planar/forces.py``."""
+    files = [f"/{file.relative_to(ROOT)}" for file in written("*.py", "*.cpp", "*.h")]
+    for name in SOURCE.findall(page.read_text(encoding="utf-8")):
+        assert any(fnmatch(file, f"*/{name}") for file in files), name
 
 
 def test_pages_that_code_names_are_there() -> None:
