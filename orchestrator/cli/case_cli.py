@@ -26,7 +26,7 @@ def check(
 ) -> None:
     """Check a case without running it, and say what is in it.
 
-    Exit code 0: it can be run; 2: it cannot, with every mistake in one message.
+    Exit code 0: it can be run; 2: it cannot, with every problem in one message.
     """
     from orchestrator.cli.overview import overview
 
@@ -64,7 +64,7 @@ def explain(
     at a cheap level, except where an estimate surely says that it may be left out.  The runs are
     remembered.
 
-    Exit code 0: said, whatever the verdicts; 2: the case has mistakes.
+    Exit code 0: done, whatever the verdicts; 2: the case has problems.
     """
     from orchestrator.cli.explain import show
     from orchestrator.preflight.check import table_mistakes
@@ -115,7 +115,7 @@ def _case_lines(folder: Path) -> Iterator[str]:
             title = str(read_toml(file).get("title", "(no title)"))
             default = load(file).level
         except CaseError:
-            title, default = f"(has mistakes: flipflow check {file.parent})", ""
+            title, default = f"(has problems: flipflow check {file.parent})", ""
         names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
         yield visible(f"{file.parent}  {title}")
         yield visible(f"    levels: {', '.join(names) or 'none'}")

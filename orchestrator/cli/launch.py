@@ -37,7 +37,7 @@ from orchestrator.preflight.judgement.pair import agree, key_of
 from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.preflight.stability import plain, words
 from orchestrator.preflight.stability.choice import settled_card
-from orchestrator.run.interruption import AtOnce, Interrupted, told_at_once
+from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
 from orchestrator.run.run import Run
 from orchestrator.studies.trials import before
 
@@ -200,9 +200,9 @@ def _run_guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
 
 def _ending(error: BaseException) -> tuple[int, str, str]:
     """Exit code, status and reason of a run that ``error`` ended."""
-    if at_once := told_at_once(error):
-        code = 128 + at_once.signal if isinstance(at_once, AtOnce) else AT_ONCE
-        return code, "interrupted", str(at_once) or "stopped at once"
+    if stop := immediate_stop(error):
+        code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
+        return code, "interrupted", str(stop) or "stopped at once"
     match error:
         case CaseError():
             return WRONG, "refused", str(error)

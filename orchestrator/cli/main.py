@@ -45,7 +45,7 @@ Examples:
 
   flipflow plan cases/quickstart --tolerance 5% --budget 1h    settings for an error and a time
 
-Exit codes: 0 done, 1 a mistake in flipflow, 2 the case or the command is wrong, 3 a solver is
+Exit codes: 0 done, 1 an internal error, 2 the case or the command is wrong, 3 a solver is
 not installed, 4 a solver failed or the run became unstable, 5 the run is done but its own figures
 say that it cannot be trusted, 6 it is done but its results could not be made, 130 interrupted
 (129 by SIGHUP, 138 by SIGUSR1, 143 by SIGTERM).

@@ -1,4 +1,4 @@
-"""When a run is saved, and what of it: everything that decides how it goes on."""
+"""When a run writes a checkpoint, and what is in it: everything that decides how the run goes on."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.tables.numerics import CheckpointSettings as Wanted
+from orchestrator.case.tables.numerics import CheckpointSettings
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.ranks import first_rank_does
 from orchestrator.coupling.schemes.exchange import State
@@ -22,15 +22,15 @@ from orchestrator.run.monitor.monitor import Monitor
 
 
 class Schedule:
-    """When it is time: by the simulated time, or by the clock on the wall of the first rank."""
+    """When a checkpoint is due: by the simulated time, or by the wall clock of the first rank."""
 
-    def __init__(self, wanted: Wanted, interval_s: float, world: Any) -> None:
-        self._every = steps_in(wanted.every_s, interval_s) if wanted.every_s else 0
-        self._wall_s, self._world = 60.0 * wanted.wall_min, world
+    def __init__(self, settings: CheckpointSettings, interval_s: float, world: Any) -> None:
+        self._every = steps_in(settings.every_s, interval_s) if settings.every_s else 0
+        self._wall_s, self._world = 60.0 * settings.wall_min, world
         self._last_s = time.monotonic()
 
     def due(self, done: int) -> bool:
-        """After ``done`` sync intervals; alike on all ranks."""
+        """Returns whether one is due after ``done`` sync intervals; alike on all ranks."""
         if self._every and done % self._every == 0:
             return True
         return self._wall_s > 0 and first_rank_does(self._world, self._long_ago)
@@ -39,14 +39,14 @@ class Schedule:
         return time.monotonic() - self._last_s >= self._wall_s
 
     def done(self) -> None:
-        """It has been saved now."""
+        """Notes that a checkpoint has been written now."""
         self._last_s = time.monotonic()
 
 
 class Checkpointer:
-    """Saves a run into its folder, and takes one back to a save.
+    """Writes checkpoints of a run into its folder, and takes a run back to one.
 
-    ``about`` says what the save is of, at the moment that it is asked.
+    ``about`` returns what a checkpoint is of, at the moment that it is called.
     """
 
     def __init__(
@@ -63,8 +63,8 @@ class Checkpointer:
         self._last = self._good = -1
 
     def save(self, state: State, done: int) -> None:
-        """After ``done`` sync intervals, once.  The last save from before anything was amiss stays.
-        Raises OSError."""
+        """Writes a checkpoint after ``done`` sync intervals, once.  The last one from before anything was
+        amiss stays.  Raises OSError."""
         if done == self._last:
             return
         if self._monitor.pace.trusted:
@@ -80,8 +80,8 @@ class Checkpointer:
         self._last = done
 
     def restore(self, save: Save, start: State) -> State:
-        """All that was saved, into a machine freshly opened whose state is ``start``; the state at
-        the sync point of the save."""
+        """Takes back all that was saved, into a machine freshly opened whose state is ``start``.
+        Returns the state at the sync point of the checkpoint."""
         saved, members = save.state(self._world), self._machine.members
         members.frames.restore(saved["members"]["frames"])
         members.panel.restore(saved["members"]["panel"])

@@ -1,4 +1,4 @@
-"""A run that is asked to stop: signals are heard, and heeded at the next sync point."""
+"""Signals that ask a run to stop, which it does at the next sync point."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Interrupted(Exception):
         self.signal, self.state = number, state
 
 
-class AtOnce(KeyboardInterrupt):
+class ImmediateStop(KeyboardInterrupt):
     """The user asked to stop, and nothing is waited for; the message says why not."""
 
     def __init__(self, number: int, why: str) -> None:
@@ -31,9 +31,9 @@ class AtOnce(KeyboardInterrupt):
         self.signal = number
 
 
-def told_at_once(error: BaseException | None) -> KeyboardInterrupt | None:
-    """The signal that is behind this error and did not wait: libraries that it interrupts may raise
-    another error on top of it."""
+def immediate_stop(error: BaseException | None) -> KeyboardInterrupt | None:
+    """Returns the signal behind an error that did not wait for a sync point, if any.  Libraries that it
+    interrupts may raise another error on top of it."""
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
             return error
@@ -41,37 +41,40 @@ def told_at_once(error: BaseException | None) -> KeyboardInterrupt | None:
     return None
 
 
-class Stop:
-    """Remembers ``SIGNALS`` until the next sync point; the second one does not wait, nor does one
-    in a single process before there is anything to be saved (``waits``): panels of many cells take
-    minutes to open.  SIGHUP stays ignored where it is: that is what nohup does."""
+class StopRequest:
+    """A signal to stop, remembered until the next sync point.
+
+    The second signal does not wait, nor does one in a single process before there is anything to be
+    saved (``waits`` is False): panels of many cells take minutes to open.  SIGHUP stays ignored
+    where it is ignored already: that is what nohup does.
+    """
 
     def __init__(self, waits: bool = True) -> None:
         self.signal: int | None = None
         self.waits = waits
 
     @contextmanager
-    def listening(self) -> Iterator[Stop]:
+    def listening(self) -> Iterator[StopRequest]:
         nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-        heeded = [name for name in SIGNALS if not (nohup and name == signal.SIGHUP)]
-        before = {name: signal.signal(name, self._heard) for name in heeded}
+        handled = [name for name in SIGNALS if not (nohup and name == signal.SIGHUP)]
+        before = {name: signal.signal(name, self._handle) for name in handled}
         try:
             yield self
         finally:
             for name, handler in before.items():
                 signal.signal(name, handler)
 
-    def _heard(self, number: int, _: FrameType | None) -> None:
+    def _handle(self, number: int, _: FrameType | None) -> None:
         if self.signal is not None:
-            raise AtOnce(number, "stopped at once")
+            raise ImmediateStop(number, "stopped at once")
         if not self.waits:
-            raise AtOnce(number, f"stopped by {signal.Signals(number).name} before the start")
+            raise ImmediateStop(number, f"stopped by {signal.Signals(number).name} before the start")
         self.signal = number
 
     def check(self, world: Any, state: State) -> None:
-        """Raises Interrupted on all ranks as soon as one of them heard a signal."""
-        heard = self.signal
+        """Raises Interrupted on all ranks as soon as one of them got a signal."""
+        number = self.signal
         if world is not None:
-            heard = max(world.allgather(heard or 0)) or None
-        if heard is not None:
-            raise Interrupted(heard, state)
+            number = max(world.allgather(number or 0)) or None
+        if number is not None:
+            raise Interrupted(number, state)

@@ -1,15 +1,26 @@
-"""How far a run is, and what that has cost."""
+"""How far a run is, what that has cost, and how long it will take."""
 
 from __future__ import annotations
 
+import logging
 import time
 from typing import Any
 
+from rich.console import Console
+from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as RichProgress
+
 from orchestrator.coupling.stopwatch import Stopwatch
+
+LOG = logging.getLogger("flipflow")
+LINE_EVERY_S = 5.0
 
 
 class Progress:
-    """``figures`` go to ``summary.json``; a run that is resumed counts on."""
+    """How far a run is and what it has cost; a run that is resumed counts on.
+
+    ``figures`` go to ``summary.json``.
+    """
 
     def __init__(self) -> None:
         self.stopwatch = Stopwatch()
@@ -20,15 +31,25 @@ class Progress:
 
     @property
     def wall_s(self) -> float:
-        """Of the processes before this one, too, up to what they saved."""
+        """The wall time of this process, and of those before it up to what they saved."""
         return self._before_s + time.perf_counter() - self._started_s
 
+    @property
+    def done(self) -> int:
+        """The number of sync intervals that are done."""
+        return int(self.figures["sync_intervals"])
+
+    @property
+    def simulated_s(self) -> float:
+        return float(self.figures["simulated_s"])
+
     def sync_point(self, done: int, time_s: float, particle_steps: int) -> None:
-        """``done`` of them, after so many steps of each particle."""
+        """Counts sync point ``done``, after so many more steps of each particle."""
         self.particle_steps += particle_steps * self.figures["particles"]
         self.figures |= {"sync_intervals": done, "simulated_s": time_s}
 
     def as_json(self) -> dict[str, Any]:
+        """Returns all of it, for a checkpoint."""
         return {
             "figures": self.figures,
             "particle_steps": self.particle_steps,
@@ -37,9 +58,53 @@ class Progress:
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """What ``as_json`` gave."""
+        """Takes back what ``as_json`` gave."""
         self.figures = dict(saved["figures"])
         self.particle_steps = saved["particle_steps"]
         self._before_s = saved["wall_s"]
         for part, wall_s in saved["wall_by_part_s"].items():
             self.stopwatch.wall_s[part] = self.stopwatch.wall_s.get(part, 0.0) + wall_s
+
+
+class ProgressBar:
+    """Shows the progress with the time left: a bar on a terminal, a line now and then elsewhere."""
+
+    def __init__(self, first: int, intervals: int, interval_s: float, console: Console) -> None:
+        """``first`` of the ``intervals`` were done before."""
+        self._first, self._intervals, self._interval_s = first, intervals, interval_s
+        self._console = console
+        self._draws = console.is_terminal and not console.is_dumb_terminal
+        self._bar = RichProgress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:>3.0f}%"),
+            TimeRemainingColumn(),
+            console=console,
+            disable=not self._draws,
+        )
+        self._task = self._bar.add_task("simulating", total=intervals, completed=first)
+        self._started = self._last_line = time.monotonic()
+
+    def __enter__(self) -> ProgressBar:
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()
+
+    def update(self, done: int) -> None:
+        """Shows that ``done`` of all intervals are done."""
+        self._bar.update(self._task, completed=done)
+        now = time.monotonic()
+        if now - self._last_line < LINE_EVERY_S:
+            return
+        self._last_line = now
+        spent_s = now - self._started
+        left_s = spent_s * (self._intervals - done) / (done - self._first)
+        line = (
+            f"t = {done * self._interval_s:.4f} of {self._intervals * self._interval_s:g} s, "
+            f"{100 * done / self._intervals:.0f} %, {spent_s:.0f} s spent, about {left_s:.0f} s left"
+        )
+        LOG.info(line)
+        if not self._draws:
+            self._console.print(line, highlight=False)

@@ -1,4 +1,4 @@
-"""One run, from a loaded case to a finished run folder: the coupling loop and its books."""
+"""A run from a loaded case to a finished run folder: the coupling loop and what it records."""
 
 from __future__ import annotations
 
@@ -30,17 +30,16 @@ from orchestrator.preflight.stability.bound import Card
 from orchestrator.preflight.stability.choice import with_scheme
 from orchestrator.run.checkpointer import Checkpointer, Schedule
 from orchestrator.run.ending import Ending
-from orchestrator.run.interruption import Interrupted, Stop
+from orchestrator.run.interruption import Interrupted, StopRequest
 from orchestrator.run.monitor.monitor import Monitor, Stopped, check_speeds
 from orchestrator.run.origin import origin
-from orchestrator.run.progress import Progress
-from orchestrator.run.time_left import Say
+from orchestrator.run.progress import Progress, ProgressBar
 
 
 class Run:
     """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one.
 
-    With ``save`` it goes on from there, in the folder of that run.
+    With ``save``, a checkpoint, it goes on from there, in the folder of that run.
     """
 
     def __init__(
@@ -72,7 +71,7 @@ class Run:
         """
         self._console.print("opening the solvers")
         stopwatch = self._progress.stopwatch
-        with stopwatch("rest"), Stop(waits=self._world is not None).listening() as stop:
+        with stopwatch("rest"), StopRequest(waits=self._world is not None).listening() as stop:
             machine = build(self._coupled_as, self._folder, self._world, stopwatch)
             stop.waits = True
             LOG.info("all solvers are open after %.1f s", self._progress.wall_s)
@@ -81,12 +80,12 @@ class Run:
             finally:
                 machine.close()
 
-    def _coupled(self, machine: Machine, stop: Stop) -> None:
+    def _coupled(self, machine: Machine, stop: StopRequest) -> None:
         state = initial(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
         with write_failure_context("results", 0.0):
-            goes_on = self.resumes is not None
-            recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, goes_on)
+            resumed = self.resumes is not None
+            recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, resumed)
         monitor = Monitor(self._case, machine, state, self._world, self._console)
         checkpointer = Checkpointer(self._folder, machine, recorder, monitor, self._about, self._world)
         interrupted: Interrupted | Stopped | None = None
@@ -99,7 +98,7 @@ class Run:
             recorder.last_contacts()
             self._progress.figures["material"] = recorder.material()
         finally:
-            self._progress.figures["monitor"] = monitor.figures(self._done)
+            self._progress.figures["monitor"] = monitor.figures(self._progress.done)
             recorder.close()
         pending = machine.scheme.pending(state, Interval(0, monitor.pace.last_s))
         self._progress.figures |= ledger.figures(pending) | {"iterations": machine.scheme.figures()}
@@ -108,7 +107,7 @@ class Run:
             raise interrupted
 
     def _start(self, checkpointer: Checkpointer, recorder: Recorder, monitor: Monitor, state: State) -> State:
-        """The state that the run goes on from."""
+        """Returns the state that the run goes on from."""
         if self.resumes is None:
             self._record(recorder, monitor, state, 0, 0)
             return state
@@ -128,20 +127,20 @@ class Run:
         checkpointer: Checkpointer,
         monitor: Monitor,
         state: State,
-        stop: Stop,
+        stop: StopRequest,
     ) -> State:
-        first = self._done
-        with Say(first, self._intervals, self._interval_s, self._console) as say:
+        first = self._progress.done
+        with ProgressBar(first, self._intervals, self._interval_s, self._console) as bar:
             for interval in intervals(self._case.duration_s, self._interval_s, first):
                 runs = machine.particle_runs
                 with self._advised(), solver_failure_context("the coupling", interval):
-                    state, seen = monitor.advance(interval, state)
-                check_speeds(seen, interval.end_s, plain.advice(self._stability))
+                    state, observed = monitor.advance(interval, state)
+                check_speeds(observed, interval.end_s, plain.advice(self._stability))
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
-                self._record(recorder, monitor, seen, interval.index + 1, steps)
+                self._record(recorder, monitor, observed, interval.index + 1, steps)
                 with self._advised():
                     monitor.act(interval, state)
-                say.done(interval.index + 1)
+                bar.update(interval.index + 1)
                 stop.check(self._world, state)
                 if self._schedule.due(interval.index + 1):
                     self._save(checkpointer, state)
@@ -150,7 +149,7 @@ class Run:
 
     @contextmanager
     def _advised(self) -> Iterator[None]:
-        """A failure inside says what helps, where the case is beyond what is sure to be stable."""
+        """Adds to a failure inside what helps, where the case is beyond what is sure to be stable."""
         try:
             yield
         except SolverFailed as error:
@@ -159,13 +158,13 @@ class Run:
             raise
 
     def _save(self, checkpointer: Checkpointer, state: State) -> None:
-        time_s = self._progress.figures["simulated_s"]
+        time_s = self._progress.simulated_s
         with self._progress.stopwatch("saves"), write_failure_context("save", time_s):
-            checkpointer.save(state, self._done)
+            checkpointer.save(state, self._progress.done)
         self._schedule.done()
 
     def _about(self) -> dict[str, Any]:
-        """What a save is of, at this moment; the first rank tells."""
+        """Returns what a checkpoint is of, at this moment; only the first rank has it."""
         if not is_first(self._world):
             return {}
         return self._origin | {"progress": self._progress.as_json()}
@@ -174,13 +173,9 @@ class Run:
     def _origin(self) -> dict[str, Any]:
         return origin(self._loaded, self._folder, self._world)
 
-    @property
-    def _done(self) -> int:
-        return int(self._progress.figures["sync_intervals"])
-
     def _record(self, recorder: Recorder, monitor: Monitor, state: State, done: int, steps: int) -> None:
-        """Sync point ``done``, after so many steps of each particle; an output time every
-        ``_every`` of them, and the last."""
+        """Records sync point ``done``, after so many steps of each particle.  Every ``_every``-th of
+        them is an output time, and so is the last."""
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
         with self._progress.stopwatch("output"), write_failure_context("results", time_s):
@@ -199,8 +194,9 @@ class Run:
 
     @property
     def simulated_s(self) -> float:
-        return float(self._progress.figures["simulated_s"])
+        """The simulated time so far."""
+        return self._progress.simulated_s
 
     def finish(self, status: str, reason: str = "") -> dict[str, Any]:
-        """See ``Ending``; to be called on one rank."""
+        """Writes what the run leaves at its end (``Ending.write``); is called on one rank."""
         return self._ending.write(self._progress, status, reason)

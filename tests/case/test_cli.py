@@ -80,7 +80,7 @@ def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None
     done = CALL.invoke(app, ["list", str(tmp_path)])
     assert done.exit_code == 0
     assert "good  a test\n    levels: draft (default)" in done.output
-    assert "(has mistakes: flipflow check" in done.output
+    assert "(has problems: flipflow check" in done.output
 
 
 def test_help_teaches_examples_and_exit_codes() -> None:

@@ -31,7 +31,7 @@ def ended_well(done: Ended, codes: set[int]) -> None:
     said = done.out + done.err
     assert done.code in codes, said
     assert "Traceback" not in said, said
-    assert "a mistake in flipflow" not in said, said
+    assert "internal error" not in said, said
     assert all(one.isprintable() or one == "\n" for one in said), said
     assert len(said) < 40_000, len(said)
     if done.code:

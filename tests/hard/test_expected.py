@@ -99,7 +99,7 @@ def test_what_is_not_there_is_unknown(folders: dict[str, Path]) -> None:
     ("figures", "expected"),
     [
         ({"status": "failed", "reason": "unstable"}, "stopped"),
-        ({"status": "failed", "reason": "a mistake in flipflow: x"}, "not run"),
+        ({"status": "failed", "reason": "internal error: x"}, "not run"),
         ({"status": "interrupted", "reason": "stopped by SIGINT"}, "not run"),
         (DONE, "stable"),
         (DONE | {"status": "doubtful"}, "warned"),

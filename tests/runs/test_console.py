@@ -13,7 +13,7 @@ import pytest
 
 from tests.runs.outside import HANG_S, QUICK, ROOT, buffered, command, flipflow, run_words
 
-AT_ONCE = "from orchestrator.run import time_left; time_left.SAY_EVERY_S = 0.0"
+AT_ONCE = "from orchestrator.run import progress; progress.LINE_EVERY_S = 0.0"
 SHORT = [*QUICK, "duration_s=0.002"]
 LINE = r"t = 0\.0010 of 0\.002 s, 50 %, \d+ s spent, about \d+ s left"
 
@@ -55,7 +55,16 @@ def _all_of(terminal: int) -> str:
 
 def test_help_names_every_exit_code_and_manual() -> None:
     said = flipflow("--help").stdout
-    for code in ("0 done", "1 a mistake", "2 the case", "3 a solver", "4 a solver", "129", "130", "143"):
+    for code in (
+        "0 done",
+        "1 an internal error",
+        "2 the case",
+        "3 a solver",
+        "4 a solver",
+        "129",
+        "130",
+        "143",
+    ):
         assert code in said
     for page in re.findall(r"docs/[\w-]+\.md", said):
         assert (ROOT / page).is_file()

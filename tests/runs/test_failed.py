@@ -178,7 +178,7 @@ def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:
     done = flipflow(*run_words("panel-cycle", folder), before=before)
     assert done.returncode == 1
     said_plainly(done)
-    assert "a mistake in flipflow: KeyError: 'absent'" in done.stderr
+    assert "internal error: KeyError: 'absent'" in done.stderr
     assert "Traceback" in (folder / "run.log").read_text()
     left_usable(folder, "failed")
 
@@ -190,5 +190,5 @@ def test_a_mistake_inside_a_member_names_it(tmp_path: Path) -> None:
     assert done.returncode == 1
     said_plainly(done)
     place = "panel deck-1 (strip) between t = 0.0002 s and 0.0003 s (sync interval 2)"
-    assert f"a mistake in flipflow: KeyError: 'absent'; {place}" in done.stderr
+    assert f"internal error: KeyError: 'absent'; {place}" in done.stderr
     left_usable(folder, "failed")

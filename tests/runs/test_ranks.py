@@ -97,7 +97,7 @@ def test_the_real_solvers_give_the_run_of_one(tmp_path: Path) -> None:
     [
         ("raise SolverFailed('on purpose')", 4, "on purpose"),
         ("load.force_N[0] = float('nan')", 4, "(strip) failed between t = 0.0002 s and 0.0003 s"),
-        ("raise KeyError('no such thing')", 1, "a mistake in flipflow: KeyError: 'no such thing'"),
+        ("raise KeyError('no such thing')", 1, "internal error: KeyError: 'no such thing'"),
     ],
 )
 def test_a_failure_on_one_rank_ends_both_with_one_message(

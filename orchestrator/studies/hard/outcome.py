@@ -10,7 +10,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.results.run_reader import RunReader
 
 Outcome = Literal["stable", "warned", "stopped", "not run"]
-MISTAKE = "a mistake in flipflow"
+INTERNAL_ERROR = "internal error"
 
 
 OF_THE_COUPLING = ("created_energy", "created_in_total", "growing_modes")  # of the watch
@@ -24,7 +24,7 @@ def outcome(folder: Path) -> Outcome:
     flipflow."""
     found = _summary(folder)
     status, reason = found.get("status"), str(found.get("reason"))
-    if status == "failed" and not reason.startswith(MISTAKE):
+    if status == "failed" and not reason.startswith(INTERNAL_ERROR):
         return "stopped"
     if not trust.came_to_its_end(str(status)):
         return "not run"
