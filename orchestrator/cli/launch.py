@@ -1,6 +1,6 @@
-"""From the command line to a run and its exit code: who says what went wrong, and once.
+"""A run as the command line starts it: what is printed, what goes wrong, and the exit code.
 
-0 done, 1 a mistake in flipflow itself, 2 the case or the output folder is wrong, 3 a solver is
+0 done, 1 an internal error, 2 the case or the output folder is wrong, 3 a solver is
 missing, 4 a solver failed or the run became unstable or its results could not be written, 5 done
 but not to be trusted, 6 done but its results could not be made, 129 (SIGHUP), 130 (SIGINT), 138
 (SIGUSR1) or 143 (SIGTERM) interrupted.
@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import io
 import os
+import shlex
 import signal
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from typing import IO, Any, cast
@@ -23,8 +24,8 @@ from rich.console import Console
 from orchestrator.case import adapter, distributions
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import TOO_LARGE, find_problems
-from orchestrator.cli.going_on import go_on, last_good
 from orchestrator.coupling import ranks
+from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable, lock
@@ -47,26 +48,26 @@ AT_ONCE = 128 + signal.SIGINT
 
 
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
-    """Runs a case on every rank; returns the exit code."""
+    """Runs a case on every rank, and returns the exit code."""
     world = ranks.communicator()
     try:
         loaded = load(path, level, overrides)
-        ready(loaded)
-        loaded = _tried_out(loaded, path, level, overrides, world)
+        require_runnable(loaded)
+        loaded = _decide_effects(loaded, path, level, overrides, world)
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
         folder = ranks.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
     except Exception as error:
-        return refused(world, error)
-    return carried_out(loaded, entries, folder, world)
+        return report_refusal(world, error)
+    return execute(loaded, entries, folder, world)
 
 
-def _tried_out(
+def _decide_effects(
     loaded: LoadedCase, path: Path, level: str | None, overrides: Sequence[str], world: Any
 ) -> LoadedCase:
-    """The case with what short runs with and without effects say of those that "auto" cannot
-    decide about; the first rank makes or remembers them, and all ranks choose alike."""
+    """Returns the case with what short runs with and without effects say of those that "auto" cannot
+    decide about.  The first rank makes or remembers them, and all ranks choose alike."""
     if not loaded.choice.asked:
         return loaded
     say = _console().print
@@ -77,44 +78,44 @@ def _tried_out(
     read = loaded.origin.read()
     agree({key_of(read, name): known.get(name) for name in EFFECTS})
     loaded = load(path, level, overrides)
-    ready(loaded)
+    require_runnable(loaded)
     return loaded
 
 
-def ready(loaded: LoadedCase) -> None:
-    """Raises CaseError for a case with mistakes, and SolverMissing where this rank lacks what
+def require_runnable(loaded: LoadedCase) -> None:
+    """Raises CaseError for a case with problems, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_problems(loaded):
         raise CaseError(problems)
     adapter.imported("panel", loaded.case.panel.solver)
 
 
-def refused(world: Any, error: Exception) -> int:
-    """Says, once, why nothing is run; returns the exit code."""
+def report_refusal(world: Any, error: Exception) -> int:
+    """Prints once why nothing is run, and returns the exit code."""
     match error:
         case SolverMissing():
-            said, code = str(error), MISSING
+            message, code = str(error), MISSING
         case CaseError() | FolderUnusable() | OSError():
-            said, code = str(error), WRONG
+            message, code = str(error), WRONG
         case MemoryError():
-            said, code = TOO_LARGE, WRONG
+            message, code = TOO_LARGE, WRONG
         case _:
-            said, code = f"a mistake in flipflow: {type(error).__name__}: {error}", BROKEN
-    return ranks.in_turn(world, lambda: _console().print(run_folder.printable(said)), code)
+            message, code = f"internal error: {type(error).__name__}: {error}", BROKEN
+    return ranks.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
 
 
-def carried_out(
+def execute(
     loaded: LoadedCase,
     entries: Mapping[str, Entry],
     folder: Path,
     world: Any,
     save: Save | None = None,
-    said: Sequence[str] = (),
+    warned: Sequence[str] = (),
 ) -> int:
-    """Runs the case in its folder, or goes on from ``save``; returns the exit code.
+    """Runs the case in its folder, or goes on from ``save``, and returns the exit code.
 
-    ``entries``: the account of its effects; ``said``: what else is to be said before.  Raises
-    FolderUnusable where another process is at work.
+    ``entries`` are the account of its effects, ``warned`` further warnings.  Raises FolderUnusable
+    where another process is at work.
     """
     first = ranks.is_first(world)
     console = _console(quiet=not first)
@@ -122,27 +123,32 @@ def carried_out(
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
         doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
-        _say(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
-        said = [*said, *distributions.warnings()]
+        _print_and_log(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
         try:
             stability = settled_card(loaded.case)
-            before = [*said, *warnings(loaded), *plain.warnings(stability), *at_start(entries)]
+            lines = [
+                *warned,
+                *distributions.warnings(),
+                *warnings(loaded),
+                *plain.warnings(stability),
+                *at_start(entries),
+            ]
         except MemoryError as error:  # of panels' meshes; nothing has been computed
             if first and save is None:
                 run_folder.remove_folder(folder)
-            return refused(world, error)
+            return report_refusal(world, error)
         for line in words.lines(stability):
             LOG.info(line)
-        for line in before:
+        for line in lines:
             LOG.warning(line)
             console.print(f"warning: {line}")
-        opened = Run(loaded, entries, stability, folder, world, console, save)
-        return _run_guarded(opened, folder, world, console)
+        coupled_run = Run(loaded, entries, stability, folder, world, console, save)
+        return _run_to_the_end(coupled_run, folder, world, console)
 
 
 class _StandardError(io.TextIOBase):
     """Standard error, which may go away during a run: a terminal that hangs up, a pipe that nobody
-    reads any more.  What can be said to nobody is in run.log.  From then on the stream leads
+    reads any more.  What nobody reads is in run.log.  From then on the stream leads
     nowhere, or Python would end with exit code 120 over what it could not write."""
 
     def __init__(self) -> None:
@@ -153,16 +159,16 @@ class _StandardError(io.TextIOBase):
         try:
             self._stream.write(text)
         except OSError:
-            self._leads_nowhere()
+            self._discard_from_now()
         return len(text)
 
     def flush(self) -> None:
         try:
             self._stream.flush()
         except OSError:
-            self._leads_nowhere()
+            self._discard_from_now()
 
-    def _leads_nowhere(self) -> None:
+    def _discard_from_now(self) -> None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self._stream.fileno())
         os.close(nowhere)
@@ -179,27 +185,27 @@ def _console(quiet: bool = False) -> Console:
     return Console(file=file, quiet=quiet, highlight=False, markup=False, soft_wrap=True)
 
 
-def _run_guarded(run: Run, folder: Path, world: Any, console: Console) -> int:
+def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int:
     """Runs, and turns whatever happens into a message, a finished folder and an exit code."""
     try:
         run.go()
     except Interrupted as stopped:
         code, status, reason = 128 + stopped.signal, "interrupted", str(stopped)
-        _say(f"{reason} at t = {run.simulated_s:g} s", console)
-        console.print(run_folder.printable(f"to go on: {go_on(folder, world)}"))
+        _print_and_log(f"{reason} at t = {run.simulated_s:g} s", console)
+        console.print(run_folder.printable(f"to go on: {resume_hint(folder, world)}"))
     except BaseException as error:
-        return _ended(run, *_ending(error), folder, world)
+        return _end_after_error(run, *_classify(error), folder, world)
     else:
         code, status, reason = DONE, trust.DONE, ""
     try:
-        return ranks.first_rank_does(world, lambda: _finished(run, code, status, reason, folder, console))
+        return ranks.first_rank_does(world, lambda: _finish(run, code, status, reason, folder, console))
     except KeyboardInterrupt:
-        _say(f"stopped at once: what the run leaves at its end is not in {folder}", console)
+        _print_and_log(f"stopped at once: what the run leaves at its end is not in {folder}", console)
         return ranks.end_all(world, AT_ONCE)
 
 
-def _ending(error: BaseException) -> tuple[int, str, str]:
-    """Exit code, status and reason of a run that ``error`` ended."""
+def _classify(error: BaseException) -> tuple[int, str, str]:
+    """Returns exit code, status and reason of a run that ``error`` ended."""
     if stop := immediate_stop(error):
         code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
         return code, "interrupted", str(stop) or "stopped at once"
@@ -209,20 +215,20 @@ def _ending(error: BaseException) -> tuple[int, str, str]:
         case SolverMissing():
             return MISSING, "refused", str(error)
         case SolverFailed() | OSError() | MemoryError():
-            return FAILED, "failed", _noted(str(error) or OUT, error)
+            return FAILED, "failed", _with_notes(str(error) or OUT, error)
         case Exception():
-            LOG.error("a mistake in flipflow", exc_info=error)
-            said = f"a mistake in flipflow: {type(error).__name__}: {error}"
-            return BROKEN, "failed", _noted(said, error)
+            LOG.error("internal error", exc_info=error)
+            message = f"internal error: {type(error).__name__}: {error}"
+            return BROKEN, "failed", _with_notes(message, error)
     raise error
 
 
-def _finished(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
-    """Writes what a run leaves at its end; returns its exit code, which is another one than
-    ``code`` where the summary says that the run is doubtful or incomplete, or cannot be written."""
+def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
+    """Writes what a run leaves at its end, and returns its exit code: another one than ``code`` where the
+    summary says that the run is doubtful or incomplete, or cannot be written."""
     try:
         figures = run.finish(status, reason)
-        _close(figures, folder, console)
+        _print_closing(figures, folder, console)
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
@@ -230,14 +236,14 @@ def _finished(run: Run, code: int, status: str, reason: str, folder: Path, conso
     return trust.EXIT_CODES.get(figures["status"], code)
 
 
-def _noted(reason: str, error: BaseException) -> str:
-    """With the member and the moment, where they are known."""
+def _with_notes(reason: str, error: BaseException) -> str:
+    """Returns the reason with the member and the moment, where they are known."""
     return "; ".join([reason, *getattr(error, "__notes__", ())])
 
 
-def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
-    """The first rank to fail speaks and ends all of them, wherever they wait.  What was refused
-    before anything was computed leaves no folder."""
+def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
+    """Ends all ranks, wherever they wait; the first one to fail prints why.  What was refused before
+    anything was computed leaves no folder."""
     if not run_folder.claim(folder / "failure.txt", reason, world.rank if world else 0):
         time.sleep(60)  # the rank that speaks ends this one, too, when it has written its summary
     else:
@@ -245,8 +251,8 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
         console = _console()
         console.print(reason)
         if status != "refused":
-            _leave_usable(run, status, reason, folder, console)
-            for line in last_good(folder, world):
+            _write_what_can_be(run, status, reason, folder, console)
+            for line in resume_lines(folder, world):
                 LOG.error(line)
                 console.print(line)
         elif run.resumes is None:
@@ -254,7 +260,7 @@ def _ended(run: Run, code: int, status: str, reason: str, folder: Path, world: A
     return ranks.end_all(world, code)
 
 
-def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:
+def _write_what_can_be(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:
     logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
     console.print(f"logs: {logs}" if logs else f"{folder} has gone")
     try:
@@ -263,21 +269,47 @@ def _leave_usable(run: Run, status: str, reason: str, folder: Path, console: Con
         console.print(f"no summary: {error or OUT}")
 
 
-def _close(figures: dict[str, Any], folder: Path, console: Console) -> None:
-    """The closing table, and where everything is."""
+def _print_closing(figures: dict[str, Any], folder: Path, console: Console) -> None:
+    """Prints the closing table, and where everything is."""
     if trust.came_to_its_end(figures["status"]):
         console.print(summary.closing_table(figures))
         for line in summary.closing_lines(figures):
-            _say(line, console)
+            _print_and_log(line, console)
         for tile in headline(figures.get("results") or {}):
-            _say(tile.line, console)
+            _print_and_log(tile.line, console)
         for doubt in figures["doubts"]:
             LOG.warning("do not trust this run: %s", doubt)
             console.print(f"WARNING: do not trust this run: {doubt}")
     console.print(run_folder.printable(f"results in {folder}"))
 
 
-def _say(line: str, console: Console) -> None:
-    """On the console and in the log."""
+def _print_and_log(line: str, console: Console) -> None:
+    """Prints a line on the console and in the log."""
     LOG.info(line)
     console.print(run_folder.printable(line))
+
+
+def resume_lines(folder: Path, world: Any) -> Iterator[str]:
+    """Yields where a run that failed can be taken up again, and the command."""
+    last = checkpoints.newest(folder)
+    if last is None:
+        return
+    good = checkpoints.at_sync_point(folder, last.good)
+    if good is None:
+        yield f"nothing was saved before; state at t = {last.simulated_s:g} s: {last.folder}"
+    else:
+        yield f"last good state: t = {good.simulated_s:g} s, {good.folder}"
+    yield f"to go on from there: {resume_hint(folder, world, good or last)}"
+
+
+def resume_hint(folder: Path, world: Any, save: Save | None = None) -> str:
+    """Returns the command that takes the run up again, from ``save`` or the last one."""
+    with_ranks = [] if world is None else ["mpirun", *_as_root(), "-n", str(world.size)]
+    point = [] if save is None else ["--save", str(save.sync_points)]
+    return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
+
+
+def _as_root() -> list[str]:
+    """Returns what Open MPI's mpirun wants of root where the environment does not allow root."""
+    allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
+    return [] if allowed else ["--allow-run-as-root"]

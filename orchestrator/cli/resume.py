@@ -1,4 +1,4 @@
-"""A run that goes on from its last save, in its own folder."""
+"""A run that goes on from a checkpoint, in its own folder."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from orchestrator.cli.launch import carried_out, ready, refused
+from orchestrator.cli.launch import execute, report_refusal, require_runnable
 from orchestrator.coupling import ranks
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
@@ -21,23 +21,23 @@ KILLED = "the run had been killed, or the machine stopped: nothing says how it e
 
 
 def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
-    """Goes on with a run on every rank, from its last save or from that of a ``sync_point``;
-    returns the exit code."""
+    """Goes on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
+    Returns the exit code."""
     world = ranks.communicator()
     try:
-        save = ranks.first_rank_does(world, lambda: _save(folder, sync_point))
+        save = ranks.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
         as_saved = load(folder, None, overrides)
         loaded = replace(as_saved, name=save.about["name"], level=save.about["level"])
-        ready(loaded)
+        require_runnable(loaded)
         entries = account(loaded.described, loaded.left_out)
-        said = ranks.first_rank_does(world, lambda: _prepare(folder, save, loaded, world))
-        return carried_out(loaded, entries, folder, world, save, said)
+        warned = ranks.first_rank_does(world, lambda: _prepare_folder(folder, save, loaded, world))
+        return execute(loaded, entries, folder, world, save, warned)
     except Exception as error:
-        return refused(world, error)
+        return report_refusal(world, error)
 
 
-def _save(folder: Path, sync_point: int | None) -> Save:
-    """The last save that is whole, or the one of a sync point.  Raises FolderUnusable."""
+def _find_checkpoint(folder: Path, sync_point: int | None) -> Save:
+    """Returns the last checkpoint that is whole, or the one of a sync point.  Raises FolderUnusable."""
     if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
         raise FolderUnusable(f"{folder}: is not the folder of a run")
     if is_at_work(folder):
@@ -58,9 +58,9 @@ def _save(folder: Path, sync_point: int | None) -> Save:
     return save
 
 
-def _prepare(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[str]:
-    """The folder as it was at the save; what there is to be said of that.  Raises FolderUnusable
-    for what is another run."""
+def _prepare_folder(folder: Path, save: Save, loaded: LoadedCase, world: Any) -> list[str]:
+    """Makes the folder as it was at the checkpoint, and returns warnings about that.  Raises
+    FolderUnusable for what is another run."""
     now = origin(loaded, folder, world)
     refuse_another_run(save, now)
     killed = [] if (folder / SUMMARY).exists() else [KILLED]

@@ -32,7 +32,7 @@ from orchestrator.run.progress import Progress
 
 @dataclass(frozen=True)
 class Ending:
-    """``effects``, ``stability``: what was judged of them before the run."""
+    """Writes the end of a run; ``effects`` and ``stability`` are what was judged of them before it."""
 
     loaded: LoadedCase
     effects: Mapping[str, Entry]
@@ -41,9 +41,9 @@ class Ending:
     console: Console
 
     def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
-        """Writes ``summary.json`` and the pictures; returns the summary.
+        """Writes ``summary.json`` and the pictures, and returns the summary.
 
-        ``status``: "done", "interrupted" or "failed", with the ``reason``.  A run that is done
+        ``status`` is "done", "interrupted" or "failed", with the ``reason``.  A run that is done
         may turn out to be doubtful or incomplete (``trust.py``).
         """
         case, folder, wall_s = self.loaded.case, self.folder, progress.wall_s
@@ -55,7 +55,7 @@ class Ending:
             "case": self.loaded.name,
             "level": self.loaded.level,
             "left_out": self.loaded.left_out,
-            "effects": {name: one.figures() for name, one in self.effects.items()},
+            "effects": {name: entry.figures() for name, entry in self.effects.items()},
             "share_of_width": share(case.whole),
             "cycle_s": cycle_s(case),
             "stability": words.figures(self.stability),
@@ -75,30 +75,30 @@ class Ending:
             figures["status"] = trust.state_at_end(figures)
         summary.write_summary(folder, figures)
         if case.output.pictures and figures["sync_intervals"]:
-            _draw(folder)
+            _draw_pictures(folder)
         return figures
 
     def _add_results(self, figures: dict[str, Any]) -> None:
         """Adds the results to ``figures`` and to ``history.h5``.
 
-        What could not be made is said on the console and in the log, and nothing else is lost.
+        What could not be made is reported on the console and in the log, and nothing else is lost.
         """
         failed: dict[str, str] = {}
         history = self.folder / HISTORY
-        with _noted(failed, "probes"), RunReader(self.folder) as reader:
+        with _record_error(failed, "probes"), RunReader(self.folder) as reader:
             figures["probes"] = plain(point_ranges(reader))
-        with _noted(failed, "everything"):
+        with _record_error(failed, "everything"):
             figures["results"] = results(self.folder)
             failed |= figures["results"]["failed"]
-            with _noted(failed, "effects"):
+            with _record_error(failed, "effects"):
                 self._check_effects(figures)
             figures["results"]["failed"] = failed
             store(history, figures["results"])
-        self._say_failed(figures, failed)
+        self._report_missing(figures, failed)
 
-    def _say_failed(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
-        """Says which results are missing because of a mistake in flipflow; the ``reason`` of a run
-        that came to its end is the same."""
+    def _report_missing(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
+        """Reports which results an internal error prevented; the ``reason`` of a run that came to its
+        end is the same."""
         for part, error in failed.items():
             LOG.error("results not made: %s: %s", part, error)
             self.console.print(f"WARNING: results not made: {part}: {error}")
@@ -110,7 +110,7 @@ class Ending:
         """Judges the effects again by what the run recorded.  Under a run that failed, that stands
         in the log only: the last lines of the console are why it failed and how to go on."""
         after = checked_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
-        figures["effects"] = {name: one.figures() for name, one in after.items()}
+        figures["effects"] = {name: entry.figures() for name, entry in after.items()}
         for line in at_end(after):
             LOG.log(logging.WARNING if line.startswith("WARNING") else logging.INFO, line)
             if figures["status"] != "failed":
@@ -118,9 +118,9 @@ class Ending:
 
 
 @contextmanager
-def _noted(failed: dict[str, str], part: str) -> Iterator[None]:
-    """Notes the error that prevents a part of the results, and goes on; the log has its traceback.
-    What the disk refuses is raised."""
+def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
+    """Records the error that prevents a part of the results, and goes on; the log has its traceback.
+    OSError is raised: nothing more can be written."""
     try:
         yield
     except OSError:
@@ -130,8 +130,8 @@ def _noted(failed: dict[str, str], part: str) -> Iterator[None]:
         failed[part] = named_error(error)
 
 
-def _draw(folder: Path) -> None:
-    """Pictures in a process of their own; one that fails is a warning in the log."""
+def _draw_pictures(folder: Path) -> None:
+    """Draws the pictures in a process of their own; one that fails is a warning in the log."""
     drawn = python("-m", "orchestrator.output.report.pictures", str(folder), capture_output=True)
     if drawn.returncode:
         LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

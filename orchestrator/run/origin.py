@@ -1,4 +1,4 @@
-"""What a save is of, and whether a run may go on from it.
+"""What a checkpoint is of, and whether a run may go on from it.
 
 The case may be changed in what only looks at the run (``FREE``), and may end later.  Anything else
 would make it another run.  Other versions, or another machine, make other last bits: that is said.
@@ -22,41 +22,41 @@ SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
 
 
 def origin(loaded: LoadedCase, run: Path, world: Any) -> dict[str, Any]:
-    """For ``save.json``; ``run`` is the folder with the resolved case and its files."""
+    """Returns what ``save.json`` says of it; ``run`` is the folder with the resolved case and its files."""
     return {
         "name": loaded.name,
         "level": loaded.level,
         "case": resolved_case(loaded),
-        "files": _files(run),
+        "files": _checksums(run),
         "provenance": provenance(1 if world is None else world.size),
     }
 
 
 def refuse_another_run(save: Save, now: Mapping[str, Any]) -> None:
-    """``now`` is what ``origin`` says.  Raises FolderUnusable, with all that is different."""
+    """Raises FolderUnusable with all that is different, where ``now`` (of ``origin``) is another run."""
     about = save.about
     ranks, then = now["provenance"]["ranks"], about["provenance"]["ranks"]
-    found = [
+    differing = [
         f"  {key}: {shown(before)} was saved, now it is {shown(after)}"
         for key, before, after in differences(about["case"], now["case"])
-        if not _may(key, after, save.simulated_s)
+        if not _may_change(key, after, save.simulated_s)
     ]
     for name, digest in about["files"].items():
         if now["files"].get(name) != digest:
-            found.append(f"  {name} is another file")
+            differing.append(f"  {name} is another file")
     if ranks != then:
-        found.append(f"  {then} processes saved it, now there are {ranks}")
-    if found:
+        differing.append(f"  {then} processes saved it, now there are {ranks}")
+    if differing:
         free = ", ".join(sorted(FREE))
         raise FolderUnusable(
             f"{save.folder.parent.parent}: this is not the run that was saved:\n"
-            + "\n".join(found)
+            + "\n".join(differing)
             + f"\nIt may end later (duration_s) and change in: {free}; all else needs a new run."
         )
 
 
 def warnings(save: Save, now: Mapping[str, Any]) -> list[str]:
-    """What makes other last bits."""
+    """Returns a line for each difference that may change the last bits."""
     then = save.about["provenance"]
     return [
         f"saved with {key} {before}, now it is {after}: the last bits may differ"
@@ -66,14 +66,14 @@ def warnings(save: Save, now: Mapping[str, Any]) -> list[str]:
 
 
 def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
-    """Keys (dotted) with both values, None where there was none."""
+    """Returns the dotted keys that differ, with both values, None where there is none."""
     flat = _flat(before), _flat(after)
     keys = sorted(flat[0].keys() | flat[1].keys())
     values = ((key, flat[0].get(key), flat[1].get(key)) for key in keys)
     return [(key, old, new) for key, old, new in values if old != new]
 
 
-def _may(key: str, after: Any, simulated_s: float) -> bool:
+def _may_change(key: str, after: Any, simulated_s: float) -> bool:
     if key == "duration_s":
         return isinstance(after, float | int) and after >= simulated_s
     return key.split(".")[0] in FREE
@@ -89,7 +89,7 @@ def _flat(value: Any, within: str = "") -> dict[str, Any]:
     return {key: one for name, part in parts for key, one in _flat(part, name).items()}
 
 
-def _files(run: Path) -> dict[str, str]:
-    """Checksums of the files that the case names."""
+def _checksums(run: Path) -> dict[str, str]:
+    """Returns checksums of the files that the case names."""
     named = [*run.glob("*.stl"), *run.glob(RECORDING)]
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named}
