@@ -13,8 +13,9 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies import paper, sweep
-from orchestrator.studies.quantities import Sweep, Unknown
+from orchestrator.studies.criteria import CriterionResult, criteria_runs, judge, read_criteria, write_verdicts
+from orchestrator.studies.measures import Runs, Unknown
+from orchestrator.studies.points import Point
 from tests.case.cases import CASE, written
 
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
@@ -25,15 +26,15 @@ HELD = (
 )
 HEAD = f'source = "made up"\n[runs.speed]\nvary = "{SPEED}=70,60,80,90"\n'
 ROW = """
-[[rows]]
+[[criteria]]
 what = "a"
-of = "speed"
+run = "speed"
 at = "70"
-quantity = "amplitude"
-point = "driven-driving"
-paper = 6.0
+measure = "amplitude"
+of = "driven-driving"
+unit = "mm"
+reference = 6.0
 band = [5.4, 6.6]
-fitted = false
 """
 
 
@@ -47,22 +48,25 @@ def case(tmp_path: Path) -> Path:
     before, after = CASE.split("[screen.bushings.isolation]")
     text = before + DRIVEN + HELD + "[screen.bushings.isolation]" + after
     folder = written(tmp_path / "case", text)
-    (folder / "paper.toml").write_text(HEAD + ROW)
+    (folder / "criteria.toml").write_text(HEAD + ROW)
     return folder
 
 
-def compared(case: Path, text: str) -> list[paper.Line]:
+def compared(case: Path, text: str) -> list[CriterionResult]:
     """With runs in which both frames swing along x, against each other."""
-    (case / "paper.toml").write_text(HEAD + text)
-    wanted = paper.read(case)
-    found = paper.runs(wanted, case, None, [], case.parent / "out")
-    for point in found["speed"].points:
+    (case / "criteria.toml").write_text(HEAD + text)
+    runs = runs_of(case)
+    for point in runs["speed"].points:
         if not point.folder.exists():
             fake(point)
-    return paper.compared(wanted, found)
+    return [judge("case", row, runs) for row in read_criteria(case).criteria]
 
 
-def fake(point: sweep.Point) -> None:
+def runs_of(case: Path) -> dict[str, Runs]:
+    return criteria_runs(read_criteria(case), case, None, [], case.parent / "out")
+
+
+def fake(point: Point) -> None:
     speed = float(point.value)
     driving, driven = moved_mm(speed)
     written(point.folder, (point.loaded.folder / "case.toml").read_text())
@@ -89,14 +93,14 @@ def orbit(along_mm: float) -> dict[str, list[float]]:
 
 def test_relative_amplitude(case: Path) -> None:
     (line,) = compared(case, ROW)
-    assert line.ours == pytest.approx(sum(moved_mm(70)), rel=1e-6)
+    assert line.measured == pytest.approx(sum(moved_mm(70)), rel=1e-6)
     assert line.error == pytest.approx(sum(moved_mm(70)) / 6 - 1, rel=1e-6)
     assert line.verdict == "NOT MET"
 
 
 def test_bands_and_fits(case: Path) -> None:
     met = ROW.replace("[5.4, 6.6]", "[8.0, 9.0]")
-    found = compared(case, met + met.replace("fitted = false", "fitted = true"))
+    found = compared(case, met + met + "fitted = true\n")
     assert [line.verdict for line in found] == ["met", "met (fitted)"]
 
 
@@ -106,15 +110,15 @@ def test_bands_and_fits(case: Path) -> None:
 )
 def test_quantities_of_a_sweep(case: Path, quantity: str, unit: str, expected: float) -> None:
     """A parabola through three of its points is the parabola."""
-    row = ROW.replace('at = "70"\n', f'unit = "{unit}"\n').replace('"amplitude"', f'"{quantity}"')
+    row = ROW.replace('at = "70"\n', f'compare = "{quantity}"\n').replace('"mm"', f'"{unit}"')
     (line,) = compared(case, row.replace("driven-driving", "driving"))
-    assert line.ours == pytest.approx(expected, rel=1e-6)
+    assert line.measured == pytest.approx(expected, rel=1e-6)
 
 
 def test_the_arch_of_a_panel(case: Path) -> None:
     row = ROW.replace("amplitude", "arch").replace("driven-driving", "deck")
     (line,) = compared(case, row)
-    assert line.ours == pytest.approx(20.0)  # mm; the first half of the run does not count
+    assert line.measured == pytest.approx(20.0)  # mm; the first half of the run does not count
 
 
 @pytest.mark.parametrize(
@@ -126,9 +130,9 @@ def test_the_arch_of_a_panel(case: Path) -> None:
 )
 def test_what_the_runs_do_not_tell(case: Path, change: tuple[str, str], said: str) -> None:
     (line,) = compared(case, ROW.replace(*change))
-    assert line.ours is None
-    assert not line.good
-    assert said in line.verdict
+    assert line.measured is None
+    assert not line.is_good
+    assert said in line.answer
 
 
 def test_a_run_without_first_harmonics_says_why(case: Path) -> None:
@@ -137,21 +141,21 @@ def test_a_run_without_first_harmonics_says_why(case: Path) -> None:
     seldom = "the series have 1.8 rows in a cycle of 0.0898 s; 20 are needed"
     write_summary(folder, {"status": "done", "results": {"missing": {"orbits": seldom}}})
     (line,) = compared(case, ROW)
-    assert line.verdict.endswith(seldom)
+    assert line.answer.endswith(seldom)
 
 
 def test_a_run_that_failed_is_no_value(case: Path) -> None:
     compared(case, ROW)
     write_summary(case.parent / "out/speed/speed_rad_per_s-70", {"status": "failed"})
     (line,) = compared(case, ROW)
-    assert line.verdict == "speed_rad_per_s-70: failed"
+    assert (line.answer, line.verdict) == ("speed_rad_per_s-70: failed", "NOT MET")
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (('of = "speed"', 'of = "load"'), 'rows.0.of: no of "load"'),
-        (("amplitude", "amplitudes"), 'no quantity "amplitudes"'),
+        (('run = "speed"', 'run = "load"'), 'criteria.0.run: no run "load"'),
+        (("amplitude", "amplitudes"), 'no measure "amplitudes"'),
         (('what = "a"\n', ""), "what: missing"),
         (("what = ", "whut = "), 'did you mean "what"?'),
     ],
@@ -164,40 +168,43 @@ def test_a_wrong_table_is_said(case: Path, change: tuple[str, str], said: str) -
 
 def test_the_file_has_every_row(case: Path) -> None:
     found = compared(case, ROW)
-    none = replace(found[0], ours=None, why="not run")
-    table = csv.DictReader(paper.write([*found, none], case).read_text().splitlines())
-    assert [row["verdict"] for row in table] == ["NOT MET", "not run"]
+    none = replace(found[0], measured=None, why="not run")
+    file = write_verdicts([*found, none], case, "paper")[0]
+    rows = list(csv.DictReader(file.read_text().splitlines()))
+    assert [row["verdict"] for row in rows] == ["NOT MET", "NOT MET"]
+    assert float(rows[0]["value"]) == pytest.approx(sum(moved_mm(70)), rel=1e-6)
+    assert rows[1]["measured"] == "not run"
 
 
-@pytest.mark.parametrize("case_folder", sorted(Path(__file__).parents[1].glob("cases/*/paper.toml")))
+@pytest.mark.parametrize("case_folder", sorted(Path(__file__).parents[1].glob("cases/*/criteria.toml")))
 def test_every_papers_table_is_right(case_folder: Path) -> None:
     """Its bands hold the paper's own values."""
-    for row in paper.read(case_folder.parent).rows:
+    for row in read_criteria(case_folder.parent).criteria:
         if row.band is not None:
             low, high = row.band
+            assert low is not None
+            assert high is not None
             assert low < high
-            assert row.paper is None or low <= row.paper <= high
+            assert row.reference is None or low <= row.reference <= high
 
 
 def test_what_cannot_be_compared_is_shown(case: Path) -> None:
     (line,) = compared(case, ROW.replace("band = [5.4, 6.6]\n", ""))
-    assert line.ours == pytest.approx(sum(moved_mm(70)), rel=1e-3)
+    assert line.measured == pytest.approx(sum(moved_mm(70)), rel=1e-3)
     assert line.verdict == "not compared"
 
 
 def test_a_sweep_may_be_cut(case: Path) -> None:
-    wanted = paper.read(case)
-    (whole,) = paper.runs(wanted, case, None, [], case.parent / "out").values()
-    assert isinstance(whole, Sweep)
+    (whole,) = runs_of(case).values()
     assert whole.between((65, 85)).values.tolist() == [70.0, 80.0]
 
 
 def test_values_that_are_no_numbers(case: Path) -> None:
     """Whole tables, in the order given; a range of them cannot be asked for."""
-    (runs,) = paper.runs(paper.read(case), case, None, [], case.parent / "out").values()
+    (runs,) = runs_of(case).values()
     values = ["[0.0035, 0, 0]", "[0.0015, 0, 0]"]
     points = [replace(runs.points[n], value=value) for n, value in enumerate(values)]
-    tables = Sweep(runs.vary, points)
+    tables = Runs(tuple(points), runs.vary)
     assert [point.value for point in tables.between(None).points] == values
     with pytest.raises(Unknown, match="is no number"):
         tables.between((0, 1))
@@ -207,14 +214,14 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
     """Numbers of the results by their path; shares where the summary has percents."""
     rows = [
         ROW.replace('at = "70"\n', part)
-        .replace('"amplitude"', f'"{quantity}"')
-        .replace('"driven-driving"', f'"{path}"')
+        .replace('"amplitude"', f'"{measure}"')
+        .replace('"driven-driving"', f'"results.{path}"')
         .replace("5.4, 6.6", band)
-        + f'unit = "{unit}"\n'
-        for quantity, part, path, band, unit in (
+        .replace('"mm"', f'"{unit}"')
+        for measure, part, path, band, unit in (
             ("result", 'at = "80"\n', "screening.efficiency_percent", "79.9, 80.1", "%"),
-            ("effect", "", "screening.efficiency_percent", "29.9, 30.1", "%"),
-            ("effect", "", "bed.velocity_m_per_s", "2.9, 3.1", "m/s"),
+            ("result", 'compare = "change"\n', "screening.efficiency_percent", "29.9, 30.1", "%"),
+            ("result", 'compare = "change"\n', "bed.velocity_m_per_s", "2.9, 3.1", "m/s"),
             ("result", 'at = "80"\n', "screening.sections.0.depth_m", "0.79, 0.81", "m"),
             ("rise", 'at = "80"\n', "screening.sections.*.depth_m", "-0.11, -0.09", "m"),
             ("result", 'at = "80"\n', "screening.absent.value_m", "0, 1", "m"),
@@ -222,4 +229,4 @@ def test_results_and_their_change_over_a_sweep(case: Path) -> None:
     ]
     *known, unknown = compared(case, "".join(rows))
     assert [line.verdict for line in known] == ["met"] * 5
-    assert "absent" in unknown.verdict
+    assert "absent" in unknown.answer

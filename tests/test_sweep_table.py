@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies import sweep_table
+from orchestrator.studies.commands import sweep
 from orchestrator.studies.points import Vary
 
 VARY = Vary("screen.exciters.shaft.speed_rad_per_s", ("58", "78", "98", "118"))
@@ -58,15 +58,14 @@ def points(tmp_path: Path) -> list[Any]:
 
 def test_a_measured_figure_does_not_overwrite_the_swept_value(points: list[Any]) -> None:
     """Both end with speed_rad_per_s."""
-    table = sweep_table.rows(VARY, points)
+    table = sweep.sweep_rows(VARY, points)
     assert [row[VARY.key] for row in table] == ["58", "78", "98", "118"]
     assert table[0]["speed_rad_per_s"] == 78.5
     assert table[3] == {VARY.key: "118", "status": "failed"}
 
 
 def test_every_single_result_is_there_with_its_interval(points: list[Any], tmp_path: Path) -> None:
-    table = sweep_table.rows(VARY, points)
-    file = sweep_table.write(table, VARY, tmp_path)[0]
+    file = sweep.write_sweep(VARY, points, tmp_path)[0]
     row = next(csv.DictReader(file.read_text().splitlines()))
     assert float(row["screening.efficiency_percent"]) == 80.0
     assert float(row["screening.efficiency_percent.half_width"]) == 1.5
@@ -79,23 +78,24 @@ def test_every_single_result_is_there_with_its_interval(points: list[Any], tmp_p
 
 
 def test_what_has_not_settled_says_so(points: list[Any], tmp_path: Path) -> None:
-    assert [row.get("settled") for row in sweep_table.rows(VARY, points)] == ["yes", "no", "yes", None]
+    assert [row.get("settled") for row in sweep.sweep_rows(VARY, points)] == ["yes", "no", "yes", None]
 
 
 def test_without_frames_there_are_the_results(tmp_path: Path) -> None:
-    found = sweep_table.rows(VARY, [point(tmp_path, value, "done") for value in VARY.values])
+    points = [point(tmp_path, value, "done") for value in VARY.values]
+    found = sweep.sweep_rows(VARY, points)
     assert {row["settled"] for row in found} == {"unknown: the case has no frames"}
-    files = sweep_table.write(found, VARY, tmp_path)
+    files = sweep.write_sweep(VARY, points, tmp_path)
     assert [file.name for file in files] == ["sweep.csv", "sweep.png"]
 
 
 def test_only_good_points_are_drawn_as_data(points: list[Any], tmp_path: Path) -> None:
-    table = sweep_table.rows(VARY, points)
+    table = sweep.sweep_rows(VARY, points)
     for column, kinds in (
         ("a.x_m", ["good", "open", "cross"]),
         ("bed.velocity_m_per_s", ["good", "good", "cross"]),
     ):
-        assert [sweep_table._kind(row, column) for row in table[:3]] == kinds
-    picture = sweep_table.write(table, VARY, tmp_path)[1]
+        assert [sweep._kind(row, column) for row in table[:3]] == kinds
+    picture = sweep.write_sweep(VARY, points, tmp_path)[1]
     pixels = matplotlib.image.imread(picture)[..., :3]
     assert 0.01 < (np.abs(pixels - pixels[0, 0]).max(axis=-1) > 0.1).mean() < 0.9

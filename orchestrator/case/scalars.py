@@ -159,6 +159,12 @@ SCALARS: dict[str, Scalar] = {
 }
 
 
+def value_at(summary: Summary, name: str) -> Value | None:
+    """Returns a number of a run's summary by a short name, or by keys with dots; None where the run
+    does not have it."""
+    return (SCALARS[name].of if name in SCALARS else _at(name))(summary)
+
+
 def is_of_separation(name: str) -> bool:
     """Whether a result is of what came in and went out."""
     separated = ("efficiency", "recovery", "undersize", "oversize")

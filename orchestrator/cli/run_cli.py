@@ -80,8 +80,8 @@ def record(
     from orchestrator.case import recording_file
     from orchestrator.output.records.run_folder import SUMMARY
     from orchestrator.output.records.trust import is_trusted
+    from orchestrator.studies.points import status
     from orchestrator.studies.record import record as recorded
-    from orchestrator.studies.sweep import status
 
     with reported_errors():
         made = recorded(run, cycles)

@@ -34,8 +34,7 @@ from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember, remembered
 from orchestrator.preflight.levels import LoadedCase, level_names, load
-from orchestrator.studies.sampling import sample_s
-from orchestrator.studies.sweep import MAIN
+from orchestrator.studies.points import MAIN, sample_s
 
 LIMIT_S = 30.0
 """Processor time that one run of a pair may take, as it is predicted."""

@@ -1,18 +1,172 @@
-"""The values of a sweep: a key of the case and what to give it."""
+"""Points of a study: runs of a case, each in a process and a folder of its own, never made twice.
+
+A point is a case with ``--set`` overlays.  ``run_points`` makes those that are missing, side by
+side; however it is ended, calling it again goes on with the rest.
+"""
 
 from __future__ import annotations
 
+import json
+import signal
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.file.overlays import changed
+from orchestrator.case.tables.case import Case
+from orchestrator.output.records import trust
+from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, resolved_case, write_json
+from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.subprocesses import python
+from orchestrator.ports.clock import exact
+from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.studies.workers import Crew
 
-MOST = 1000
+MAIN = "from orchestrator.cli.main import main; main()"
+MOST_VALUES = 1000
+SAMPLES_PER_S = 2500  # of shapes and series: enough for accelerations to 500 Hz
+
+
+def summary_of(folder: Path) -> dict[str, Any]:
+    """Returns what ``summary.json`` of a run's folder holds; empty without a readable one.  Raises
+    OtherFormat where another version of flipflow wrote it."""
+    try:
+        return RunReader(folder).summary
+    except (OSError, ValueError):
+        return {}
+
+
+def status(folder: Path) -> str:
+    """Returns the state of the run in a folder, as in its summary; "missing" without one."""
+    return str(summary_of(folder).get("status", "missing"))
+
+
+def came_to_its_end(folder: Path) -> bool:
+    """Returns whether the run of a folder need not be made again; it may still be doubtful."""
+    return trust.came_to_its_end(status(folder))
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of a study: what is asked for, and the folder where it is or will be.
+
+    ``value`` names it; ``words`` are the command that makes it, ``then`` one more in the same
+    folder; ``ended`` tells of its folder whether nothing is left to be run.
+    """
+
+    value: str
+    loaded: LoadedCase
+    words: tuple[str, ...]
+    folder: Path
+    then: tuple[str, ...] = ()
+    ended: Callable[[Path], bool] = came_to_its_end
+
+    def done(self) -> bool:
+        """Returns whether it has been run to its end.  Raises FolderUnusable if the folder holds a
+        finished run of another case."""
+        if not self.ended(self.folder):
+            return False
+        if differing := self._differing():
+            raise FolderUnusable(
+                f"{self.folder}: holds a run of another case (it differs in {differing}); "
+                "give another folder with --out"
+            )
+        return True
+
+    def _differing(self) -> str:
+        """Returns keys in which the folder's case differs.  Keys that cases got since it was run
+        have their defaults there."""
+        try:
+            there = resolved_case(load(self.folder / "case.toml"))
+        except CaseError as error:
+            return ", ".join(".".join(map(str, problem.key)) for problem in error.mistakes[:3])
+        keys = list(changed(there, resolved_case(self.loaded)))
+        return ", ".join(".".join(key) for key in keys[:3])
+
+    def status(self) -> str:
+        """Returns its state, as in its summary; "missing" without one."""
+        return status(self.folder)
+
+    def side_by_side(self) -> int:
+        """Returns how many points were run at a time when this one was; 0 where nobody wrote it
+        down."""
+        try:
+            return int(json.loads(_about(self.folder).read_text())["side_by_side"])
+        except (OSError, ValueError, KeyError):
+            return 0
+
+
+def check_case(case: Path, level: str | None, sets: Sequence[str]) -> LoadedCase:
+    """Returns a case that can be run.  Raises CaseError with all that is wrong with it."""
+    loaded = load(case, level, sets)
+    if wrong := mistakes(loaded):
+        raise CaseError(wrong)
+    return loaded
+
+
+def point(case: Path, level: str | None, sets: Sequence[str], value: str, folder: Path) -> Point:
+    """Returns the run of a case with ``sets`` in ``folder``.  Raises CaseError for a case that is
+    wrong."""
+    loaded = check_case(case, level, sets)
+    options = [word for each in sets for word in ("--set", each)]
+    at_level = ["--level", loaded.level] if loaded.level else []
+    words = ("run", str(case.resolve()), *at_level, *options, "--out", str(folder.resolve()))
+    return Point(value, loaded, words, folder)
+
+
+def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
+    """Runs those that are not done, side by side, and yields a line when one has ended.  What an
+    unfinished run left is kept under another name.  Raises FolderUnusable before anything is run."""
+    waiting: list[Point] = []
+    done: list[Point] = []
+    for each in points:
+        if is_at_work(each.folder):
+            raise FolderUnusable(f"{each.folder}: a run is at work there; wait for its end")
+        (done if each.done() else waiting).append(each)
+    yield from (f"{each.folder.name}: done before" for each in done)
+    beside = min(crew.workers, len(waiting))
+    yield from crew.each(partial(_run, (p.words, p.then), p.folder.resolve(), beside) for p in waiting)
+
+
+def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
+    _put_aside(folder)
+    log = folder.with_name(f"{folder.name}.log")
+    log.parent.mkdir(parents=True, exist_ok=True)
+    write_json(_about(folder), {"side_by_side": beside})
+    code = 0
+    with log.open("w", encoding="utf-8") as text:
+        for words in commands:
+            if words and code == 0:
+                code = python(
+                    *("-c", MAIN, *words), stdout=text, stderr=subprocess.STDOUT, env={"OMP_NUM_THREADS": "1"}
+                ).returncode
+    how = f"killed ({signal.Signals(-code).name})" if code < 0 else status(folder)
+    return f"{folder.name}: {how}" + (f" ({log})" if code else "")
+
+
+def _about(folder: Path) -> Path:
+    return folder.with_name(f"{folder.name}.json")
+
+
+def _put_aside(folder: Path) -> None:
+    number = 1
+    while folder.exists():
+        aside = folder.with_name(f"{folder.name}-unfinished-{number}")
+        if not aside.exists():
+            folder.rename(aside)
+        number += 1
 
 
 @dataclass(frozen=True)
 class Vary:
-    """``key`` (dotted, as ``--set`` takes it) and its ``values`` as text."""
+    """A ``key`` of the case (dotted, as ``--set`` takes it) and the ``values`` to give it, as
+    text."""
 
     key: str
     values: tuple[str, ...]
@@ -22,14 +176,20 @@ class Vary:
         """The key's last word, which has the unit."""
         return self.key.rpartition(".")[2]
 
-    def folder(self, value: str) -> str:
-        """A name for the point's folder."""
-        plain = "".join(c if c.isalnum() or c in "+-._" else "_" for c in value)
-        return f"{self.name}-{plain}"
+    def points(self, case: Path, level: str | None, sets: Sequence[str], out: Path) -> list[Point]:
+        """Returns the run of each value; nothing is run if one of them is wrong.  Raises
+        CaseError."""
+        return [
+            point(case, level, [*sets, f"{self.key}={value}"], value, out / self._folder(value))
+            for value in self.values
+        ]
+
+    def _folder(self, value: str) -> str:
+        return f"{self.name}-" + "".join(c if c.isalnum() or c in "+-._" else "_" for c in value)
 
 
-def parsed(text: str) -> Vary:
-    """'key=a,b,c' or 'key=first:last:step', both ends included.  Raises CaseError."""
+def parse_vary(text: str) -> Vary:
+    """Reads 'key=a,b,c' or 'key=first:last:step', both ends included.  Raises CaseError."""
     key, equals, values = text.partition("=")
     if not equals or not key.strip() or not values.strip():
         raise _wrong(text, "is not key=values")
@@ -43,19 +203,19 @@ def parsed(text: str) -> Vary:
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
-    """In exact fractions: 0.1:0.3:0.1 has three values."""
+    """Counts in exact fractions: 0.1:0.3:0.1 has three values."""
     try:
         first, last, step = (Fraction(part.strip()) for part in values.split(":"))
     except (ValueError, ZeroDivisionError):
         raise _wrong(text, "is no range of numbers") from None
-    if step == 0 or (last - first) / step < 0 or (last - first) / step > MOST:
-        raise _wrong(text, f"is no range of 1 to {MOST} values")
+    if step == 0 or (last - first) / step < 0 or (last - first) / step > MOST_VALUES:
+        raise _wrong(text, f"is no range of 1 to {MOST_VALUES} values")
     count = int((last - first) / step) + 1
     return tuple(repr(float(first + number * step)) for number in range(count))
 
 
 def _apart(values: str) -> list[str]:
-    """At commas outside brackets."""
+    """Splits at commas outside of brackets."""
     parts, depth = [""], 0
     for letter in values:
         depth += (letter in "[{") - (letter in "]}")
@@ -69,3 +229,30 @@ def _apart(values: str) -> list[str]:
 def _wrong(text: str, what: str) -> CaseError:
     hint = "for example --vary screen.exciters.shaft.speed_rad_per_s=58:110:4"
     return CaseError([CaseProblem((), what, hint, f"--vary {text}")])
+
+
+def seeded(case: Case, number: int) -> tuple[str, ...]:
+    """Returns ``--set`` overlays of another choice of random numbers; 0 is the case's own."""
+    if number == 0:
+        return ()
+    tables = (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
+    return tuple(
+        f"bed.{kind}.{name}.seed={row.seed + number}" for kind, table in tables for name, row in table.items()
+    )
+
+
+def is_random(case: Case) -> bool:
+    """Returns whether seeds change anything."""
+    return bool(seeded(case, 1)) and case.particles.solver != "none"
+
+
+def sample_s(interval_s: float) -> Fraction:
+    """Returns the time between two samples: whole sync intervals of this length."""
+    return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
+
+
+def sampled_at(interval_s: float) -> tuple[str, ...]:
+    """Returns ``--set`` overlays of a run that is to be measured: rows often enough, at whole sync
+    intervals, and no pictures."""
+    every_s = float(sample_s(interval_s))
+    return (f"output.series_s={every_s!r}", f"output.shapes_s={every_s!r}", "output.pictures=false")

@@ -1,4 +1,5 @@
-"""Work side by side, with Dask: on this machine, or wherever a Dask scheduler has workers.
+"""Workers that make the points of a study, with Dask: on this machine, or wherever a Dask scheduler
+has workers.
 
 Each piece of work starts a process of its own, so that workers are threads.
 """
@@ -7,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -23,24 +24,31 @@ class Crew:
     workers: int
     scheduler: str = ""
 
-    def each(self, work: Sequence[Callable[[], str]]) -> Iterator[str]:
-        """What each piece of work says, in the order in which they end.  Interrupted, pieces that
-        have not begun are dropped."""
-        if not work:
-            return
+    def each(self, work: Iterable[Callable[[], str]]) -> Iterator[str]:
+        """Yields what each piece of work returns, in the order in which they end.  A piece is taken
+        from ``work`` only when a worker is free, so that it may depend on what ended before.
+        Interrupted, no more pieces are begun."""
+        waiting = iter(work)
         if self.workers == 1 and not self.scheduler:
-            yield from (piece() for piece in work)
+            yield from (piece() for piece in waiting)
+            return
+        first = next(waiting, None)
+        if first is None:
             return
         from distributed import as_completed
 
         with self._client() as client:
-            futures = [client.submit(piece, pure=False) for piece in work]
-            try:
-                for future in as_completed(futures):
-                    yield future.result()
-            except KeyboardInterrupt:  # which the runs have got, too, and end at a sync point
-                client.cancel(futures)
-                raise
+            running = as_completed([client.submit(first, pure=False)])
+            self._fill(client, running, waiting)
+            for future in running:
+                yield future.result()
+                self._fill(client, running, waiting)
+
+    def _fill(self, client: Any, running: Any, waiting: Iterator[Callable[[], str]]) -> None:
+        """Gives every free worker a piece, as far as there are any."""
+        free = max(1, sum(client.nthreads().values())) - running.count()
+        for _, piece in zip(range(free), waiting, strict=False):
+            running.add(client.submit(piece, pure=False))
 
     @contextmanager
     def _client(self) -> Iterator[Any]:
@@ -65,8 +73,9 @@ class Crew:
             yield client
 
 
-def fitting() -> int:
-    """How many runs at a time this machine bears: a processor and a gigabyte of memory for each."""
+def workers_that_fit() -> int:
+    """Returns how many runs at a time this machine bears: a processor and a gigabyte of memory for
+    each."""
     processors = len(os.sched_getaffinity(0))
     free_MiB = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**20
     return max(1, min(processors, int(free_MiB / PER_RUN_MIB)))

@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from orchestrator.studies.accuracy.answers import Answer, off
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.run_folder import write_json
 from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.level_file import write_level
 from orchestrator.preflight.levels import load
-from orchestrator.studies.accuracy.answers import Answer, off
 from orchestrator.studies.accuracy.calibration import Clock, Timing, part_s
 from orchestrator.studies.accuracy.filling import filling
 from orchestrator.studies.accuracy.plan import Plan, planned

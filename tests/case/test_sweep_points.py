@@ -10,7 +10,7 @@ import tomli_w
 
 from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies.sweep import Point, point
+from orchestrator.studies.points import Point, point
 from tests.runs.outside import ROOT
 
 

@@ -36,9 +36,9 @@ def effects(
     Exit code 4: what was said to be left out freely changes a result by more than 10 %, a fifth or
     more of what was said to matter does not, or a run is missing; 2: the bank is wrong.
     """
-    from orchestrator.output.records import run_folder
-    from orchestrator.studies import sweep
-    from orchestrator.studies.workers import Crew, fitting
+    from orchestrator.output.records.run_folder import study_folder
+    from orchestrator.studies.points import run_points
+    from orchestrator.studies.workers import Crew, workers_that_fit
     from tests.effect_bank import bank as banks
     from tests.effect_bank import tables
     from tests.effect_bank.confusion import confusion
@@ -52,8 +52,10 @@ def effects(
             return
         waiting = still_to_run(scenes)
         todo = [run for run, _ in every_run(scenes) if run.status() != "failed"]
-        with run_folder.study_folder(out):
-            sweep.run(todo, Crew(jobs or fitting()), Countdown(waiting, CONSOLE.print))
+        with study_folder(out):
+            countdown = Countdown(waiting, CONSOLE.print)
+            for line in run_points(todo, Crew(jobs or workers_that_fit())):
+                countdown(line)
         found = confusion(scenes)
         written = tables.write(found, out)
     if not CONSOLE.is_terminal:

@@ -18,7 +18,7 @@ from orchestrator.preflight.judgement.catalogue import Judged
 from orchestrator.preflight.judgement.pair import Change
 from orchestrator.preflight.levels import load
 from orchestrator.preflight.scene.effect import Part, Verdict
-from orchestrator.studies import sweep
+from orchestrator.studies import points as sweep
 from tests.effect_bank import bank as banks
 from tests.effect_bank import confusion, tables
 from tests.effect_bank.__main__ import app

@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.output.results.harmonics import find_orbits
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.studies import paper
+from orchestrator.studies.criteria import read_criteria
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words
 
 
@@ -21,10 +21,11 @@ def test_the_frames_move_as_in_table_4(tmp_path: Path) -> None:
     done = flipflow(*run_words("ffs0827-empty", folder, [*QUICK, "output.interval_s=0.1"]))
     assert done.returncode == 0, done.stderr
     results = RunReader(folder).results
-    rows = [row for row in paper.read(ROOT / "cases/ffs0827-empty").rows if row.paper is not None]
+    rows = [r for r in read_criteria(ROOT / "cases/ffs0827-empty").criteria if r.reference is not None]
     assert len(rows) == 13
     for row in rows:
-        amplitude_m = find_orbits(results)[row.point]["amplitude_m"]["xyz".index(row.axis)]
+        amplitude = find_orbits(results)[row.of]["amplitude_m"]["xyz".index(row.axis)]
+        assert row.band is not None
         low, high = row.band
-        assert low <= 1e3 * amplitude_m <= high, row.what
+        assert low <= 1e3 * amplitude <= high, row.what
     assert results["motion"]["drift"] < 0.02

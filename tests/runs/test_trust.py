@@ -12,14 +12,13 @@ from orchestrator.coupling.ledger import created_shares, share_created
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.levels import load
-from orchestrator.studies import sweep
+from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy import points as study_points
 from orchestrator.studies.accuracy.measured import read
-from orchestrator.studies.hard.outcome import outcome
+from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.ladder.climb import Step, source_of
 from orchestrator.studies.ladder.rungs import Rung
-from orchestrator.studies.points import Vary
-from orchestrator.studies.quantities import Sweep, Unknown, amplitude
+from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
 from tests.runs.outside import ROOT, summary
 
 ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
@@ -163,9 +162,9 @@ def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     """Nor do they run it again: it would be as doubtful.  Sweeps mark it as what it is
     (``tests/test_sweep_table.py``)."""
     assert doubtful.ended(doubtful.folder)
-    vary = Vary("duration_s", ("1.0",))
+    row = Criterion(what="a", run="one", measure="amplitude", of="driving")
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
-        amplitude(Sweep(vary, [doubtful]), "driving", "x")
+        evaluate(row, {"one": Runs((doubtful,))})
     point = study_points.Point("knob", "one", runs=(doubtful,))
     assert point.ended
     assert read([point]) == {}

@@ -21,7 +21,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.levels import load
-from orchestrator.studies import sweep
+from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.filling import filling
 from orchestrator.studies.accuracy.measured import parts_s
 from orchestrator.studies.accuracy.stored import Stored
@@ -91,7 +91,7 @@ def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
     doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
     with tempfile.TemporaryDirectory(prefix="flipflow-plan-") as scratch:
         one = sweep.point(case, level, sets, "short", Path(scratch) / "short")
-        sweep.run([one], Crew(1), lambda _: None)
+        list(sweep.run_points([one], Crew(1)))
         if not trust.came_to_its_end(one.status()):
             said = (Path(scratch) / "short.log").read_text(encoding="utf-8").strip()
             raise SolverFailed(f"the calibration run failed: {said.splitlines()[-1:]}")

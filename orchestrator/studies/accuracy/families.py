@@ -6,13 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from orchestrator.studies.accuracy.answers import Answer
 from orchestrator.studies.accuracy.knobs import Offer
 from orchestrator.studies.accuracy.measured import Error, Measured, Scatter, against, errors
 from orchestrator.studies.accuracy.model import Option
 from orchestrator.studies.accuracy.order import Order, observed
 from orchestrator.studies.accuracy.points import BASE, KNOB, named
 from orchestrator.studies.accuracy.setting import Family, Setting
+from orchestrator.studies.criteria import Criterion
 
 LEAST_SHARE = 0.01  # of the processor time, that a part must have to be compared
 
@@ -61,7 +61,7 @@ def measured_at(axis: str, setting: Setting, measured: Mapping[str, Measured]) -
 
 
 def converged(
-    family: Family, measured: Mapping[str, Measured], spread: Scatter, known: Mapping[str, Answer]
+    family: Family, measured: Mapping[str, Measured], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
     """None where nothing of it was measured."""
     every = [(one, measured_at(family.axis, one, measured)) for one in family.settings]
@@ -93,7 +93,7 @@ def _orders(
     return {name: order for name, order in orders.items() if order is not None}
 
 
-def _exact(family: Family, there: Measured, known: Mapping[str, Answer]) -> dict[str, float]:
+def _exact(family: Family, there: Measured, known: Sequence[Criterion]) -> dict[str, float]:
     """Errors against answers, and the energy that only a coupling creates."""
     found = against(there, known)
     created = there.mean("energy_defect") if family.axis == "coupling" else None
@@ -101,7 +101,7 @@ def _exact(family: Family, there: Measured, known: Mapping[str, Answer]) -> dict
 
 
 def all_converged(
-    offer: Offer, measured: Mapping[str, Measured], spread: Scatter, known: Mapping[str, Answer]
+    offer: Offer, measured: Mapping[str, Measured], spread: Scatter, known: Sequence[Criterion]
 ) -> list[Converged]:
     """Of every family of which something was measured."""
     found = (converged(family, measured, spread, known) for family in offer.families)

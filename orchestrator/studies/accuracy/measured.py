@@ -11,9 +11,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from orchestrator.output.results.estimate import CONFIDENCE
-from orchestrator.studies import sweep
-from orchestrator.studies.accuracy.answers import Answer, off
 from orchestrator.studies.accuracy.points import Point
+from orchestrator.studies.criteria import Criterion, answer_error
 from orchestrator.studies.figures import QUANTITIES, Figures, figures, relative
 
 
@@ -49,7 +48,7 @@ class Measured:
     @property
     def side_by_side(self) -> int:
         """How many runs were at work at a time when these were."""
-        return max(sweep.beside(one) for one in self.point.runs)
+        return max(one.side_by_side() for one in self.point.runs)
 
     @property
     def processor_by_part_s(self) -> dict[str, float]:
@@ -157,9 +156,9 @@ def errors(found: Measured, reference: Measured, spread: Scatter) -> dict[str, E
     return differences
 
 
-def against(found: Measured, known: Mapping[str, Answer]) -> dict[str, float]:
+def against(found: Measured, known: Sequence[Criterion]) -> dict[str, float]:
     """Relative errors against known answers, mean over the seeds."""
-    wrong = {name: [off(one, run.folder) for run in found.point.runs] for name, one in known.items()}
+    wrong = {row.what: [answer_error(row, run.folder) for run in found.point.runs] for row in known}
     told = {name: [x for x in each if x is not None] for name, each in wrong.items()}
     return {name: float(np.mean(each)) for name, each in told.items() if each}
 

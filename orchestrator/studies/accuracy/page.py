@@ -35,7 +35,7 @@ def write(study: Study, table: Sequence[Row], folder: Path) -> list[Path]:
         names={name: QUANTITIES[name] for name in QUANTITIES if _known(name, table)},
         short=SHORT,
         defects={name: DEFECTS[name] for name in DEFECTS},
-        answers=study.listed.known,
+        answers={row.what: row for row in study.listed.known},
         titles={name: knob.title for name, knob in KNOBS.items()},
         percent=percent,
         error=_error,

@@ -17,9 +17,9 @@ from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.levels import LoadedCase, load
-from orchestrator.studies import sweep
+from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.setting import Setting
-from orchestrator.studies.sampling import sample_s, sampled_at
+from orchestrator.studies.points import is_random, sample_s, sampled_at, seeded
 from orchestrator.studies.workers import Crew
 
 BASE, KNOB, TOGETHER, REFERENCE, CALIBRATION = "base", "knob", "diagonal", "reference", "short"
@@ -84,7 +84,7 @@ def common(case: Case, coarsest_s: float) -> tuple[str, ...]:
     every = sample_s(coarsest_s)
     shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
     return (
-        *(f"watch.{name}=warn" for name in shortens),
+        *(f"monitor.{name}=warn" for name in shortens),
         *sampled_at(coarsest_s),
         f"output.interval_s={_whole(exact(case.output.interval_s), every)!r}",
         f"duration_s={_whole(exact(case.duration_s), every)!r}",
@@ -94,21 +94,6 @@ def common(case: Case, coarsest_s: float) -> tuple[str, ...]:
 
 def _whole(time_s: Fraction, every: Fraction) -> float:
     return float(max(1, round(time_s / every)) * every)
-
-
-def seeded(case: Case, number: int) -> tuple[str, ...]:
-    """``--set`` overlays of another choice of random numbers; 0 is the case's own."""
-    if number == 0:
-        return ()
-    tables = (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
-    return tuple(
-        f"bed.{kind}.{name}.seed={row.seed + number}" for kind, table in tables for name, row in table.items()
-    )
-
-
-def is_random(case: Case) -> bool:
-    """Whether seeds change anything."""
-    return bool(seeded(case, 1)) and case.particles.solver != "none"
 
 
 def named(kind: str, settings: dict[str, Setting]) -> str:

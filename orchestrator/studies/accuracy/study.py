@@ -7,14 +7,14 @@ the diagonal: for each tolerance the settings that should meet it at the least c
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
 
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.levels import NUMERICS, LoadedCase
-from orchestrator.studies import sweep
-from orchestrator.studies.accuracy.answers import Answer, answers
+from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.calibration import part_s
 from orchestrator.studies.accuracy.families import Converged, all_converged, options, remaining
 from orchestrator.studies.accuracy.knobs import Offer, offer
@@ -30,22 +30,16 @@ from orchestrator.studies.accuracy.points import (
     Point,
     checked,
     common,
-    is_random,
     point,
     scale,
 )
 from orchestrator.studies.accuracy.setting import Setting
+from orchestrator.studies.criteria import Criterion, known_answers
 from orchestrator.studies.figures import QUANTITIES, happens
+from orchestrator.studies.points import is_random
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
 SHORT = 5  # the short part is one of so many of the run
-
-Say = Callable[[str], None]
-
-
-class Unmeasured(Exception):
-    """The case as it is does not run to its end, or not so that it could be trusted: there is
-    nothing to compare with."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +51,7 @@ class Listed:
     offer: Offer
     shared: tuple[str, ...]
     points: list[Point]
-    known: dict[str, Answer]
+    known: tuple[Criterion, ...]
 
     @property
     def random(self) -> bool:
@@ -103,10 +97,10 @@ def listed(asked: Asked) -> Listed:
     return Listed(asked, loaded, there, shared, points, _known(asked))
 
 
-def _known(asked: Asked) -> dict[str, Answer]:
+def _known(asked: Asked) -> tuple[Criterion, ...]:
     """Answers are of the case as it is described: they do not hold for another physics."""
     numerics = all(one.partition(".")[0] in NUMERICS for one in asked.sets)
-    return answers(asked.case) if numerics else {}
+    return known_answers(asked.case) if numerics else ()
 
 
 def _short(base: Point) -> dict[str, Setting]:
@@ -117,34 +111,42 @@ def _short(base: Point) -> dict[str, Setting]:
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
 
-def studied(asked: Asked, say: Say) -> Study:
-    """Runs what is not done yet.  Raises CaseError, FolderUnusable and Unmeasured."""
+def studied(asked: Asked) -> Generator[str, None, Study]:
+    """Runs what is not done yet, yields a line for each run, and returns what was found.  Raises
+    CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable."""
     there = listed(asked)
     start = there.points[:2]
-    _run(start, asked, say)
+    yield from _run(start, asked)
     first = read(start)
     if BASE not in first:
         one = next((run for run in start[0].runs if run.status() != "done"), start[0].runs[0])
-        raise Unmeasured(
-            f"{one.folder}: the run of the case as it is is {one.status()}, so that there is "
-            f"nothing to compare with; {one.folder}.log says why"
+        raise _unmeasured(
+            one,
+            f"the run of the case as it is is {one.status()}, so that there is nothing to compare with",
+            f"{one.folder}.log says why",
         )
     if not happens({name: first[BASE].mean(name) for name in QUANTITIES}):
-        raise Unmeasured(
-            f"{start[0].runs[0].folder}: nothing happens in the case as it is: no panel, frame or "
-            "particle moves by more than can be resolved (a nanometre), and no clamp's pull "
-            "changes, so that there are no errors to compare; let it last until something does"
+        raise _unmeasured(
+            start[0].runs[0],
+            "nothing happens in the case as it is: no panel, frame or particle moves by more than "
+            "can be resolved (a nanometre), and no clamp's pull changes, so that there are no errors "
+            "to compare",
+            "let it last until something does",
         )
     points = afford(there.points, asked, first)
-    _run(points[2:], asked, say)
+    yield from _run(points[2:], asked)
     before = _evaluated(there, points, {}, BASE)
     proposed = _proposed(before)
     there_already = {one.name for one in points}
     new = list({one.name: one for one, _ in proposed if one.name not in there_already}.values())
-    _run(new, asked, say)
+    yield from _run(new, asked)
     reference = next((one.name for one, _ in proposed if one.done), BASE)
     proposals = {one.name: proposal for one, proposal in proposed}
     return _evaluated(there, [*points, *new], proposals, reference)
+
+
+def _unmeasured(run: sweep.Point, why: str, hint: str) -> CaseError:
+    return CaseError([CaseProblem((), why, hint, str(run.folder))])
 
 
 def _evaluated(there: Listed, points: list[Point], proposals: dict[str, Proposal], reference: str) -> Study:
@@ -201,7 +203,7 @@ def _affordable(one: Point, cost_s: float, budget_s: float) -> Point:
     return replace(one, runs=(), predicted_s=cost_s, omitted=why)
 
 
-def _run(points: Sequence[Point], asked: Asked, say: Say) -> None:
+def _run(points: Sequence[Point], asked: Asked) -> Iterator[str]:
     """Runs that have failed are results, too, and not run again."""
     todo = [run for one in points for run in one.runs if run.status() != "failed"]
-    sweep.run(todo, asked.crew, say)
+    yield from sweep.run_points(todo, asked.crew)

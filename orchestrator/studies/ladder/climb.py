@@ -16,12 +16,11 @@ from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.levels import LoadedCase, load
-from orchestrator.studies import sweep
+from orchestrator.studies import points as sweep
 from orchestrator.studies.ladder.motion import drives
 from orchestrator.studies.ladder.rungs import Rung, rungs
+from orchestrator.studies.points import Point, sampled_at
 from orchestrator.studies.record import record
-from orchestrator.studies.sampling import sampled_at
-from orchestrator.studies.sweep import Point
 from orchestrator.studies.workers import Crew
 
 RECORDING = "panels.h5"
@@ -108,7 +107,8 @@ def _shared(steps: Sequence[Step]) -> list[Step]:
 
 def _run(steps: Sequence[Step], wanted: Wanted, say: Callable[[str], None]) -> None:
     once = {step.point.folder: step.point for step in steps if step.point is not None}
-    sweep.run(list(once.values()), Crew(wanted.jobs), say)
+    for line in sweep.run_points(list(once.values()), Crew(wanted.jobs)):
+        say(line)
 
 
 def _made(wanted: Wanted, common: Sequence[str], step: Step, steps: Sequence[Step], base: LoadedCase) -> Step:

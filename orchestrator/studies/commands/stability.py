@@ -1,0 +1,275 @@
+"""``flipflow study stability``: benchmarks, cases that are hard to couple, and the map of what stays
+stable: coupling scheme, sync interval, mass of the bed over the panel's.
+
+A benchmark is a case whose ``criteria.toml`` says what happens and what must come of it.  The map
+belongs to a case whose ``map.toml`` says which key changes the mass of the bed.  Sync intervals are
+multiples of the largest safe one of the plain scheme (particles-first) at that mass, as the
+stability report gives it, for every scheme alike: what a scheme gains is read off along a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import matplotlib.pyplot as plt
+import typer
+from annotated_types import Len
+from matplotlib.lines import Line2D
+from pydantic import ValidationError
+
+from orchestrator.case.file.errors import CaseError, CaseProblem, from_validation
+from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.quantities import OneLine, Positive, Table
+from orchestrator.coupling.ledger import share_created
+from orchestrator.coupling.schemes import SCHEMES
+from orchestrator.output.records.run_folder import study_folder, write_text
+from orchestrator.output.report.drawing import data_uri, figure
+from orchestrator.output.report.filled import filled
+from orchestrator.preflight.levels import load
+from orchestrator.preflight.scene.scene import bed_kg
+from orchestrator.studies.criteria import (
+    FILE,
+    Criteria,
+    CriterionResult,
+    criteria_runs,
+    interval_sets,
+    judge,
+    read_criteria,
+    refuse_former,
+    verdict_table,
+    write_verdicts,
+)
+from orchestrator.studies.measures import Runs, outcome
+from orchestrator.studies.options import Scheduler, Told, Workers, crew
+from orchestrator.studies.points import Point, point, run_points, summary_of
+from orchestrator.studies.tables import write_csv
+
+MAP_FILE = "map.toml"
+PLAIN = "particles-first"
+QUIET = ("output.pictures=false",)
+# outcome: colour, mark, what it says; told apart by shape, too
+SHOWN = {
+    "stable": ("#2b7a4b", "o", "stable"),
+    "warned": ("#d08a00", "^", "warned: over 1 % of the energy made or lost, or a mode that grows"),
+    "stopped": ("#b3261e", "X", "stopped, with a reason"),
+    "not run": ("#9aa4b0", "_", "not run"),
+}
+
+
+def command(
+    cases: Annotated[Path, typer.Argument(help="folder with the benchmarks")] = Path("cases/hard"),
+    part: Annotated[str, typer.Option("--part", help="hard, map, or both with a comma between")] = "hard,map",
+    base: Annotated[
+        str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
+    ] = "interval",
+    out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+) -> Told:
+    """Run all hard cases, and draw the map of what stays stable.
+
+    hard: every run of every case with criteria.toml, and its criteria.  map: one case over coupling
+    schemes, sync intervals and masses of the bed: stable, warned or stopped.  Called again, only
+    what is missing is run; a run that was stopped with a reason is not missing.  The folder gets
+    hard.csv, hard.md, map.csv, stability-map.png and stability.html.
+
+    Exit code 4: a criterion is not met, or a known failure is met; 2: a case is wrong.
+    """
+    parts = {word.strip() for word in part.split(",")}
+    if unknown := parts - {"hard", "map"}:
+        raise CaseError([CaseProblem((), f"no part {sorted(unknown)[0]}", "hard or map", "--part")])
+    benchmarks = find_benchmarks(cases, out / "hard") if "hard" in parts else []
+    spots = map_spots(cases / base, out / "map") if "map" in parts else []
+    points = [*(p for each in benchmarks for p in each.points), *(spot.run for spot in spots)]
+    with study_folder(out):
+        yield from run_points(points, crew(workers, scheduler))
+    results = [result for each in benchmarks for result in each.results()]
+    picture = None
+    if results:
+        yield verdict_table("hard cases", results)
+        yield from write_verdicts(results, out, "hard")
+    if spots:
+        picture = draw_map(spots, out / "stability-map.png")
+        yield from (write_csv([spot.words for spot in spots], out / "map.csv"), picture)
+    yield write_page(benchmarks, spots, picture, out)
+    return all(each.is_good for each in results) and all(spot.outcome != "not run" for spot in spots)
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """A case with its criteria, and its runs by name."""
+
+    name: str
+    criteria: Criteria
+    runs: dict[str, Runs]
+
+    @property
+    def points(self) -> list[Point]:
+        """All runs that it needs."""
+        return [point for runs in self.runs.values() for point in runs.points]
+
+    def results(self) -> list[CriterionResult]:
+        """Returns every criterion, as far as the runs are made."""
+        return [judge(self.name, row, self.runs) for row in self.criteria.criteria]
+
+
+def find_benchmarks(folder: Path, out: Path) -> list[Benchmark]:
+    """Returns every case of a folder with criteria, in the order of their numbers; nothing is run.
+    Raises CaseError if one of them is wrong or there is none."""
+    for case in folder.glob("*/"):
+        if not (case / FILE).exists():
+            refuse_former(case)
+    benchmarks = [benchmark(file.parent, out) for file in sorted(folder.glob(f"*/{FILE}"))]
+    if not benchmarks:
+        raise CaseError([CaseProblem((), f"has no case with {FILE}", file=str(folder))])
+    return sorted(benchmarks, key=lambda each: each.criteria.number or 0)
+
+
+def benchmark(case: Path, out: Path) -> Benchmark:
+    """Returns one case at its default level.  Raises CaseError."""
+    criteria = read_criteria(case)
+    return Benchmark(
+        case.name, criteria, criteria_runs(criteria, case, None, QUIET, out / case.name, was_run)
+    )
+
+
+def was_run(run: Path) -> bool:
+    """Returns whether a run is over: also one that was stopped, which is what it found out."""
+    return outcome(run) != "not run"
+
+
+class MapAxes(Table):
+    """``map.toml``."""
+
+    key: OneLine
+    """The key that changes the mass of the bed."""
+    values: Annotated[tuple[Positive, ...], Len(1)]
+    """Its values."""
+    multiples: Annotated[tuple[Positive, ...], Len(1)]
+    """Sync intervals over the plain scheme's largest safe one."""
+    sets: tuple[OneLine, ...] = ()
+    """As ``--set``, for every run."""
+
+
+@dataclass(frozen=True)
+class Spot:
+    """One run of the map; ``mass_ratio``: bed over panels, ``multiple``: sync interval over the
+    plain scheme's largest safe one."""
+
+    scheme: str
+    mass_ratio: float
+    multiple: float
+    run: Point
+
+    @property
+    def outcome(self) -> str:
+        """How the run came out."""
+        return outcome(self.run.folder)
+
+    @property
+    def words(self) -> dict[str, str]:
+        """A row of the map's table: with it energy created over all exchanged and lost, intervals
+        that an iterated scheme did not solve to its tolerance, and the reason of an early end."""
+        summary = summary_of(self.run.folder)
+        interval_s = self.run.loaded.case.coupling.sync_interval_s
+        return {
+            "scheme": self.scheme,
+            "bed / panel": f"{self.mass_ratio:.3g}",
+            "interval / safe": f"{self.multiple:.3g}",
+            "sync_interval_s": f"{interval_s:.3g}",
+            "outcome": self.outcome,
+            "share created": f"{share_created(summary):+.1e}" if "energy_ledger_J" in summary else "",
+            "intervals not solved": str((summary.get("iterations") or {}).get("unsolved", "")),
+            "why it was stopped": str(summary.get("reason", "")),
+        }
+
+
+def map_spots(case: Path, out: Path) -> list[Spot]:
+    """Returns every run of the map; none is run here.  Raises CaseError."""
+    try:
+        wanted = MapAxes.model_validate(read_toml(case / MAP_FILE, case))
+    except ValidationError as error:
+        raise CaseError([*from_validation(error, MapAxes)]) from None
+    spots = []
+    for value in wanted.values:
+        sets = [*QUIET, *wanted.sets, f"{wanted.key}={value!r}"]
+        mass_ratio = _bed_over_panels(load(case, None, sets).case)
+        for multiple in wanted.multiples:
+            interval = interval_sets(case, None, [*sets, f"coupling.scheme={PLAIN}"], multiple)
+            for scheme in SCHEMES:
+                name = f"{scheme}-{mass_ratio:.3g}-{multiple:g}"
+                own = [*sets, f"coupling.scheme={scheme}", *interval]
+                run = replace(point(case, None, own, name, out / name), ended=was_run)
+                spots.append(Spot(scheme, mass_ratio, multiple, run))
+    return spots
+
+
+def _bed_over_panels(case: Case) -> float:
+    """Returns the mass of the particles over that of the panels between their clamps."""
+    panels_kg = sum(
+        (panel.count * panel.length_m * panel.width_m * panel.thickness_m)
+        * case.materials[panel.material].density_kg_per_m3
+        for panel in case.screen.panels.values()
+    )
+    return bed_kg(case) / panels_kg
+
+
+def draw_map(spots: Sequence[Spot], file: Path) -> Path:
+    """Draws a panel for each scheme: sync interval across, mass of the bed upwards."""
+    schemes = list(dict.fromkeys(spot.scheme for spot in spots))
+    columns = min(3, len(schemes))
+    rows = -(-len(schemes) // columns)
+    drawn, grid = figure(rows, columns, 3.6 * columns + 0.4, 3.0 * rows + 0.6)
+    for axis in grid.ravel()[len(schemes) :]:
+        axis.set_visible(False)
+    for axis, scheme in zip(grid.ravel(), schemes, strict=False):
+        _draw_scheme(axis, scheme, [spot for spot in spots if spot.scheme == scheme])
+    handles = [
+        Line2D([], [], color=colour, marker=mark, ls="", ms=9, label=text)
+        for name, (colour, mark, text) in SHOWN.items()
+        if any(spot.outcome == name for spot in spots)
+    ]
+    drawn.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    drawn.supxlabel("sync interval / largest safe one of the plain scheme", fontsize=10)
+    drawn.supylabel("mass of the bed / of the panel", fontsize=10)
+    drawn.savefig(file, dpi=110)
+    plt.close(drawn)
+    return file
+
+
+def _draw_scheme(axis: Any, scheme: str, spots: Sequence[Spot]) -> None:
+    for name, (colour, mark, _) in SHOWN.items():
+        at = [(spot.multiple, spot.mass_ratio) for spot in spots if spot.outcome == name]
+        if at:
+            axis.scatter(*zip(*at, strict=True), c=colour, marker=mark, s=95, zorder=3)
+    axis.axvline(1.0, color="#24406e", lw=1.0, ls="--", zorder=1)
+    axis.set(xscale="log", yscale="log")
+    axis.set_title(scheme, loc="left", fontsize=11)
+    multiples = sorted({spot.multiple for spot in spots})
+    axis.set_xticks(multiples, [f"{x:g}" for x in multiples])
+    ratios = sorted({spot.mass_ratio for spot in spots})
+    axis.set_yticks(ratios, [f"{x:.2g}" for x in ratios])
+    axis.minorticks_off()
+    axis.margins(0.12)
+    axis.grid(alpha=0.25)
+
+
+def write_page(
+    benchmarks: Sequence[Benchmark], spots: Sequence[Spot], picture: Path | None, folder: Path
+) -> Path:
+    """Writes ``stability.html``, which holds everything in itself."""
+    cases = [(each, each.results()) for each in benchmarks]
+    verdicts = [result.verdict for _, results in cases for result in results]
+    text = filled(
+        "studies/commands/stability.html",
+        cases=cases,
+        picture=data_uri(picture.read_bytes(), "image/png") if picture else "",
+        spots=[spot.words for spot in spots],
+        counts={name: verdicts.count(name) for name in dict.fromkeys(verdicts)},
+    )
+    write_text(folder / "stability.html", text)
+    return folder / "stability.html"

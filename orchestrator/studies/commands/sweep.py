@@ -1,0 +1,226 @@
+"""``flipflow study sweep``: a case over values of one key."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import matplotlib.pyplot as plt
+import typer
+
+from orchestrator.output.records import trust
+from orchestrator.output.records.run_folder import study_folder
+from orchestrator.output.report.drawing import figure
+from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
+from orchestrator.output.results.machine import LARGEST_DRIFT
+from orchestrator.studies.options import (
+    CasePath,
+    Level,
+    Out,
+    Overrides,
+    Scheduler,
+    Told,
+    Workers,
+    crew,
+    folder_of,
+)
+from orchestrator.studies.points import Point, Vary, parse_vary, run_points, summary_of
+from orchestrator.studies.tables import Cell, write_csv
+
+AXES = {0: "x", 2: "z"}
+SETTLED, NOT_SETTLED = "yes", "no"
+DRAWN = {
+    "screening.efficiency_percent": ("screening efficiency / %", 1.0),
+    "bed.velocity_m_per_s": ("material velocity / (m/s)", 1.0),
+    "bed.largest_depth_m": ("largest bed depth / mm", 1e3),
+    "bed.on_deck_kg": ("mass on the deck / kg", 1.0),
+}
+"""Results that are drawn beside the amplitudes, where a sweep has them: label and scale."""
+LOOKS: dict[str, dict[str, Any]] = {
+    "good": {"marker": "o", "ms": 4},
+    "open": {"marker": "o", "ms": 5, "mfc": "white"},
+    "cross": {"marker": "x", "ms": 6},
+}
+
+Row = dict[str, Cell]
+
+
+def command(
+    case: CasePath,
+    vary: Annotated[
+        str, typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)")
+    ],
+    level: Level = None,
+    out: Out = None,
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+    overrides: Overrides = None,
+) -> Told:
+    """Run a case over values of one key.
+
+    Each value has a run of its own in a folder of its own.  Called again, only what is missing is
+    run.  sweep.csv has a row for each value: amplitudes of the first harmonic along (x) and normal
+    to the deck (z) of frames, probes on them, and of the frames against each other, drift, how
+    much they still changed, and every single number of the results with its interval.  sweep.png
+    draws what has not settled open, and what is not to be trusted as a cross.
+    """
+    wanted = parse_vary(vary)
+    folder = folder_of(case, wanted.name, out)
+    points = wanted.points(case, level, overrides or [], folder)
+    with study_folder(folder):
+        yield from run_points(points, crew(workers, scheduler))
+    yield from write_sweep(wanted, points, folder)
+    return all(point.status() == trust.DONE for point in points)
+
+
+def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]:
+    """Writes ``sweep.csv`` and ``sweep.png``; the picture only where values are numbers and two or
+    more came to their end."""
+    rows = sweep_rows(vary, points)
+    files = [write_csv(rows, folder / "sweep.csv")]
+    ended = [row for row in rows if trust.came_to_its_end(str(row["status"]))]
+    try:
+        values = [float(str(row[vary.key])) for row in ended]
+    except ValueError:
+        return files
+    parts = _parts_of_the_picture(ended)
+    if len(values) > 1 and parts:
+        files.append(_plot(ended, values, parts, vary, folder / "sweep.png"))
+    return files
+
+
+def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
+    """Returns a row for each point.
+
+    Its columns are the swept key as it is written after ``--vary``; ``status``, how the run ended;
+    ``settled``, whether its motion had; ``drift`` and the amplitudes of the first harmonic along
+    (x) and normal to the deck (z) of every frame, every probe on a frame, and of the frames against
+    each other, with their half widths; and every single number of the run's results, with the half
+    width of its interval.
+    """
+    return [{vary.key: point.value, "status": point.status(), **_measured(point.folder)} for point in points]
+
+
+def _measured(run: Path) -> Row:
+    summary = summary_of(run)
+    if not trust.came_to_its_end(str(summary.get("status"))):
+        return {}
+    return _motion(summary) | dict(scalars(summary.get("results") or {}))
+
+
+def _motion(summary: dict[str, Any]) -> Row:
+    """Returns whether the motion had settled, and the amplitudes with their half widths."""
+    results = summary.get("results") or {}
+    orbits = find_orbits(results)
+    if not orbits:
+        return {"settled": f"unknown: {why_no_orbits(results)}"}
+    motion = results["motion"]
+    row: Row = {"settled": SETTLED if motion["is_settled"] else NOT_SETTLED}
+    row["speed_rad_per_s"] = 2 * math.pi / summary["cycle_s"]
+    if motion["drift"] is not None:
+        row["drift"] = motion["drift"]
+    for name, orbit in orbits.items():
+        for axis, letter in AXES.items():
+            row[f"{name}.{letter}_m"] = orbit["amplitude_m"][axis]
+            if orbit["half_width_m"] is not None:
+                row[f"{name}.{letter}_m.half_width"] = orbit["half_width_m"][axis]
+    return row
+
+
+def scalars(table: dict[str, Any], path: str = "") -> Iterator[tuple[str, float]]:
+    """Yields every single number of a run's results by its keys with dots between.
+
+    An estimate has its ``value`` under its own keys and its ``half_width``, where there is one,
+    under one more; a vector has x, y and z, and a list of tables their ``exit`` or their numbers.
+    Words, and what is known along the deck, by size or over time, are left out.
+    """
+    for key, value in table.items():
+        where = f"{path}{key}"
+        if isinstance(value, dict) and set(value) == {"value", "half_width", "batches"}:
+            yield from _number(where, value["value"])
+            yield from _number(f"{where}.half_width", value["half_width"])
+        elif isinstance(value, dict):
+            yield from scalars(value, f"{where}.")
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            for number, row in enumerate(value):
+                yield from scalars(row, f"{where}.{row.get('exit', number)}.")
+        elif isinstance(value, list) and len(value) == 3:
+            for axis, component in zip("xyz", value, strict=True):
+                yield from _number(f"{where}.{axis}", component)
+        else:
+            yield from _number(where, value)
+
+
+def _number(where: str, value: Any) -> Iterator[tuple[str, float]]:
+    if isinstance(value, int | float):
+        yield where, value
+
+
+def _parts_of_the_picture(rows: Sequence[Row]) -> list[tuple[str, list[tuple[str, str]], float]]:
+    """Returns of each part of the picture its label, the columns with their names, and the scale."""
+    columns = list(dict.fromkeys(name for row in rows for name in row if name.count(".") == 1))
+    parts: list[tuple[str, list[tuple[str, str]], float]] = []
+    for letter, where in (("x", "along"), ("z", "normal to")):
+        ending = f".{letter}_m"
+        names = [(name, name.removesuffix(ending)) for name in columns if name.endswith(ending)]
+        if names:
+            parts.append((f"amplitude {where} the deck / mm", names, 1e3))
+    return parts + [(label, [(name, "")], scale) for name, (label, scale) in DRAWN.items() if name in columns]
+
+
+def _plot(
+    rows: Sequence[Row],
+    values: Sequence[float],
+    parts: Sequence[tuple[str, list[tuple[str, str]], float]],
+    vary: Vary,
+    file: Path,
+) -> Path:
+    lines = -(-len(parts) // 2)
+    drawn, grid = figure(lines, 2, 11, 4.2 * lines + 0.5)
+    for axes, (label, names, scale) in zip(grid.flat, parts, strict=False):
+        for number, (column, name) in enumerate(names):
+            _draw(axes, rows, values, column, name, scale, f"C{number}")
+        axes.set(xlabel=vary.key, ylabel=label, ylim=(0, 1.05 * axes.get_ylim()[1]))
+        if any(name for _, name in names):
+            axes.legend(fontsize=8)
+    for axes in grid.flat[len(parts) :]:
+        axes.axis("off")
+    drawn.suptitle(
+        f"filled: settled; open: not settled (drift above {100 * LARGEST_DRIFT:g} %; no steady "
+        "state of the bed) or unknown; cross: the run is not to be trusted, or incomplete",
+        fontsize=9,
+        x=0.01,
+        ha="left",
+    )
+    drawn.savefig(file, dpi=110)
+    plt.close(drawn)
+    return file
+
+
+def _draw(
+    axes: Any, rows: Sequence[Row], values: Sequence[float], column: str, name: str, scale: float, colour: str
+) -> None:
+    """Draws one column over the swept value, with intervals.  A line joins good points that are
+    neighbours, and no others."""
+    axes.plot([], [], "o-", ms=4, lw=1, color=colour, label=name)
+    line: list[tuple[float, float]] = []
+    for value, row in sorted(zip(values, rows, strict=True), key=lambda pair: pair[0]):
+        if column not in row:
+            continue
+        height, width = (scale * float(row.get(key) or 0.0) for key in (column, f"{column}.half_width"))
+        kind = _kind(row, column)
+        line.append((value, height if kind == "good" else math.nan))
+        axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[kind])
+    if line:
+        axes.plot(*zip(*line, strict=True), lw=1, color=colour)
+
+
+def _kind(row: Row, column: str) -> str:
+    """Returns how far a value may be taken as data: what is of the bed, by the steady state of the
+    bed."""
+    if not trust.is_trusted(str(row["status"])):
+        return "cross"
+    steady = row.get("steady.is_steady") if column in DRAWN else row["settled"] == SETTLED
+    return "good" if steady else "open"

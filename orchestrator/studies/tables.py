@@ -1,0 +1,64 @@
+"""Tables of studies: for the terminal, for other programs and for the manual."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from pathlib import Path
+
+from rich import box
+from rich.table import Table
+
+Cell = str | float | int | None
+
+
+def aligned(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
+    """Returns rows that all have the columns of all of them; None where something is not known."""
+    columns = dict.fromkeys(name for row in rows for name in row)
+    return [{name: row.get(name) for name in columns} for row in rows]
+
+
+def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
+    """Writes rows, whose columns may differ; a cell that is not known is empty."""
+    lines = aligned(rows)
+    with file.open("w", newline="", encoding="utf-8") as text:
+        writer = csv.DictWriter(text, [*lines[0]] if lines else [])
+        writer.writeheader()
+        writer.writerows(lines)
+    return file
+
+
+def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
+    """Writes the same rows for programs that want types."""
+    import pyarrow
+    from pyarrow import parquet
+
+    parquet.write_table(pyarrow.Table.from_pylist(aligned(rows)), file)
+    return file
+
+
+def console_table(
+    title: str, head: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()
+) -> Table:
+    """Returns a table for the terminal; columns that are not ``left`` are numbers."""
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    for number, name in enumerate(head):
+        text = number == 0 or name in left
+        table.add_column(name, justify="left" if text else "right", no_wrap=not text)
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
+    """Returns the same for the manual."""
+    cells = (" | ".join(cell.replace("|", "\\|") for cell in row) for row in (head, *rows))
+    first, *others = (f"| {line} |" for line in cells)
+    return "\n".join([first, "|" + "---|" * len(head), *others]) + "\n"
+
+
+def percent(share: float | None) -> str:
+    """Returns a share in per cent with two digits; empty where there is none."""
+    if share is None:
+        return ""
+    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"

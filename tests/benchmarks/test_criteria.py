@@ -1,0 +1,217 @@
+"""criteria.toml and the verdicts: what is read, refused, measured and judged; no solver runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.output.records.history import HISTORY_FORMAT
+from orchestrator.output.records.summary import write_summary
+from orchestrator.studies.criteria import (
+    Criterion,
+    CriterionResult,
+    answer_error,
+    judge,
+    known_answers,
+    read_criteria,
+    verdict_markdown,
+)
+from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
+from orchestrator.studies.points import Point
+
+FOLDER = Path(__file__).parents[2] / "cases" / "hard"
+HEAD = 'number = 1\nhappens = "a"\nexpected = "b"\n[runs.one]\n[runs.two]\n'
+DONE = {"status": "done", "reason": "", "energy_ledger_J": {"lost.a": 1.0}}
+ROW = '[[criteria]]\nwhat = "c"\nrun = "one"\nmeasure = "series"\nband = [0.0, 2.0]\nwhy = "d"\n'
+
+
+def criterion(**given: object) -> Criterion:
+    row = {"what": "c", "run": "one", "measure": "series", "band": (0.0, 2.0), "why": "d"}
+    return Criterion.model_validate(row | given)
+
+
+def run_in(folder: Path) -> Runs:
+    return Runs((Point("", None, (), folder),))  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> dict[str, Runs]:
+    """Two runs: x runs from 0 to 4 in the first, and to 8 in the second; energy comes from
+    nowhere in the second."""
+    for number, name in enumerate(("one", "two"), start=1):
+        (tmp_path / name).mkdir()
+        time_s = np.arange(5.0)
+        with h5py.File(tmp_path / name / "history.h5", "w") as history:
+            history.attrs["format_version"] = HISTORY_FORMAT
+            history["probes/p/time_s"] = time_s
+            history["probes/p/position_m"] = number * time_s[:, None] * [1.0, 0.0, -1.0]
+            for book, values in (("stored.a", time_s), ("supplied.b", time_s / number)):
+                history[f"energy/{book}_J"] = values
+            history["energy/time_s"] = time_s
+        ledger = {"created.panel-frames": 0.5 * (number - 1), "lost.panel.b": 1.0}
+        figures = {
+            "status": "done",
+            "reason": "",
+            "energy_ledger_J": ledger,
+            "energy_exchanged_J": {"panel-frames": 3.0},
+            "n": number,
+            "results": {"share_percent": {"value": 50.0, "half_width": None}},
+        }
+        write_summary(tmp_path / name, figures)
+    return {name: run_in(tmp_path / name) for name in ("one", "two")}
+
+
+@pytest.mark.parametrize(
+    ("given", "value"),
+    [
+        ({"axis": "x", "take": "last"}, 4.0),
+        ({"axis": "z", "take": "lowest"}, -4.0),
+        ({"axis": "size", "take": "highest"}, 4.0 * np.sqrt(2)),
+        ({"axis": "x", "take": "range", "between_s": (1.0, 3.0)}, 2.0),
+        ({"axis": "x", "take": "mean"}, 2.0),
+        ({"axis": "x", "take": "impulse"}, 1.0 + 2.0 + 3.0 + 4.0),
+        ({"axis": "x", "compare": "ratio", "against": "two"}, 0.5),
+        ({"compare": "row-by-row", "against": "two"}, 4.0),
+        ({"axis": "x", "compare": "ratio", "between_s": (3, 4), "earlier_s": (0, 1)}, 4.0),
+        (
+            {"axis": "x", "compare": "difference", "take": "mean", "between_s": (0, 1), "earlier_s": (3, 4)},
+            3.0,
+        ),
+        ({"run": "two", "measure": "unexplained"}, 2.0),
+        ({"run": "two", "measure": "share_unexplained"}, 1.0),
+        ({"run": "two", "measure": "kept"}, 2.0),
+        ({"run": "two", "measure": "created"}, 0.5 / 4.0),
+        ({"measure": "result", "of": "energy_ledger_J.lost.panel.b"}, None),
+        ({"measure": "result", "of": "n"}, 1.0),
+        ({"measure": "result", "of": "results.share_percent"}, 0.5),
+        ({"measure": "result", "compare": "ratio", "of": "n", "against": "two"}, 0.5),
+        ({"measure": "trusted"}, 1.0),
+        ({"measure": "clear"}, 1.0),
+    ],
+)
+def test_measures(runs: dict[str, Runs], given: dict[str, object], value: float | None) -> None:
+    row = criterion(**({"of": "probes/p/position_m"} | given))
+    if value is None:
+        with pytest.raises(Unknown, match="not known"):
+            evaluate(row, runs)
+        return
+    assert evaluate(row, runs) == pytest.approx(value, rel=1e-12)
+
+
+def test_what_is_not_there_is_unknown(runs: dict[str, Runs], tmp_path: Path) -> None:
+    for given in ({"of": "probes/q/position_m"}, {"of": "probes/p/position_m", "run": "three"}):
+        with pytest.raises(Unknown):
+            evaluate(criterion(**given), runs | {"three": run_in(tmp_path / "three")})
+
+
+@pytest.mark.parametrize(
+    ("state", "trusted", "clear"), [("done", 1.0, 1.0), ("doubtful", 0.0, 0.0), ("failed", 0.0, 1.0)]
+)
+def test_a_run_that_is_not_to_be_trusted_has_no_number_but_that(
+    runs: dict[str, Runs], state: str, trusted: float, clear: float
+) -> None:
+    folder = runs["one"].points[0].folder
+    write_summary(folder, {"status": state, "reason": "", "n": 1})
+    assert evaluate(criterion(measure="trusted"), runs) == trusted
+    assert evaluate(criterion(measure="clear"), runs) == clear
+    result = judge("a", criterion(measure="result", of="n"), runs)
+    assert (result.measured, result.verdict) == ((1.0, "met") if state == "done" else (None, "NOT MET"))
+    assert result.answer == ("1" if state == "done" else f"one: {state}")
+
+
+def test_the_error_against_an_answer(runs: dict[str, Runs]) -> None:
+    row = criterion(measure="result", of="results.share_percent", unit="%", reference=40.0)
+    assert answer_error(row, runs["one"].points[0].folder) == pytest.approx(0.25)
+    nothing = criterion(measure="result", of="m", reference=1.0)
+    assert answer_error(nothing, runs["one"].points[0].folder) is None
+
+
+def test_answers_are_exact_and_of_the_case_as_it_is(tmp_path: Path) -> None:
+    """Not those of a run that is changed, nor those that are compared with another."""
+    assert known_answers(tmp_path) == ()
+    head = '[runs.one]\n[runs.two]\nsets = ["a=1"]\n'
+    exact = ROW + "reference = 1.0\nexact = true\n"
+    compared = exact + 'compare = "ratio"\nagainst = "two"\n'
+    text = head + exact + exact.replace('run = "one"', 'run = "two"') + compared + ROW
+    (tmp_path / "criteria.toml").write_text(text)
+    assert len(known_answers(tmp_path)) == 1
+
+
+@pytest.mark.parametrize("name", ["paper.toml", "expected.toml", "answers.toml"])
+def test_the_files_of_earlier_versions_are_refused_with_the_new_name(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("")
+    for read in (read_criteria, known_answers):
+        with pytest.raises(CaseError, match=r"is criteria\.toml now"):
+            read(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("figures", "expected"),
+    [
+        ({"status": "failed", "reason": "unstable"}, "stopped"),
+        ({"status": "failed", "reason": "internal error: x"}, "not run"),
+        ({"status": "interrupted", "reason": "stopped by SIGINT"}, "not run"),
+        (DONE, "stable"),
+        (DONE | {"status": "doubtful"}, "warned"),
+        (DONE | {"status": "incomplete"}, "stable"),
+        (DONE | {"monitor": {"figures": {"growing_modes": {"times": 0}}}}, "stable"),
+        (DONE | {"monitor": {"figures": {"growing_modes": {"times": 1}}}}, "warned"),
+        (DONE | {"monitor": {"figures": {"deep_overlaps": {"times": 1}}}}, "stable"),
+    ],
+)
+def test_outcomes(tmp_path: Path, figures: dict[str, object], expected: str) -> None:
+    write_summary(tmp_path, figures)
+    assert outcome(tmp_path) == expected
+    assert outcome(tmp_path / "nowhere") == "not run"
+
+
+@pytest.mark.parametrize(
+    ("measured", "given", "verdict"),
+    [
+        (1.0, {}, "met"),
+        (3.0, {}, "NOT MET"),
+        (3.0, {"band": None, "ratio": (0.0, 2.0), "reference": 2.0}, "met"),
+        (3.0, {"fitted": True}, "NOT MET (fitted)"),
+        (3.0, {"band": None}, "not compared"),
+        (None, {"band": None}, "no number"),
+        (3.0, {"known_failure": "why"}, "known failure"),
+        (1.0, {"known_failure": "why"}, "MET, but marked as failing"),
+        (None, {}, "NOT MET"),
+    ],
+)
+def test_verdicts(measured: float | None, given: dict[str, object], verdict: str) -> None:
+    result = CriterionResult("a", criterion(**given), measured, "not run")
+    assert result.verdict == verdict
+    assert result.is_good == (verdict not in ("NOT MET", "MET, but marked as failing", "no number"))
+    assert verdict in verdict_markdown([result])
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HEAD + ROW.replace("series", "serie"), 'no measure "serie"'),
+        (HEAD + ROW.replace('"one"', '"three"'), 'no run "three"'),
+        (HEAD + ROW + "bands = 3\n", "bands"),
+        (HEAD, "criteria"),
+        (HEAD + ROW.replace("band", "ratio"), "reference, which is missing"),
+    ],
+)
+def test_a_wrong_file_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "criteria.toml").write_text(text)
+    with pytest.raises(CaseError, match=said):
+        read_criteria(tmp_path)
+
+
+def test_every_hard_case_is_read_and_has_its_page() -> None:
+    found = [file.parent for file in FOLDER.glob("*/criteria.toml")]
+    numbers = sorted(read_criteria(case).number or 0 for case in found)
+    assert numbers == [*range(1, len(numbers) + 1)]
+    for case in found:
+        page = (case / "README.md").read_text()
+        assert page.startswith(f"# {case.name}\n")
+        assert "**Measured" in page
+    assert len(found) == len([*FOLDER.glob("*/case.toml")])
