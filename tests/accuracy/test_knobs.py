@@ -9,7 +9,8 @@ from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.levels import load
 from orchestrator.studies.accuracy.knobs import KNOBS, offer
-from orchestrator.studies.accuracy.points import common, seeded
+from orchestrator.studies.accuracy.points import common
+from orchestrator.studies.points import seeded
 from tests.runs.outside import ROOT
 
 QUICKSTART = ROOT / "cases/quickstart"

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from orchestrator.studies.accuracy.answers import Answer, off
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.run_folder import write_json
-from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.level_file import write_level
 from orchestrator.preflight.levels import load
 from orchestrator.studies.accuracy.calibration import Clock, Timing, part_s
@@ -154,14 +152,6 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
     assert "panel-deformation" in tomllib.loads(file.read_text())["without"]
     with pytest.raises(CaseError, match="exists already"):
         write_level(loaded, "planned", sets, "again")
-
-
-def test_an_answer_is_looked_up_in_the_summary(tmp_path: Path) -> None:
-    write_summary(tmp_path, {"a": {"b.c": [0.0, {"value": 2.2}]}, "d": None})
-    answer = Answer(of=("a", "b.c", "1"), value=2.0, source="known")
-    assert off(answer, tmp_path) == pytest.approx(0.1)
-    assert off(Answer(of=("d",), value=1.0, source="known"), tmp_path) is None
-    assert off(Answer(of=("a", "x"), value=1.0, source="known"), tmp_path) is None
 
 
 def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:

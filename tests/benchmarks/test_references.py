@@ -134,7 +134,7 @@ def test_the_bond_number() -> None:
     holes = one.screen.panels["deck"].apertures
     assert holes is not None
     landing = (holes.length_m - size) ** 2 / holes.pitch_along_m**2  # Gaudin, square openings
-    least = row("sticky-fines", "dry", "share").band[0]
+    least = row("sticky-fines", "dry", "share").ratio[0]
     assert least == pytest.approx(1 - (1 - landing) ** 2, abs=5e-3)
 
 
