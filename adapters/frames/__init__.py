@@ -1,1 +1,3 @@
-"""Solvers of the frames; ``common`` has what several of them are made of."""
+"""Solvers of the frames: one module each, but for the parts that several share."""
+
+SHARED = frozenset({"common"})

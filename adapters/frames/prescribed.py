@@ -11,8 +11,9 @@ import numpy as np
 from adapters.frames.common import linear
 from adapters.frames.common.drive import DrivenPoints
 from orchestrator.ports import Account, Known, Load, Motion, Saved, counted
+from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_now", "_impulse_N_s", "_received_J")
@@ -77,3 +78,22 @@ def _check(plan: FramesPlan) -> None:
         )
     linear.numbers(plan, plan.carrier)
     linear.driven(plan)
+
+
+def cost(work: FramesWork) -> Cost:
+    """A call in each interval, and each drive."""
+    return Cost(0.01, work.runs * (3.5e-5 + 1.5e-4 * work.driven))
+
+
+ADAPTER = FramesAdapter(
+    about="moved by drives only",
+    build=build,
+    cost=cost,
+    leaves_out={
+        "frame-dynamics": "nothing acts on the frames' motion",
+        "motor-slip": "shafts turn at their speed_rad_per_s",
+    },
+    moved_by_forces=False,
+    motors=False,
+    fidelity=0,
+)

@@ -20,8 +20,9 @@ from adapters.frames.common.collocation import STAGES, Collocation
 from adapters.frames.common.exciter import Unbalance
 from adapters.frames.common.ledger import BodySums, FramesLedger
 from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
+from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_displacement_m", "_velocity_m_per_s")
@@ -139,3 +140,23 @@ class TwoMassFrames:
 
 def _by_bushings(stretch: Array, per_axis: Array) -> Array:
     return np.asarray(stretch.T @ (per_axis[:, None] * stretch))
+
+
+def cost(work: FramesWork) -> Cost:
+    """A call in each interval."""
+    return Cost(0.02, work.runs * 2e-4)
+
+
+ADAPTER = FramesAdapter(
+    about="linear, without rotation and drives",
+    build=build,
+    cost=cost,
+    leaves_out={
+        "frame-rotation": "frames translate only",
+        "motor-slip": "shafts turn at their speed_rad_per_s",
+    },
+    drives=False,
+    rotates=False,
+    motors=False,
+    fidelity=1,
+)

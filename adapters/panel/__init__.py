@@ -1,1 +1,3 @@
-"""Solvers of the panels; ``common`` has what several of them are made of."""
+"""Solvers of the panels: one module each, but for the parts that several share."""
+
+SHARED = frozenset({"common", "finite_element", "perforation"})

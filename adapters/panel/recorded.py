@@ -20,9 +20,10 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.hermite import Path
-from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -202,3 +203,21 @@ def cubic(places: Array, nodes: Array) -> Array:
     value = (1 + 2 * t) * (1 - t) ** 2 * one + t**2 * (3 - 2 * t) * two
     value += length * (t * (1 - t) ** 2 * slopes[cell] + t**2 * (t - 1) * slopes[cell + 1])
     return np.asarray(value)
+
+
+def cost(work: PanelsWork) -> Cost:
+    """A call of each panel in each interval."""
+    return Cost(0.02 * work.panels, 1.5e-4 * work.panels * work.runs)
+
+
+ADAPTER = PanelAdapter(
+    about="the shape of an earlier run, played back",
+    build=build,
+    cost=cost,
+    leaves_out={
+        "particle-load": "no load bends the panels; it goes on to the frames",
+        "panel-response": "panels play back a shape, whatever moves them",
+    },
+    yields=False,
+    plays_back=True,
+)

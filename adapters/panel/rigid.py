@@ -18,8 +18,9 @@ from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
 from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_now", "_elapsed_s", "_received_J")
@@ -105,3 +106,20 @@ class RigidPanel:
         faster_J = self._kinetic_J(self._now) - self._kinetic_J(before)
         self._received_J["load"] += float(np.sum(load.force_N * moved_m))
         self._received_J["clamps"] += faster_J - float(np.sum(held_N * moved_m))
+
+
+def cost(work: PanelsWork) -> Cost:
+    """A call of each panel in each interval."""
+    return Cost(0.01 * work.panels, 4e-5 * work.panels * work.runs)
+
+
+ADAPTER = PanelAdapter(
+    about="flat between its clamps, undeformed",
+    build=build,
+    cost=cost,
+    leaves_out={"panel-deformation": "panels stay flat"},
+    deforms=False,
+    yields=False,
+    varies_across=False,
+    fidelity=0,
+)

@@ -1,40 +1,56 @@
-"""The panel as a thin sheet on DOLFINx: the default model (docs/theory/panel_sheet.md).
-
-All finite-element nodes are surface points, in the order of the grid: y runs fastest.  The nodes
-under the clamps and on their inner edges are the clamp points; as they reach under the clamp they
-carry its rotation, too.
-"""
+"""The panel as a thin sheet on DOLFINx: the default model (docs/theory/panel_sheet.md)."""
 
 from __future__ import annotations
 
-from orchestrator.ports.plans import PanelPlan, SolverMissing
+from adapters.panel.common.costs import DOLFINX_S
+from adapters.panel.common.lightest_point import lightest_sheet_point_kg
+from orchestrator.ports import MeshedPanel
+from orchestrator.ports.adapters import PanelAdapter
+from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 
-try:
-    from adapters.panel.common import _petsc  # noqa: F401
-    from adapters.panel.finite_element import opening
-    from adapters.panel.finite_element.elastic_panel import ElasticPanel
-    from adapters.panel.finite_element.sheet_forms import sheet
-except ImportError as missing:
-    raise SolverMissing(
-        f"panel solver 'sheet' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"
-    ) from missing
-try:
-    from adapters.panel.finite_element import compiled_sheet
-except ImportError as missing:
-    raise SolverMissing(
-        f"panel solver 'sheet' needs its compiled part, which docker/setup.sh builds: {missing}"
-    ) from missing
+RESTING_CELL_S = 7e-4
+"""Of the resting shape and modes: 20 s for 50 x 50 cells, 121 s for 100 x 100."""
+CELL_GIB = 3e-4
+"""0.8 GiB for 50 x 50 cells, 2.9 for 100 x 100, 11 for 200 x 200."""
 
 
-def build(plan: PanelPlan) -> ElasticPanel:
+def build(plan: PanelPlan) -> MeshedPanel:
     """The sheet at rest between its clamps.
 
     ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
-    return opening.open_panel(plan, *sheet(plan), compiled_sheet.panel)
+    from adapters.panel.finite_element import sheet_panel
+
+    return sheet_panel.build(plan)
 
 
 def largest_step_s(plan: PanelPlan) -> float:
     """The largest ``step_s`` that ``build`` accepts for this plan."""
-    structure, _ = sheet(plan)
-    return opening.largest_step_s(plan, structure)
+    from adapters.panel.finite_element import sheet_panel
+
+    return sheet_panel.largest_step_s(plan)
+
+
+def cost(work: PanelsWork) -> Cost:
+    """Explicit steps go with the length of a cell; an implicit interval solves a matrix."""
+    cells = work.cells[0] * work.cells[1]
+    if work.integrator == "implicit":
+        interval_s = 3.5e-3 + 1.5e-4 * cells
+    else:
+        interval_s = 7.5e-5 + 6e-4 * cells * work.cells[0] * work.interval_s
+    opening_s = 0.1 + RESTING_CELL_S * cells**1.3
+    return Cost(DOLFINX_S + opening_s * work.panels, work.panels * work.runs * interval_s)
+
+
+ADAPTER = PanelAdapter(
+    about="a membrane that bends, varying along and across (DOLFINx)",
+    build=build,
+    cost=cost,
+    needs=("adapters.panel.finite_element.sheet_panel",),
+    largest_step_s=largest_step_s,
+    memory_GiB=lambda plan: CELL_GIB * plan.cells[0] * plan.cells[1],
+    lightest_kg=lightest_sheet_point_kg,
+    fidelity=2,
+    refined_by=1.5,
+    order=2.0,
+)

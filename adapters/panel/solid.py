@@ -1,34 +1,79 @@
-"""The panel as a three-dimensional solid on DOLFINx: the reference (docs/theory/panel_solid.md).
-
-The nodes of the mid-surface are the surface points, in the order of the grid: y runs fastest.
-All nodes under the clamps and on their inner edges, through the thickness, are clamp points.
-"""
+"""The panel as a three-dimensional solid on DOLFINx: the reference (docs/theory/panel_solid.md)."""
 
 from __future__ import annotations
 
-from orchestrator.ports.plans import PanelPlan, SolverMissing
+from collections.abc import Iterator
 
-try:
-    from adapters.panel.common import _petsc  # noqa: F401
-    from adapters.panel.finite_element import opening
-    from adapters.panel.finite_element.elastic_panel import ElasticPanel
-    from adapters.panel.finite_element.solid_forms import solid
-except ImportError as missing:
-    raise SolverMissing(
-        f"panel solver 'solid' needs DOLFINx 0.5 (Debian 12: python3-dolfinx): {missing}"
-    ) from missing
+from adapters.panel.common.costs import DOLFINX_S
+from adapters.panel.common.lightest_point import lightest_sheet_point_kg
+from orchestrator.ports import MeshedPanel
+from orchestrator.ports.adapters import Objection, PanelAdapter
+from orchestrator.ports.plans import Cost, MeshSize, PanelPlan, PanelsWork
+
+CELL_S = 1.1e-4
+"""Of a cell and interval, for each cell across: the matrix has that band."""
+MIDDLE_LAYER = 2 / 3
+"""Of the mass under a point of the surface: what the mid-surface's nodes carry."""
 
 
-def build(plan: PanelPlan) -> ElasticPanel:
+def build(plan: PanelPlan) -> MeshedPanel:
     """The solid at rest between its clamps.
 
     ValueError for openings with round ends, for a mesh that no machine carries and for a step that
     is too large, SolverFailed if no resting shape is found.
     """
-    return opening.open_panel(plan, *solid(plan))
+    from adapters.panel.finite_element import solid_panel
+
+    return solid_panel.build(plan)
 
 
 def largest_step_s(plan: PanelPlan) -> float:
     """The largest ``step_s`` that ``build`` accepts for this plan."""
-    structure, _ = solid(plan)
-    return opening.largest_step_s(plan, structure)
+    from adapters.panel.finite_element import solid_panel
+
+    return solid_panel.largest_step_s(plan)
+
+
+def mesh_size(plan: PanelPlan) -> MeshSize:
+    """The mesh with its openings, before it is made.  ValueError for openings with round ends."""
+    from adapters.panel.finite_element import solid_grid
+
+    return solid_grid.size(plan)
+
+
+def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
+    """Effective mass of the lightest point of the mid-surface; rims of openings are in the mesh."""
+    if plan.apertures is not None:
+        return mesh_size(plan).lightest_kg
+    return MIDDLE_LAYER * lightest_sheet_point_kg(plan, surface_cells)
+
+
+def objections(plan: PanelPlan) -> Iterator[Objection]:
+    """Openings with round ends."""
+    if plan.apertures is not None and plan.apertures.shape != "rectangle":
+        what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no round ends"
+        hint = 'take "rectangle", or panel.solver = "sheet"'
+        yield Objection(what, hint, ("screen", "panels", plan.name, "apertures", "shape"))
+
+
+def cost(work: PanelsWork) -> Cost:
+    """Solving a matrix in each interval is nearly all of it."""
+    along, across = work.cells
+    cells = work.resolved_cells or work.panels * along * across
+    interval_s = CELL_S * cells * across
+    return Cost(DOLFINX_S + 0.3 * work.panels + 1e-3 * cells, work.runs * interval_s)
+
+
+ADAPTER = PanelAdapter(
+    about="a three-dimensional body with its openings in the mesh (DOLFINx)",
+    build=build,
+    cost=cost,
+    objections=objections,
+    needs=("adapters.panel.finite_element.solid_panel",),
+    largest_step_s=largest_step_s,
+    mesh_size=mesh_size,
+    memory_GiB=lambda plan: mesh_size(plan).memory_GiB,
+    lightest_kg=lightest_kg,
+    fidelity=3,
+    refined_by=1.5,
+)

@@ -1,1 +1,6 @@
-"""Solvers of the particles; ``surface`` is what the spheres touch, ``bridge`` is LIGGGHTS's."""
+"""Solvers of the particles: one module each, but for the parts that several share.
+
+``bridge`` is the C++ between LIGGGHTS and its adapter.
+"""
+
+SHARED = frozenset({"surface"})

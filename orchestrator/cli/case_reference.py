@@ -15,6 +15,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from orchestrator.case.solvers import Known, Port, adapter, names
 from orchestrator.case.tables.case import Case
 from orchestrator.case.units import unit_of
 from orchestrator.preflight.judgement.catalogue import EFFECTS
@@ -27,7 +28,9 @@ EFFECTS_TABLE = """\
 
 def reference() -> str:
     """The whole page."""
-    return "\n".join([_rules("case"), *_effects(), *_sections(Case, "", set())]).rstrip() + "\n"
+    return (
+        "\n".join([_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", set())]).rstrip() + "\n"
+    )
 
 
 def _rules(of: str) -> str:
@@ -45,6 +48,18 @@ def _effects() -> Iterator[str]:
                 left_out = "yes" if effect.optional else "no"
                 laws = ", ".join(f"`{law}`" for law in effect.laws)
                 yield f"| `{name}` | {part} | {left_out} | {laws} | {effect.key} |"
+    yield ""
+
+
+def _of_solvers() -> Iterator[str]:
+    """All solvers, with what their adapters say of them."""
+    yield _rules("solver")
+    yield "| port | solver | what it is | what it leaves out |\n| --- | --- | --- | --- |"
+    ports: tuple[Port, ...] = get_args(Port)
+    for port in ports:
+        for name in names(port):
+            able = adapter(port, name)
+            yield f"| `{port}` | `{name}` | {able.about} | {', '.join(able.leaves_out)} |"
     yield ""
 
 
@@ -70,9 +85,15 @@ def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
     if table is not None:
         value = "tables" if get_origin(field.annotation) in (dict, tuple) else "table"
     else:
-        value = _kind(field.annotation) + _limits(field)
+        value = _solvers(field) or _kind(field.annotation) + _limits(field)
     meaning = _text(field.description)
     return f"| `{key}` | {value} | {unit_of(key, '')} | {_default(field)} | {meaning} |"
+
+
+def _solvers(field: FieldInfo) -> str:
+    """What a key may be that names a solver, "" for another key."""
+    marks = [mark for mark in field.metadata if isinstance(mark, Known)]
+    return " or ".join(f'"{name}"' for mark in marks for name in mark.allowed)
 
 
 def _text(words: str | None) -> str:

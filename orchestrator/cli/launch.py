@@ -21,7 +21,7 @@ from typing import IO, Any, cast
 
 from rich.console import Console
 
-from orchestrator.case import adapter, distributions
+from orchestrator.case import distributions, solvers
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import TOO_LARGE, find_problems
 from orchestrator.coupling import ranks
@@ -87,7 +87,7 @@ def require_runnable(loaded: LoadedCase) -> None:
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_problems(loaded):
         raise CaseError(problems)
-    adapter.imported("panel", loaded.case.panel.solver)
+    solvers.panel(loaded.case).load()
 
 
 def report_refusal(world: Any, error: Exception) -> int:

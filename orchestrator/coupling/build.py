@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from orchestrator.case import adapter
+from orchestrator.case import solvers
 from orchestrator.case.bed.feed import Feeds
 from orchestrator.case.bed.material_book import CountedFeed, MaterialBook
 from orchestrator.case.bed.material_watch import MaterialWatch
@@ -108,7 +108,7 @@ def _built(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, o
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
     def opened() -> Frames:
-        return cast(Frames, adapter.opened("frames", case.frames.solver, plan))
+        return cast(Frames, solvers.opened("frames", case.frames.solver, plan))
 
     return opened() if world is None else FramesOnFirstRank(world, opened)
 
@@ -122,7 +122,7 @@ def _particles(
     if plan.feed is not None:
         plan = replace(plan, feed=feed)
     solver = case.particles.solver
-    opened = adapter.opened("particles", solver, plan)
+    opened = solvers.opened("particles", solver, plan)
     metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
     book = MaterialBook(feed, plan.exits, MaterialWatch(case.monitor, widest_m))

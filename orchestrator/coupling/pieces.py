@@ -14,7 +14,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from orchestrator.case import adapter
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.case.deck.surface_grids import surface_grids
 from orchestrator.case.deck.triangle_grid import Grid
@@ -80,10 +80,10 @@ def _panel(case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch:
     coordinates = np.vstack([touched.coordinates_m, *at.values(), shape_m])
     solver = case.panel.solver
     # on every rank, also on those that will own no panel: PETSc starts up collectively
-    adapter.imported("panel", solver)
+    solvers.adapter("panel", solver).load()
 
     def opened() -> Panel:
-        own = cast(MeshedPanel, adapter.opened("panel", solver, plan))
+        own = cast(MeshedPanel, solvers.opened("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
         panel = timed(own, f"panel {plan.name} ({solver})", "panel", stopwatch)

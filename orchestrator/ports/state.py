@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -52,3 +52,20 @@ def like(present: Any, saved: Any) -> Any:
     if isinstance(present, np.ndarray):
         return np.array(saved)
     return type(present)(saved[()])
+
+
+class SavedAttributes:
+    """A solver whose state is the attributes named in ``STATE``, and that holds nothing open."""
+
+    STATE: ClassVar[tuple[str, ...]] = ()
+
+    def save(self) -> Saved:
+        """Copies of the attributes."""
+        return save_attributes(self, *self.STATE)
+
+    def restore(self, saved: Saved) -> None:
+        """Takes the solver back to what was saved."""
+        restore_attributes(self, saved, *self.STATE)
+
+    def close(self) -> None:
+        """There is nothing to close."""

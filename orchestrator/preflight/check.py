@@ -46,7 +46,8 @@ def mistakes(loaded: LoadedCase) -> list[CaseProblem]:
     found = [*loaded.choice.mistakes, *(m for rule in OF_TABLES for m in rule(whole))]
     if not found:
         found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
-        found += [*machine.possible_inertia(whole), *machine.held_frames(whole)]
+        found += [*machine.solvers_objections(whole), *machine.possible_inertia(whole)]
+        found += machine.held_frames(whole)
         found += [*feeds.feeds(case), *exits.exits(whole)]
         found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
         found += slices.too_narrow(case)

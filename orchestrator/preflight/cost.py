@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.case import adapter
+from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesion_law
 from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.case.bed.sources import initial_particles
@@ -21,7 +21,7 @@ from orchestrator.case.planning import material_numbers
 from orchestrator.case.planning.panel_meshes import mesh_sizes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.clock import steps_in
-from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, SolverMissing
+from orchestrator.ports.plans import Cost, FramesWork, PanelsWork, ParticlesWork, SolverMissing
 from orchestrator.preflight.bed_cost import THICK, THIN, Bed, bed_cost
 from orchestrator.preflight.effort import RUNS
 from orchestrator.preflight.stability.choice import settled
@@ -54,16 +54,17 @@ def predicted_parts_s(case: Case, at_start: int, bed: Bed = THICK) -> dict[str, 
     intervals = case.duration_s / case.coupling.sync_interval_s
     panels, particles = len(single_panels(case)), has_particles(case)
     tries = RUNS[case.coupling.scheme] if particles else RUNS["particles-first"]
-    solvers = {
-        "particles": adapter.cost(
-            "particles", case.particles.solver, _particles(case, at_start, bed, tries.particles)
-        ),
-        "panel": adapter.cost("panel", case.panel.solver, _panels(case, tries.panel)),
-        "frames": adapter.cost("frames", case.frames.solver, _frames(case)),
+    of_particles = solvers.particles(case)
+    costs = {
+        "particles": of_particles.cost(_particles(case, at_start, bed, tries.particles))
+        if of_particles is not None
+        else Cost(0.0, 0.0),
+        "panel": solvers.panel(case).cost(_panels(case, tries.panel)),
+        "frames": solvers.frames(case).cost(_frames(case)),
     }
     triangles = _triangles(case) if particles else 0
     found = {"start": IMPORT_S + MESHED_S * triangles} | {
-        part: cost.stepping_s for part, cost in solvers.items()
+        part: cost.stepping_s for part, cost in costs.items()
     }
     twice = 1 + particles
     for part, each_s in INTERVAL_S.items():
@@ -73,7 +74,7 @@ def predicted_parts_s(case: Case, at_start: int, bed: Bed = THICK) -> dict[str, 
     searched_s = tries.point_s * triangles / 2  # there are half as many points
     found["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
     found["panel"] += tries.panel * intervals * STOPPED_PANEL_S * _stopped(case)
-    found["rest"] += sum(cost.opening_s for cost in solvers.values())
+    found["rest"] += sum(cost.opening_s for cost in costs.values())
     mean = bed_cost(case, at_start, bed).mean if particles else 0.0
     return found | {"output": _output_s(case, panels, mean), "saves": SAVE_S}
 

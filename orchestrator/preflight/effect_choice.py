@@ -23,7 +23,14 @@ from orchestrator.case.file.slice import sliced
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks.of_tables import OF_TABLES
-from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, spared, with_dependents
+from orchestrator.preflight.judgement.catalogue import (
+    EFFECTS,
+    can_go,
+    present,
+    spared,
+    why_left_out,
+    with_dependents,
+)
 from orchestrator.preflight.judgement.pair import Pair, key_of, remembered
 from orchestrator.preflight.judgement.weighing import undecided, weighed
 
@@ -176,7 +183,7 @@ def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iter
                 yield CaseProblem(KEY, what, f'name "{need}", too, or neither')
         if not effect.described(case):
             yield CaseProblem(KEY, f'"{name}": the case does not describe it', effect.key)
-        elif (why := effect.left_out(case)) and name not in without:
+        elif (why := why_left_out(case, name)) and name not in without:
             hint = f'change that, or let the level say without = ["{name}"]'
             yield CaseProblem(KEY, f'"{name}" is left out by {why}', hint)
 

@@ -8,7 +8,6 @@ import pytest
 
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import mistakes, warnings
-from orchestrator.preflight.checks import drives
 from orchestrator.preflight.levels import load
 from orchestrator.preflight.stability import plain
 from orchestrator.preflight.stability.choice import settled_card
@@ -166,13 +165,6 @@ def test_exudyn_may_drive_every_frame() -> None:
     assert mistakes(load(case, "draft", ["frames.solver=exudyn"])) == []
 
 
-@pytest.mark.solver
-def test_the_limit_of_a_tilt_is_the_solvers() -> None:
-    from adapters.frames import exudyn
-
-    assert drives.LARGEST_TILT_RAD == exudyn.LARGEST_TILT_RAD
-
-
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
     drive = "screen.frames.driving.drive={speed_rad_per_s=9, amplitude_m=[0.1, 0, 0], run_up_s=1"
     said = complaints(tmp_path, drive + ", phase_rad=[0.5, 0, 0]}")
@@ -243,7 +235,7 @@ def test_a_solver_without_a_resting_shape_is_not_asked_for_its_limit(
     def restless(plan: PanelPlan) -> float:
         raise SolverFailed(f"panel {plan.name}: no resting shape")
 
-    monkeypatch.setattr("adapters.panel.strip.largest_step_s", restless)
+    monkeypatch.setattr("adapters.panel.strip.panel.largest_step_s", restless)
     assert not complaints(tmp_path, "panel.solver=strip", "panel.step_s=1e-3")
 
 

@@ -18,8 +18,8 @@ from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complaint, written
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 
-STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_m2 = 1.0"
-WEARING = "sliding_friction = 0.47\nspecific_wear_m3_N_m = 1e-12"  # coal on PU
+STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_per_m2 = 1.0"
+WEARING = "sliding_friction = 0.47\nspecific_wear_m3_per_N_m = 1e-12"  # coal on PU
 DAMPED = "bulk_modulus_Pa = 2e9, maxwell = [{ratio = 0.2, relaxation_s = 0.01}]"
 FULL = (
     CASE.replace("sliding_friction = 0.47", WEARING)

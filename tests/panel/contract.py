@@ -7,11 +7,12 @@ with SolverMissing: nothing is skipped.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib import import_module
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.ports import Account, Array, Load, MeshedPanel, Motion, Panel, PanelState
+from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Apertures
 from orchestrator.ports.plans import PanelPlan
@@ -34,9 +35,10 @@ class Case:
 
     def open(self, interval_s: float = INTERVAL_S, split: int = 1) -> MeshedPanel:
         """``split`` divides the largest step that the adapter takes by itself."""
-        solver = import_module(f"adapters.panel.{self.solver}")
+        solver = solvers.adapter("panel", self.solver)
+        assert isinstance(solver, PanelAdapter)
         changed = replace(self.plan, sync_interval_s=interval_s)
-        if hasattr(solver, "largest_step_s") and changed.integrator == "explicit":
+        if solver.largest_step_s is not None and changed.integrator == "explicit":
             changed = replace(changed, step_s=0.8 * solver.largest_step_s(changed) / split)
         panel: MeshedPanel = solver.build(changed)
         return panel

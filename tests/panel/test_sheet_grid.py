@@ -48,7 +48,7 @@ def test_a_hinge_has_no_cells_under_the_clamp():
 
 @pytest.mark.parametrize("solver", ["sheet", "solid"])
 def test_missing_package_says_what_to_install(solver):
-    script = f"import sys; sys.modules['dolfinx'] = None; import adapters.panel.{solver}"
+    script = f"import sys; sys.modules['dolfinx'] = None; import adapters.panel.finite_element.{solver}_panel"
     failed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert failed.returncode == 1
     assert f"SolverMissing: panel solver '{solver}' needs DOLFINx 0.5" in failed.stderr

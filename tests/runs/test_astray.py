@@ -29,7 +29,7 @@ pictures = false
 STRAY = """
 [bed.particles.stray]
 position_m = [-0.3, 0.1, -0.85]
-velocity_m_s = [0.0, 0.0, -3.0]
+velocity_m_per_s = [0.0, 0.0, -3.0]
 diameter_m = 0.02
 material = "coal"
 """
@@ -45,12 +45,12 @@ product = "undersize"
 box_m = [[-0.2, -0.2, -0.9], [0.5, 0.4, -0.3]]
 [bed.particles.large]
 position_m = [0.15, 0.1, -0.25]
-velocity_m_s = [0.0, 0.0, -2.0]
+velocity_m_per_s = [0.0, 0.0, -2.0]
 diameter_m = 0.0101
 material = "coal"
 [bed.particles.small]
 position_m = [0.15, 0.05, -0.25]
-velocity_m_s = [0.0, 0.0, -2.0]
+velocity_m_per_s = [0.0, 0.0, -2.0]
 diameter_m = 0.0099
 material = "coal"
 """
@@ -83,9 +83,9 @@ frame = "ground"
 material = "PU"
 [bed.feeds.chute]
 material = "coal"
-rate_kg_s = 0.4
+rate_kg_per_s = 0.4
 box_m = [[-0.52, -0.03, 0.0], [-0.48, 0.01, 0.03]]
-velocity_m_s = [0.0, 0.0, -1.0]
+velocity_m_per_s = [0.0, 0.0, -1.0]
 sizes = [{ smallest_m = 0.018, largest_m = 0.020, mass_fraction = 1.0 }]
 [monitor]
 jam_s = 0.1
@@ -162,7 +162,7 @@ def test_a_jammed_feed_may_be_only_warned_of(tmp_path: Path) -> None:
     assert (folder / "run.log").read_text().count('feed "chute" is jammed') == 1
 
 
-SOFT = ("particles.largest_youngs_modulus_Pa=1e4", "bed.particles.ball.velocity_m_s=[0,0,-2.3]")
+SOFT = ("particles.largest_youngs_modulus_Pa=1e4", "bed.particles.ball.velocity_m_per_s=[0,0,-2.3]")
 THROUGH = (*SOFT, "duration_s=0.08", "output.pictures=false", "panel.solver=rigid")
 SOLVERS_OF_PARTICLES = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
 

@@ -17,21 +17,21 @@ AMPLITUDE_M = 0.008
 @pytest.fixture(scope="module")
 def history(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bushing") / "run"
-    sets = [*QUICK, f"screen.frames.plate.drive.speed_rad_s={SPEED_RAD_S!r}"]
+    sets = [*QUICK, f"screen.frames.plate.drive.speed_rad_per_s={SPEED_RAD_S!r}"]
     done = flipflow(*run_words("bushing-hysteresis", folder, sets))
     assert done.returncode == 0, done.stderr
     return folder / "history.h5"
 
 
-@pytest.mark.parametrize(("name", "damping_N_s_m"), [("table", 12.5), ("rubber", 286.6)])
-def test_the_loop_has_the_area_pi_c_w_x2(history: Path, name: str, damping_N_s_m: float) -> None:
+@pytest.mark.parametrize(("name", "damping_N_s_per_m"), [("table", 12.5), ("rubber", 286.6)])
+def test_the_loop_has_the_area_pi_c_w_x2(history: Path, name: str, damping_N_s_per_m: float) -> None:
     """0.197 J with the table's damping, 4.52 J with a loss factor of 0.1.  The rectangle rule over
     a whole cycle is exact for sines, so the tolerance is rounding."""
     with h5py.File(history) as series:
         force_N = series[f"bushings/{name}/force_N"][-200:]
-        velocity_m_s = series["frames/plate/velocity_m_s"][-200:]
-    lost_J = np.sum(force_N * velocity_m_s) * 4e-4
-    assert lost_J == pytest.approx(np.pi * damping_N_s_m * SPEED_RAD_S * AMPLITUDE_M**2, rel=1e-9)
+        velocity_m_per_s = series["frames/plate/velocity_m_per_s"][-200:]
+    lost_J = np.sum(force_N * velocity_m_per_s) * 4e-4
+    assert lost_J == pytest.approx(np.pi * damping_N_s_per_m * SPEED_RAD_S * AMPLITUDE_M**2, rel=1e-9)
 
 
 @pytest.mark.parametrize(("name", "loss_factor"), [("table", 0.00436), ("rubber", 0.1)])

@@ -146,7 +146,7 @@ def test_paraview_finds_every_output_time(case: Done) -> None:
         for entry in (listed[-1],) if fed_later(name, series) else (listed[0], listed[-1]):
             mesh = meshio.read(folder / entry.get("file", ""))
             assert np.isfinite(mesh.points).all()
-            assert "velocity_m_s" in mesh.point_data
+            assert "velocity_m_per_s" in mesh.point_data
         assert len(listed) == len(list((folder / series).iterdir()))
 
 
@@ -201,7 +201,7 @@ def _same(first: h5py.Group, second: h5py.Group, key: str) -> None:
 
 def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
     """It flies up at 20 m/s through the top of the domain, 0.16 m above; the other never comes."""
-    sets = [*QUICK, "duration_s=0.05", "bed.particles.ball.velocity_m_s=[0, 0, 20]"]
+    sets = [*QUICK, "duration_s=0.05", "bed.particles.ball.velocity_m_per_s=[0, 0, 20]"]
     sets += ["probes.nobody={particle=7}", "output.interval_s=0.005"]
     done = flipflow(*run_words("ball-on-panel", tmp_path / "run", sets))
     assert done.returncode == 0, done.stderr

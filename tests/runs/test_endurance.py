@@ -25,7 +25,7 @@ def counted(self, interval, reaction):
     return advance(self, interval, reaction)
 two_mass.TwoMassFrames.advance = counted
 """
-OFTEN = ("output.interval_s=0.08", "bed.feeds.thin.rate_kg_s=0.05", "checkpoint.every_s=0.4")
+OFTEN = ("output.interval_s=0.08", "bed.feeds.thin.rate_kg_per_s=0.05", "checkpoint.every_s=0.4")
 
 
 @pytest.mark.solver

@@ -23,7 +23,7 @@ from tests.runs.outside import (
 
 # Python that breaks a solver from the inside at its third interval
 NAN_IN_PANEL = """
-from adapters.panel import strip
+from adapters.panel.strip import panel as strip
 advance = strip.{cls}.advance
 def poisoned(self, interval, clamps, load):
     if interval.index == 2:
@@ -37,8 +37,8 @@ advance = two_mass.{cls}.advance
 def poisoned(self, interval, reaction):
     motion = advance(self, interval, reaction)
     if interval.index == 2:
-        motion.velocity_m_s[1, 2] = float("nan")
-        type(motion)(motion.position_m, motion.velocity_m_s)
+        motion.velocity_m_per_s[1, 2] = float("nan")
+        type(motion)(motion.position_m, motion.velocity_m_per_s)
     return motion
 two_mass.{cls}.advance = poisoned
 """
@@ -55,7 +55,7 @@ Liggghts.advance = poisoned
 IN_PANEL = """
 import resource, numpy
 from pathlib import Path
-from adapters.panel import strip
+from adapters.panel.strip import panel as strip
 advance = strip.Strip.advance
 def used_bytes():
     return 4096 * int(Path("/proc/self/statm").read_text().split()[0])
@@ -95,7 +95,7 @@ def test_a_nan_from_the_frames(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     before = NAN_FROM_FRAMES.format(cls="TwoMassFrames")
     done = flipflow(*run_words("empty-machine", folder), before=before)
-    failed(folder, done, "frames (two-mass) failed between t = 0.0004 s", "velocity_m_s: point 1")
+    failed(folder, done, "frames (two-mass) failed between t = 0.0004 s", "velocity_m_per_s: point 1")
 
 
 @pytest.mark.solver

@@ -26,12 +26,12 @@ def documented(heading: str, column: int = 1) -> set[str]:
 
 
 LEDGER = documented("### `energy_ledger_J`")
-WEAR = "contacts.1.specific_wear_m3_N_m=1e-12"
+WEAR = "contacts.1.specific_wear_m3_per_N_m=1e-12"
 STOPS = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.003}"
 CUT = "output.cut_size_m=0.017"  # the quickstart's panels have no openings that would tell it
 RECORDED = {"supplied.panel.recording"}  # tests/runs/test_recorded.py has a run
 MOTOR = (
-    "screen.exciters.shaft.motor={rated_power_W=900, synchronous_speed_rad_s=80, rated_slip=0.04, "
+    "screen.exciters.shaft.motor={rated_power_W=900, synchronous_speed_rad_per_s=80, rated_slip=0.04, "
     "moment_of_inertia_kg_m2=0.05}"
 )
 SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
@@ -125,7 +125,7 @@ def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
     line = line.replace("probes/middle", "probes/middle-1")
     found = eval(line, {"pandas": pandas, "h5py": h5py, "f": folder / "history.h5"})
     assert set(found["position_m"].shape[1:]) == {3}
-    for name in ("time_s", "position_m", "velocity_m_s"):
+    for name in ("time_s", "position_m", "velocity_m_per_s"):
         columns = np.asarray(found[name])
         assert columns.dtype == float
         assert len(columns) == len(found["time_s"]) > 1

@@ -23,9 +23,9 @@ sizes = [{ smallest_m = 0.008, largest_m = 0.010, mass_fraction = 1.0 }]
 
 [bed.feeds.chute]
 material = "coal"
-rate_kg_s = 0.2
+rate_kg_per_s = 0.2
 box_m = [[-0.5, 0.0, 0.0], [-0.3, 0.1, 0.1]]
-velocity_m_s = [0.0, 0.0, -3.0]
+velocity_m_per_s = [0.0, 0.0, -3.0]
 sizes = [{ smallest_m = 0.008, largest_m = 0.010, mass_fraction = 1.0 }]
 
 [screen.exits.section-1]
@@ -62,8 +62,8 @@ def checked(folder: Path) -> dict[str, Any]:
         removed = {name: rows[:] for name, rows in history["removed"].items()}
         names = list(history["removed"].attrs["names"])
         products = list(history["removed"].attrs["products"])
-        assert history["removed/velocity_m_s"].attrs["unit"] == "m/s"
-        assert history["fed/density_kg_m3"].attrs["unit"] == "kg/m3"
+        assert history["removed/velocity_m_per_s"].attrs["unit"] == "m/s"
+        assert history["fed/density_kg_per_m3"].attrs["unit"] == "kg/m3"
         present = history["bed/particles"][-1]
     np.testing.assert_array_equal(fed["id"], 1 + np.arange(len(fed["id"])))
     assert (np.diff(fed["time_s"]) >= 0).all()
@@ -71,12 +71,12 @@ def checked(folder: Path) -> dict[str, Any]:
     row = removed["id"] - 1
     assert len(np.unique(row)) == len(row)
     np.testing.assert_array_equal(removed["diameter_m"], fed["diameter_m"][row])
-    np.testing.assert_array_equal(removed["density_kg_m3"], fed["density_kg_m3"][row])
+    np.testing.assert_array_equal(removed["density_kg_per_m3"], fed["density_kg_per_m3"][row])
     assert (removed["time_s"] > fed["time_s"][row]).all()
     assert dict(zip(names, products, strict=True)) == {
         name: one["product"] for name, one in said["exits"].items()
     }
-    mass = np.pi / 6 * fed["density_kg_m3"] * fed["diameter_m"] ** 3
+    mass = np.pi / 6 * fed["density_kg_per_m3"] * fed["diameter_m"] ** 3
     assert said["fed"]["number"] == len(mass)
     assert said["fed"]["mass_kg"] == pytest.approx(mass.sum(), rel=1e-13)
     books = [said["lost"], *said["exits"].values()]

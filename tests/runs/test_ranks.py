@@ -34,7 +34,7 @@ SHORT = [*QUICK, "duration_s=0.02"]
 # broken on one rank only: at the third interval, of the panel that this rank owns
 ONE_RANK_FAILS = """
 from mpi4py import MPI
-from adapters.panel import strip
+from adapters.panel.strip import panel as strip
 from orchestrator.ports.plans import SolverFailed
 advance = strip.Strip.advance
 def broken(self, interval, clamps, load):

@@ -87,7 +87,7 @@ def test_particles_are_thrown_alike(tmp_path: Path) -> None:
     for folder in folders:
         with h5py.File(folder / "history.h5") as history:
             late = history["bed/time_s"][:] > 0.2
-            speeds.append(float(history["bed/mean_speed_m_s"][late].mean()))
+            speeds.append(float(history["bed/mean_speed_m_per_s"][late].mean()))
     assert speeds[1] == pytest.approx(speeds[0], rel=0.15)
     assert speeds[0] > 0.5
 
@@ -103,7 +103,7 @@ def test_what_does_not_fit_is_said(machine: tuple[Path, Path], tmp_path: Path) -
     assert "thickness_m = 0.005, the recorded one 0.004" in thicker.stderr
     gone = flipflow(*base, "--set", f"panel.recording={tmp_path / 'none.h5'}")
     assert (gone.returncode, "no such file" in gone.stderr) == (2, True)
-    faster = flipflow(*base, "--set", "screen.exciters.shaft.speed_rad_s=90")
+    faster = flipflow(*base, "--set", "screen.exciters.shaft.speed_rad_per_s=90")
     assert (faster.returncode, "played back at 90 rad/s" in faster.stdout) == (0, True)
     nothing = flipflow("record", str(machine[1]), "--out", str(tmp_path / "again.h5"))
     assert (nothing.returncode, "no shapes were recorded" in nothing.stderr) == (2, True)

@@ -24,7 +24,7 @@ OFTEN = ["checkpoint.every_s=0.0003"]
 # 30 pieces of coal fall onto two panels from 1 ms on; 120 sync intervals
 FEW = ["bed.blocks.coal.count=30", "duration_s=0.012", "output.interval_s=0.003"]
 QUICKSTART = ["quickstart", *QUICK, *FEW]
-STICKY = [*QUICKSTART, "contacts.1.work_of_adhesion_J_m2=5", "contacts.2.work_of_adhesion_J_m2=5"]
+STICKY = [*QUICKSTART, "contacts.1.work_of_adhesion_J_per_m2=5", "contacts.2.work_of_adhesion_J_per_m2=5"]
 # LIGGGHTS, fed from the start, with openings and exits; periodic sides
 FED = ["ffs0827-slice", *QUICK, "duration_s=0.05", "output.interval_s=0.01"]
 FED += ["bed.feeds.coal.start_s=0.0"]

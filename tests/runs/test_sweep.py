@@ -12,7 +12,7 @@ import pytest
 from tests.runs.outside import flipflow
 
 pytestmark = pytest.mark.slow
-SPEED = "screen.exciters.shaft.speed_rad_s"
+SPEED = "screen.exciters.shaft.speed_rad_per_s"
 SPEEDS = "58:110:13"
 # Linear: panels do not push the frames, and the bushings have their share of 1 MN/m; damped so
 # that it settles within the run
@@ -20,9 +20,9 @@ LINEAR = (
     "frames.solver=two-mass",
     "panel.solver=rigid",
     "exchange.panel_reaction=false",
-    "screen.bushings.shear.stiffness_N_m=[391.7e3, 970e3, 970e3]",
-    "screen.bushings.shear.damping_N_s_m=[1500, 3000, 3000]",
-    "screen.bushings.isolation.damping_N_s_m=[6000, 6000, 6000]",
+    "screen.bushings.shear.stiffness_N_per_m=[391.7e3, 970e3, 970e3]",
+    "screen.bushings.shear.damping_N_s_per_m=[1500, 3000, 3000]",
+    "screen.bushings.isolation.damping_N_s_per_m=[6000, 6000, 6000]",
     "screen.exciters.shaft.run_up_s=0.1",
     "screen.drawn_at_rest=true",
     "coupling.sync_interval_s=1e-3",
@@ -75,7 +75,7 @@ def test_amplitudes_over_58_to_110_rad_s_follow_two_masses(swept: Path) -> None:
 
 def test_what_is_done_is_not_run_again_and_what_is_not_is(swept: Path) -> None:
     """A run that was cut short is put aside and run anew; the others are left as they are."""
-    kept, cut = swept / "speed_rad_s-58.0", swept / "speed_rad_s-71.0"
+    kept, cut = swept / "speed_rad_per_s-58.0", swept / "speed_rad_per_s-71.0"
     before = (kept / "summary.json").stat().st_mtime_ns
     said = (cut / "summary.json").read_text()
     (cut / "summary.json").write_text(said.replace('"done"', '"interrupted"'))
@@ -83,7 +83,7 @@ def test_what_is_done_is_not_run_again_and_what_is_not_is(swept: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("done before") == 4
     assert (kept / "summary.json").stat().st_mtime_ns == before
-    assert (swept / "speed_rad_s-71.0-unfinished-1").is_dir()
+    assert (swept / "speed_rad_per_s-71.0-unfinished-1").is_dir()
     assert '"done"' in (cut / "summary.json").read_text()
 
 

@@ -49,8 +49,8 @@ def test_one_folder_for_two_runs_goes_to_one(tmp_path: Path) -> None:
 
 def test_a_study_does_not_touch_a_run_that_goes_on(tmp_path: Path) -> None:
     """What it takes for an unfinished run of its own may be one that is still at work."""
-    case, key = "cases/empty-machine", "screen.exciters.shaft.speed_rad_s"
-    folder = tmp_path / "speed_rad_s-70"
+    case, key = "cases/empty-machine", "screen.exciters.shaft.speed_rad_per_s"
+    folder = tmp_path / "speed_rad_per_s-70"
     run = started(*run_words("empty-machine", folder, [*LONG, f"{key}=70"]))
     wait_until(lambda: (folder / "surface.pvd").exists())
     assert is_at_work(folder)

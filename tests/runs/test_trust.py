@@ -27,10 +27,10 @@ PLAIN = "coupling.scheme=particles-first"
 SCENES: dict[str, tuple[str, list[str], bool]] = {
     "panels with balls at rest": ("hard/at-rest", ["duration_s=0.1"], True),
     "a taut panel that nothing touches": ("ball-on-panel", ["duration_s=0.05"], True),
-    "no gravity, so that nothing happens": ("ball-on-panel", ["gravity_m_s2=[0, 0, 0]"], True),
+    "no gravity, so that nothing happens": ("ball-on-panel", ["gravity_m_per_s2=[0, 0, 0]"], True),
     "a machine that hardly turns": (
         "quickstart",
-        ["particles.solver=none", "screen.exciters.shaft.speed_rad_s=0.1", "duration_s=0.1"],
+        ["particles.solver=none", "screen.exciters.shaft.speed_rad_per_s=0.1", "duration_s=0.1"],
         True,
     ),
     "a machine that hardly more than rounding moves": (
@@ -38,7 +38,7 @@ SCENES: dict[str, tuple[str, list[str], bool]] = {
         [
             "particles.solver=none",
             "screen.exciters.shaft.mass_moment_kg_m=1e-5",
-            "screen.exciters.shaft.speed_rad_s=0.1",
+            "screen.exciters.shaft.speed_rad_per_s=0.1",
             "duration_s=0.1",
         ],
         True,

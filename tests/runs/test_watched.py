@@ -125,6 +125,6 @@ def test_two_ranks_shorten_together(tmp_path: Path) -> None:
     one, two = (summary(folder)["monitor"] for folder in (alone, both))
     assert one["shortened_intervals"] == two["shortened_intervals"] > 0
     with h5py.File(alone / "history.h5") as first, h5py.File(both / "history.h5") as second:
-        for name in ("position_m", "velocity_m_s"):
+        for name in ("position_m", "velocity_m_per_s"):
             ours, theirs = (file[f"probes/middle-1/{name}"][:] for file in (first, second))
             assert abs(ours - theirs).max() < 1e-10

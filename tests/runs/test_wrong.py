@@ -51,7 +51,7 @@ def test_what_a_solver_refuses_when_it_is_opened(tmp_path: Path) -> None:
     """The check before asks each panel's solver for its limit; here it does not tell."""
     case = written(tmp_path / "case")
     before = (
-        "from adapters.panel import strip\n"
+        "from adapters.panel.strip import panel as strip\n"
         "def build(plan):\n"
         "    raise ValueError(f'panel {plan.name}: step_s = 3 is above 2')\n"
         "strip.build = build"
@@ -65,7 +65,7 @@ def test_what_a_solver_refuses_when_it_is_opened(tmp_path: Path) -> None:
 
 
 TOO_LARGE = """
-from adapters.panel import sheet
+from adapters.panel.finite_element import sheet_panel as sheet
 def largest_step_s(plan):
     raise MemoryError("std::bad_alloc")
 sheet.largest_step_s = largest_step_s

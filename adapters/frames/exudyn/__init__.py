@@ -1,207 +1,50 @@
-"""Rigid bodies with six degrees of freedom on bushings, by Exudyn.
-
-Newmark's trapezoidal rule (beta = 1/4, gamma = 1/2: second order, no numerical damping; Newmark,
-Journal of the Engineering Mechanics Division 85, 1959, 67-94), stepped by hand with whole steps
-per sync interval.  The reaction is constant over the interval: at its start the accelerations
-take the jump from the last load, so that the discrete impulse is the load's own to rounding; and
-the points' lever arms are those extrapolated to the middle of the interval.
-
-Bodies with a drive move as prescribed, to rounding, whatever pushes them; the others are free.
-
-A machine drawn at rest has its bushings stretched so that they carry weight and initial
-reaction in the drawn position.  Equations and limits: docs/theory/frames.md.
-Exudyn: Gerstmayr, Multibody System Dynamics 60, 2024, 533-561, doi 10.1007/s11044-023-09937-1.
-"""
+"""Rigid frames with six degrees of freedom on bushings, by Exudyn (docs/theory/frames.md)."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
-from adapters.frames.common import linear
-from adapters.frames.common.drive import DrivenPoints
-from adapters.frames.common.poses import Attached, Poses, cross
-from adapters.frames.exudyn import trapezoidal
-from adapters.frames.exudyn.books import Books
-from adapters.frames.exudyn.spatial_shaft import shafts
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
-from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports import Frames
+from orchestrator.ports.adapters import FramesAdapter, Objection
+from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
 
-try:
-    from adapters.frames.common import newmark
-    from adapters.frames.exudyn import multibody
-    from adapters.frames.exudyn.driven import Driven, place_at_start
-except ImportError as missing:
-    raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
-
-_STATE = ("_wrench", "_instant", "_couple_N_m", "_points")
 LARGEST_TILT_RAD = 1.4
 """The rotation angles are singular at a tilt of pi/2 about y; frames on bushings tilt by 0.01."""
 
 
-def build(plan: FramesPlan) -> ExudynFrames:
-    """Raises ValueError for unknown bodies, drives that make no sense, or bushings that cannot
-    hold the weight.
+def build(plan: FramesPlan) -> Frames:
+    """Frames at rest, or about to drop.
 
-    ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency, exciter or drive speed),
-    whose error in a frequency is (w h)^2 / 24 = 1e-4."""
-    return ExudynFrames(plan)
+    ValueError for unknown bodies, drives that make no sense, or bushings that cannot hold the
+    weight; SolverMissing without Exudyn.
+    """
+    from adapters.frames.exudyn import frames
+
+    return frames.build(plan)
 
 
-class ExudynFrames:
-    """``Frames`` by Exudyn."""
+def objections(plan: FramesPlan) -> Iterator[Objection]:
+    """Drives that may turn a frame over."""
+    for drive in plan.drives:
+        largest_rad = np.linalg.norm(drive.rotation_rad)
+        if largest_rad > LARGEST_TILT_RAD:
+            what = f"may add up to {largest_rad:.3g} rad; exudyn's limit is {LARGEST_TILT_RAD:g}"
+            key = ("screen", "frames", drive.body, "drive", "rotation_rad")
+            yield Objection(what, 'frames.solver = "prescribed" has none', key)
 
-    def __init__(self, plan: FramesPlan) -> None:
-        self._plan = plan
-        self._driven = tuple(
-            Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
-            for number, drive in zip(linear.driven(plan), plan.drives, strict=True)
-        )
-        self._driven_points = DrivenPoints(plan)
-        self._free = linear.free(plan)
-        free = [plan.bodies[number] for number in self._free]
-        self._mass_kg = np.array([body.mass_kg for body in free])
-        self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
-        self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        machine = linear.linearised(plan, linear.SPACE)
-        self._largest_step_s = newmark.largest_step_s(plan, machine)
-        sag = np.zeros(6 * len(self._free))
-        if plan.drawn_at_rest:
-            sag = machine.sag(linear.resting_load(plan).ravel(), linear.in_play_N(plan))
-        sag_m = (machine.stretch @ sag).reshape(-1, 3)
-        self._carried = Attached.at(plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m)
-        self._onto_bodies = linear.onto_bodies(plan, self._carried.body)
-        self._shafts = shafts(plan, self._drawn_m)
-        steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
-        prescribed = replace(plan, exciters=steady)
-        self._forces = trapezoidal.Forces(prescribed, self._drawn_m, sag_m)
-        self._bodies = multibody.assembled(prescribed, sag_m)
-        self._wrench = np.zeros((len(plan.bodies), 6))
-        self._solver: Any = None
-        self._open()
-        self._instant = self._forces.at(self._read(), self._forces.exciter_N(0.0))
-        self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
-        self._points = self._moved()
-        self._books = Books(plan, self._forces, self._carried, self._instant)
 
-    def initial(self) -> Motion:
-        return self._points
+def cost(work: FramesWork) -> Cost:
+    """A call, and steps of some 1e-4 s."""
+    return Cost(0.4, work.runs * (5e-4 + 1.6 * work.interval_s))
 
-    def advance(self, interval: Interval, reaction: Load) -> Motion:
-        counted("frames' reaction", reaction, len(self._plan.points_m))
-        wrench = self._wrench_of(reaction, interval.length_s)
-        for shaft in self._shafts:
-            wrench[shaft.body] += shaft.wrench
-        self._apply(wrench)
-        steps = interval.steps(self._largest_step_s)
-        step_s = interval.length_s / steps
-        newmark.start_interval(self._solver, step_s)
-        for step in range(1, steps + 1):
-            self._step(interval.start_s + step * step_s, step_s)
-        before, self._points = self._points, self._moved()
-        moved_m = self._points.position_m - before.position_m
-        self._books.interval(reaction.force_N, moved_m, interval.length_s)
-        return self._points
 
-    def ahead(self, interval: Interval) -> Known | None:
-        return self._driven_points.ahead(interval)
-
-    def account(self) -> Account:
-        return self._books.account(self._instant, self._shafts)
-
-    def save(self) -> Saved:
-        system = newmark.save(self._bodies.system, self._solver)
-        turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return save_attributes(self, *_STATE) | {
-            "system": system,
-            "books": self._books.save(),
-            "shafts": turning,
-        }
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
-        newmark.restore(self._bodies.system, self._solver, saved["system"])
-        self._books.restore(saved["books"])
-        for number, shaft in enumerate(self._shafts):
-            shaft.restore(saved["shafts"][str(number)])
-
-    def close(self) -> None:
-        if self._solver is not None:
-            self._solver.FinalizeSolver(self._bodies.system, self._settings)
-            self._solver = None
-
-    def _open(self) -> None:
-        self._settings = newmark.settings(self._plan)
-        place_at_start(self._bodies.system.systemData, self._driven, len(self._plan.bodies))
-        self._solver = newmark.opened(self._bodies.system, self._settings)
-
-    def _read(self) -> Poses:
-        data = self._bodies.system.systemData
-        coordinates, rates = data.GetODE2Coordinates(), data.GetODE2Coordinates_t()
-        return Poses.of(self._drawn_m, coordinates.reshape(-1, 6), rates.reshape(-1, 6))
-
-    def _moved(self) -> Motion:
-        return Motion(*self._carried.motion(self._instant.poses))
-
-    def _wrench_of(self, reaction: Load, length_s: float) -> Array:
-        """Force and moment about the centre of mass, (bodies, 6), with the lever arms expected
-        in the middle of the interval."""
-        body, poses, now = self._carried.body, self._instant.poses, self._points
-        arm_m = now.position_m - poses.center_m[body]
-        arm_m += length_s / 2 * (now.velocity_m_per_s - poses.velocity_m_per_s[body])
-        moment_N_m = cross(arm_m, reaction.force_N)
-        return np.asarray(self._onto_bodies @ np.hstack([reaction.force_N, moment_N_m]))
-
-    def _apply(self, wrench: Array) -> None:
-        """Set the loads, and let the accelerations of free bodies jump by mass^-1 times their
-        change."""
-        system, free = self._bodies.system, self._free
-        for load, force_N in zip(self._bodies.forces, wrench[:, :3], strict=True):
-            system.SetLoadParameter(load, "loadVector", force_N)
-        rotation = self._instant.poses.rotation[free]
-        inertia = rotation @ self._inertia_kg_m2 @ rotation.transpose(0, 2, 1)
-        inertia = inertia @ self._instant.poses.spin_per_rate[free]
-        change = wrench[free] - self._wrench[free]
-        data = system.systemData
-        acceleration = data.GetODE2Coordinates_tt().reshape(-1, 6)
-        acceleration[free, :3] += change[:, :3] / self._mass_kg[:, None]
-        acceleration[free, 3:] += np.linalg.solve(inertia, change[:, 3:, None])[:, :, 0]
-        data.SetODE2Coordinates_tt(acceleration.ravel())
-        self._wrench = wrench
-
-    def _torque_N_m(self) -> Array:
-        """At the end of the coming step: Exudyn applies a bushing's force at its two ends, which
-        lie a stretch apart, without the couple that balances it; extrapolated, it goes here."""
-        couple_N_m = 2 * self._instant.couple_N_m - self._couple_N_m
-        return np.asarray(self._wrench[:, 3:] + couple_N_m)
-
-    def _step(self, end_s: float, step_s: float) -> None:
-        for shaft in self._shafts:
-            wrench = self._wrench.copy()
-            wrench[shaft.body] += shaft.turn(self._instant.poses, end_s, step_s)
-            self._apply(wrench)
-        exciter_N = self._forces.exciter_N(end_s)
-        system, solver = self._bodies.system, self._solver
-        for load, force_N in zip(self._bodies.exciters, exciter_N, strict=True):
-            system.SetLoadParameter(load, "loadVector", force_N)
-        for load, torque_N_m in zip(self._bodies.torques, self._torque_N_m(), strict=True):
-            system.SetLoadParameter(load, "loadVector", torque_N_m)
-        for driven in self._driven:
-            driven.steer(system.systemData, step_s, end_s)
-        solver.InitializeStep(system, self._settings)
-        converged = solver.DiscontinuousIteration(system, self._settings)
-        solver.FinishStep(system, self._settings)
-        tilt = np.abs(system.systemData.GetODE2Coordinates().reshape(-1, 6)[:, 4]).max()
-        if not converged or not tilt < LARGEST_TILT_RAD:  # NaN is not smaller either
-            reason = "its step did not converge" if not converged else f"a body tilts {tilt} rad"
-            raise SolverFailed(f"exudyn frames at {end_s} s: {reason}")
-        before, self._instant = self._instant, self._forces.at(self._read(), exciter_N)
-        self._couple_N_m = before.couple_N_m
-        self._books.step(before, self._instant, step_s)
-        for shaft in self._shafts:
-            shaft.feel(self._instant.poses, end_s, step_s)
-            self._books.turned(shaft.wrench[:3], step_s)
+ADAPTER = FramesAdapter(
+    about="rigid bodies in space, free or driven (Exudyn)",
+    build=build,
+    cost=cost,
+    objections=objections,
+    needs=("adapters.frames.exudyn.frames",),
+    fidelity=3,
+)

@@ -15,6 +15,7 @@ into them, and so into the outside.  Equations and limits: docs/theory/frames.md
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,8 +36,9 @@ from adapters.frames.planar.plane import (
     wrench,
 )
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
+from orchestrator.ports.adapters import FramesAdapter, Objection
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import FramesPlan, SolverFailed
+from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 _STATE = ("_coordinates", "_poses", "_added")
@@ -266,3 +268,32 @@ class Rounds:
         self._before = change
         left = change * self.ratio / (1 - self.ratio) if self.ratio < 1 else math.inf
         return change == 0 or left <= self._tolerance * size
+
+
+def objections(plan: FramesPlan) -> Iterator[Objection]:
+    """Drives that leave the vertical plane, and shafts of motors that are not across it."""
+    for drive in plan.drives:
+        if any((drive.amplitude_m[1], drive.rotation_rad[0], drive.rotation_rad[2])):
+            what = "leaves the vertical plane, to which frames.solver planar is bound"
+            hint = 'frames.solver = "exudyn" has no such bounds'
+            yield Objection(what, hint, ("screen", "frames", drive.body, "drive"))
+    for exciter in plan.exciters:
+        if exciter.motor is not None and (exciter.axis[0] or exciter.axis[2]):
+            what = "turns a shaft that is not across the deck, which planar frames know alone"
+            hint = "axis = [0, 1, 0], or another frames.solver, without slip"
+            yield Objection(what, hint, ("screen", "exciters", exciter.name, "motor"))
+
+
+def cost(work: FramesWork) -> Cost:
+    """A motor is sought within each step."""
+    return Cost(0.05, work.runs * (6e-4 + 8e-4 * work.motors))
+
+
+ADAPTER = FramesAdapter(
+    about="rigid bodies in the vertical plane, free or driven",
+    build=build,
+    cost=cost,
+    leaves_out={"sideways-motion": "frames stay upright in the vertical plane"},
+    objections=objections,
+    fidelity=2,
+)

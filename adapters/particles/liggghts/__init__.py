@@ -3,14 +3,35 @@ doi 10.1504/PCFD.2012.047457), in this process and without files."""
 
 from __future__ import annotations
 
-from adapters.particles.liggghts.particles import Liggghts
-from orchestrator.ports.plans import ParticlesPlan
+from orchestrator.ports import Particles
+from orchestrator.ports.adapters import ParticlesAdapter
+from orchestrator.ports.plans import Cost, ParticlesPlan, ParticlesWork
 
 
-def build(plan: ParticlesPlan) -> Liggghts:
-    """Start LIGGGHTS with the plan's particles on the surface at t = 0.
+def build(plan: ParticlesPlan) -> Particles:
+    """Starts LIGGGHTS with the plan's particles on the surface at t = 0.
 
-    Raises SolverFailed if LIGGGHTS refuses the input.  In a parallel run an error can stop a single
-    rank; the caller must then abort the communicator.
+    Raises SolverFailed if LIGGGHTS refuses the input, SolverMissing without the bridge.  In a
+    parallel run an error can stop a single rank; the caller must then abort the communicator.
     """
+    from adapters.particles.liggghts.particles import Liggghts
+
     return Liggghts(plan)
+
+
+def cost(work: ParticlesWork) -> Cost:
+    """A wet bed: 50 000 particles at rest on the deck of cases/ffs0827-slice; else its level dry,
+    single particles that are thrown; an interval and a step: a few balls."""
+    a_particle_s = 6e-7 if work.sticky else 2.8e-7
+    step_s = 1.5e-5 + 4e-9 * work.triangles
+    stepping_s = 1.4e-4 * work.runs + step_s * work.steps + a_particle_s * work.particle_steps
+    return Cost(0.1 + 1e-5 * work.triangles, stepping_s)
+
+
+ADAPTER = ParticlesAdapter(
+    about="discrete elements, any number of them (LIGGGHTS)",
+    build=build,
+    cost=cost,
+    needs=("adapters.particles.liggghts.particles",),
+    fidelity=2,
+)

@@ -6,7 +6,8 @@ Equations, limits and what was measured: docs/theory/spheres.md.
 from __future__ import annotations
 
 from adapters.particles.spheres.particles import SpheresSolver
-from orchestrator.ports.plans import ParticlesPlan
+from orchestrator.ports.adapters import ParticlesAdapter
+from orchestrator.ports.plans import Cost, ParticlesPlan, ParticlesWork
 
 
 def build(plan: ParticlesPlan) -> SpheresSolver:
@@ -19,3 +20,14 @@ def build(plan: ParticlesPlan) -> SpheresSolver:
             "particles solver 'spheres' has no periodic sides: give the slice walls or use 'liggghts'"
         )
     return SpheresSolver(plan)
+
+
+def cost(work: ParticlesWork) -> Cost:
+    """NumPy's calls, which do not ask how many there are, and the neighbours of each."""
+    stepping_s = 6e-4 * work.runs + 6.5e-4 * work.steps + 2.7e-6 * work.particle_steps
+    return Cost(0.05, stepping_s)
+
+
+ADAPTER = ParticlesAdapter(
+    about="a few spheres, in NumPy", build=build, cost=cost, periodic=False, fidelity=1
+)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from orchestrator.case.solvers import NONE
 from orchestrator.case.tables.case import Case
 
 
 def has_particles(case: Case) -> bool:
     """Whether there are or will be any."""
     described = case.bed.particles or case.bed.blocks or case.bed.feeds
-    return bool(described) and case.particles.solver != "none"
+    return bool(described) and case.particles.solver != NONE
 
 
 def damped_contacts(case: Case) -> bool:

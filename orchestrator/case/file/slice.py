@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
+from orchestrator.case import solvers
 from orchestrator.case.file import slice_surfaces, slice_tables
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Block, Feed
@@ -133,9 +134,12 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
     if case.slice.sides == "walls":
         return []
     found = []
-    if case.particles.solver == "spheres" and (case.bed.particles or case.bed.sources):
-        hint = 'take "walls", or particles.solver = "liggghts"'
-        found.append(CaseProblem(("slice", "sides"), "particles.solver spheres has no periodic", hint))
+    particles = solvers.particles(case)
+    if particles is not None and not particles.periodic and (case.bed.particles or case.bed.sources):
+        others = solvers.those("particles", lambda able: able.periodic)
+        what = f"particles.solver {case.particles.solver} has no periodic sides"
+        hint = f'take "walls", or particles.solver = {others}'
+        found.append(CaseProblem(("slice", "sides"), what, hint))
     if case.gravity_m_per_s2[1] != 0:
         found.append(CaseProblem(("gravity_m_per_s2",), "pulls along y, across periodic sides"))
     return found

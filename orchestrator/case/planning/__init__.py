@@ -5,13 +5,12 @@ Materials are numbered by ``material_numbers`` wherever a plan or a surface has 
 
 from __future__ import annotations
 
-from orchestrator.case.planning.frames import KNOW_MOTORS, bushings, frames_plan
+from orchestrator.case.planning.frames import bushings, frames_plan
 from orchestrator.case.planning.materials import hyperelastic, material_numbers, touching_materials
 from orchestrator.case.planning.panels import panel_plans
 from orchestrator.case.planning.particles import exits, particles_plan
 
 __all__ = [
-    "KNOW_MOTORS",
     "bushings",
     "exits",
     "frames_plan",

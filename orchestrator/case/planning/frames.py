@@ -6,27 +6,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import axes, to_world, unit
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Body, Bushing, Drive, Exciter, FramesPlan, Motor
 
-KNOW_MOTORS = ("planar", "exudyn")  # the others turn shafts at their speed_rad_per_s
-
 
 def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_N: Array) -> FramesPlan:
     """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
     (n, 3) the panels' force on them at t = 0.
 
-    Prescribed frames get drives only: neither bushings nor exciters could move them.
+    Frames that forces do not move get drives only: no bushings, no exciters.
     """
-    prescribed = case.frames.solver == "prescribed"
+    forces = solvers.frames(case).moved_by_forces
     frames = case.screen.frames
     return FramesPlan(
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
-        bushings=() if prescribed else tuple(bushings(case)),
-        exciters=() if prescribed else tuple(_exciters(case)),
+        bushings=tuple(bushings(case)) if forces else (),
+        exciters=tuple(_exciters(case)) if forces else (),
         drives=tuple(_drives(case)),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         points_m=points_m,
@@ -71,6 +70,8 @@ def bushings(case: Case) -> list[Bushing]:
 
 
 def _exciters(case: Case) -> list[Exciter]:
+    """One by one, in world axes; solvers that know no motors turn their shafts at full speed."""
+    motors = solvers.frames(case).motors
     return [
         Exciter(
             body=exciter.frame,
@@ -82,9 +83,10 @@ def _exciters(case: Case) -> list[Exciter]:
             run_up_s=exciter.run_up_s,
             phase_rad=exciter.phase_rad,
             start_s=exciter.start_s,
-            motor=_motor(exciter.motor) if case.frames.solver in KNOW_MOTORS else None,
+            motor=_motor(exciter.motor) if motors else None,
+            name=name,
         )
-        for exciter in case.screen.exciters.values()
+        for name, exciter in case.screen.exciters.items()
     ]
 
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from orchestrator.case import adapter
-from orchestrator.case.deck.panels import single_panels
+from orchestrator.case import solvers
 from orchestrator.case.planning import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.plans import MeshSize
@@ -16,20 +15,14 @@ UNKNOWNS = 3  # of a node
 def mesh_sizes(case: Case) -> dict[str, MeshSize]:
     """By panel; empty for solvers whose meshes are small.  ValueError for openings that the solver
     cannot resolve."""
-    if case.panel.solver != "solid":
-        return {}
-    # without the solver, which loads DOLFINx
-    grids = adapter.imported("panel", "finite_element.solid_grid")
-    return {plan.name: grids.size(plan) for plan in panel_plans(case)}
+    size = solvers.panel(case).mesh_size
+    return {} if size is None else {plan.name: size(plan) for plan in panel_plans(case)}
 
 
 def memory_GiB(case: Case) -> float:
     """What the meshes of all panels need together, good to a factor of two."""
-    if case.panel.solver == "sheet":
-        along, across = case.panel.cells
-        each_GiB: float = adapter.imported("panel", "costs").SHEET_CELL_GIB * along * across
-        return each_GiB * len(single_panels(case))
-    return sum(size.memory_GiB for size in mesh_sizes(case).values())
+    each_GiB = solvers.panel(case).memory_GiB
+    return 0.0 if each_GiB is None else sum(each_GiB(plan) for plan in panel_plans(case))
 
 
 def meshes(case: Case) -> Iterator[str]:

@@ -10,15 +10,15 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, Strict
 
+from orchestrator.case.solvers import Known
 from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Number, Positive, Switch, Table
 
 
 class PanelSolver(Table):
     """How the panels are solved."""
 
-    solver: Literal["rigid", "recorded", "strip", "sheet", "solid"] = "sheet"
-    """rigid (flat, undeformed), recorded (the shape of an earlier run, played back), strip (no
-    change across), sheet (DOLFINx), solid (DOLFINx, 3D)."""
+    solver: Annotated[str, Known("panel")] = "sheet"
+    """The solver."""
     recording: str | None = None
     """File made by ``flipflow record``, for solver "recorded": its path from the case's folder,
     and a file in there where the case names it; ``--set`` may name any."""
@@ -36,9 +36,8 @@ class PanelSolver(Table):
 class FramesSolver(Table):
     """How the frames are solved."""
 
-    solver: Literal["prescribed", "two-mass", "planar", "exudyn"] = "exudyn"
-    """prescribed (drives only), two-mass (linear, no rotation, no drives), planar (rigid bodies in
-    the vertical plane, any of them driven), exudyn (the same in space)."""
+    solver: Annotated[str, Known("frames")] = "exudyn"
+    """The solver."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own."""
 
@@ -46,8 +45,8 @@ class FramesSolver(Table):
 class ParticlesSolver(Table):
     """How the particles are solved."""
 
-    solver: Literal["none", "spheres", "liggghts"] = "liggghts"
-    """none (the machine runs empty), spheres (a few, in NumPy), liggghts."""
+    solver: Annotated[str, Known("particles")] = "liggghts"
+    """The solver; "none" lets the machine run empty."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""
     rayleigh_fraction: Annotated[float, Strict(), Gt(0), Le(1)] = 0.15

@@ -72,6 +72,7 @@ class Exciter:
     phase_rad: float = 0.0
     start_s: float = 0.0
     motor: Motor | None = None
+    name: str = ""
 
 
 @dataclass(frozen=True)

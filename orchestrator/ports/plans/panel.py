@@ -72,6 +72,14 @@ class PanelPlan:
     playback: Playback | None = None
     stops: tuple[Stop, ...] = ()
 
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the whole panel: its free length without openings, and the parts in the clamps."""
+        at = self.rectangle
+        share = self.apertures.material_share(at) if self.apertures is not None else 1.0
+        area_m2 = at.width_m * (share * at.length_m + 2.0 * at.clamp_m)
+        return area_m2 * self.thickness_m * self.material.density_kg_per_m3
+
 
 @dataclass(frozen=True)
 class MeshSize:

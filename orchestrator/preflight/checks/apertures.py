@@ -22,9 +22,6 @@ def openings(case: Case) -> Iterator[CaseProblem]:
         assert panel.apertures is not None, "only panels with apertures are perforated"
         found = [*_lands(key, panel.apertures)] or [*_room(key, panel)]
         yield from found or _thickness(key, panel, panel.apertures)
-        if case.panel.solver == "solid" and panel.apertures.shape != "rectangle":
-            what = f"{panel.apertures.shape}: the solid's cells are boxes and follow no round ends"
-            yield CaseProblem((*key, "shape"), what, 'take "rectangle", or panel.solver = "sheet"')
 
 
 def triangles(case: Case) -> Iterator[CaseProblem]:

@@ -6,43 +6,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.frames import Drive
-
-LARGEST_TILT_RAD = 1.4  # adapters.frames.exudyn's
 
 
 def driven_frames(case: Case) -> Iterator[CaseProblem]:
-    """What planar and exudyn ask of the frames that they drive: no exciter, and no leaving of the
-    plane or turning over."""
-    solver = case.frames.solver
-    if solver not in ("planar", "exudyn"):
+    """Frames that a drive moves while forces move others: they have no exciter."""
+    solver = solvers.frames(case)
+    if not (solver.drives and solver.moved_by_forces):
         return
     frames = case.screen.frames
     for name, exciter in case.screen.exciters.items():
         if exciter.frame in frames and frames[exciter.frame].drive is not None:
             what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
             yield CaseProblem(("screen", "exciters", name, "frame"), what, "take one of them out")
-    for name, frame in frames.items():
-        if frame.drive is not None:
-            key: Key = ("screen", "frames", name, "drive")
-            bounds = _in_plane if solver == "planar" else _upright
-            yield from bounds(key, frame.drive)
-
-
-def _in_plane(key: Key, drive: Drive) -> Iterator[CaseProblem]:
-    if any((drive.amplitude_m[1], drive.rotation_rad[0], drive.rotation_rad[2])):
-        what = "leaves the vertical plane, to which frames.solver planar is bound"
-        yield CaseProblem(key, what, 'frames.solver = "exudyn" has no such bounds')
-
-
-def _upright(key: Key, drive: Drive) -> Iterator[CaseProblem]:
-    largest_rad = np.linalg.norm(drive.rotation_rad)
-    if largest_rad > LARGEST_TILT_RAD:
-        what = f"may add up to {largest_rad:.3g} rad; exudyn's limit is {LARGEST_TILT_RAD:g}"
-        yield CaseProblem((*key, "rotation_rad"), what, 'frames.solver = "prescribed" has none')
 
 
 def start_of_drives(case: Case) -> Iterator[CaseProblem]:

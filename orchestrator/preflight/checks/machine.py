@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
+from typing import Any
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.errors import CaseProblem, Key
+from orchestrator.case.planning import frames_plan, panel_plans
+from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter, Motor
 from orchestrator.case.tables.quantities import GROUND
@@ -18,20 +22,21 @@ from orchestrator.case.tables.screen import Panel
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
     """Masses for frames that forces move, and drives only for solvers that know them."""
-    solver = case.frames.solver
-    if solver == "prescribed":
+    solver, able = case.frames.solver, solvers.frames(case)
+    if not able.moved_by_forces:
         return
+    driving = solvers.those("frames", lambda frames: frames.drives and frames.moved_by_forces)
     for name, frame in case.screen.frames.items():
         key: Key = ("screen", "frames", name)
         if frame.drive is not None:
-            if solver == "two-mass":
-                hint = 'take the drive out, or frames.solver = "planar" or "exudyn"'
-                yield CaseProblem((*key, "drive"), "frames.solver two-mass knows no drives", hint)
+            if not able.drives:
+                hint = f"take the drive out, or frames.solver = {driving}"
+                yield CaseProblem((*key, "drive"), f"frames.solver {solver} knows no drives", hint)
             continue
         if frame.mass_kg is None:
-            hint = "or move it by a drive, with another solver than two-mass"
+            hint = f"or move it by a drive, with frames.solver = {driving}"
             yield CaseProblem((*key, "mass_kg"), f"missing: frames.solver {solver} needs it", hint)
-        if frame.inertia_kg_m2 is None and solver != "two-mass":
+        if frame.inertia_kg_m2 is None and able.rotates:
             yield CaseProblem((*key, "inertia_kg_m2"), f"missing: frames.solver {solver} needs it")
 
 
@@ -56,7 +61,7 @@ def held_frames(case: Case) -> Iterator[CaseProblem]:
     frames: the static equations K u = weight, translations only, must have a solution."""
     from scipy.spatial.transform import Rotation
 
-    if case.frames.solver == "prescribed" or not case.screen.drawn_at_rest:
+    if not (solvers.frames(case).moved_by_forces and case.screen.drawn_at_rest):
         return
     free = {name: frame for name, frame in case.screen.frames.items() if frame.drive is None}
     names = [*free]
@@ -91,26 +96,37 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "frame"), "the ground cannot be excited", "name a frame")
         yield from _right_angle(key, "axis", exciter.axis, "start", exciter.start)
         if exciter.motor is not None:
-            yield from _motor(case, (*key, "motor"), exciter, exciter.motor)
+            yield from _motor((*key, "motor"), exciter, exciter.motor)
 
 
-def _motor(case: Case, key: Key, exciter: Exciter, motor: Motor) -> Iterator[CaseProblem]:
+def _motor(key: Key, exciter: Exciter, motor: Motor) -> Iterator[CaseProblem]:
     synchronous = motor.synchronous_speed_rad_per_s
     if exciter.speed_rad_per_s > synchronous:
         what = f"{synchronous:g} is below the exciter's speed_rad_per_s = {exciter.speed_rad_per_s:g}"
         yield CaseProblem((*key, "synchronous_speed_rad_per_s"), what, "a motor lags behind it")
-    if case.frames.solver == "planar" and (exciter.axis[0] or exciter.axis[2]):
-        what = "turns a shaft that is not across the deck, which planar frames know alone"
-        yield CaseProblem(key, what, "axis = [0, 1, 0], or another frames.solver, without slip")
 
 
-def panel_solver(case: Case) -> Iterator[CaseProblem]:
-    """Settings that the strip does not have."""
-    if case.panel.solver == "strip" and case.panel.integrator == "implicit":
-        hint = 'take "explicit", or panel.solver = "sheet"'
-        yield CaseProblem(("panel", "integrator"), "the strip is explicit only", hint)
-    if case.panel.solver == "strip" and case.panel.cells[0] < 2:
-        yield CaseProblem(("panel", "cells", 0), "a strip needs at least two cells")
+def panel_integrator(case: Case) -> Iterator[CaseProblem]:
+    """An integrator that the panels' solver does not have."""
+    asked, able = case.panel.integrator, solvers.panel(case).integrators
+    if asked not in able:
+        others = solvers.those("panel", lambda panel: asked in panel.integrators)
+        hint = f'take "{able[0]}", or panel.solver = {others}'
+        what = f"the {case.panel.solver} is {' or '.join(able)} only"
+        yield CaseProblem(("panel", "integrator"), what, hint)
+
+
+def solvers_objections(case: Case) -> Iterator[CaseProblem]:
+    """What the adapters of panels and frames cannot take in their plans.  The plans can be made of a
+    case whose tables fit together."""
+    asked: list[tuple[Port, list[Any]]] = [
+        ("panel", list(panel_plans(case))),
+        ("frames", [frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))]),
+    ]
+    for port, plans in asked:
+        objections = (o for plan in plans for o in solvers.in_use(case)[port].objections(plan))
+        for objection in dict.fromkeys(objections):
+            yield CaseProblem(objection.key or (port, "solver"), objection.what, objection.hint)
 
 
 def panels(case: Case) -> Iterator[CaseProblem]:

@@ -30,7 +30,7 @@ OF_TABLES = (
     machine.panels,
     apertures.openings,
     stops.stops,
-    machine.panel_solver,
+    machine.panel_integrator,
     recordings.named_recording,
     machine.probes,
     surfaces.plates,

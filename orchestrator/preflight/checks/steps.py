@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib import import_module
 
+from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
 from orchestrator.case.bed.particle_step import particle_step_s
@@ -47,15 +47,12 @@ def panel_step(case: Case) -> Iterator[CaseProblem]:
     resting shape: the run says so."""
     if case.panel.step_s == 0:
         return
-    try:
-        solver = import_module(f"adapters.panel.{case.panel.solver}")
-    except SolverMissing:
-        return
-    if not hasattr(solver, "largest_step_s"):
+    limit = solvers.panel(case).largest_step_s
+    if limit is None:
         return
     try:
-        limit_s = min(solver.largest_step_s(plan) for plan in panel_plans(case))
-    except SolverFailed:
+        limit_s = min(limit(plan) for plan in panel_plans(case))
+    except (SolverMissing, SolverFailed):
         return
     if case.panel.step_s > limit_s:
         what = f"{case.panel.step_s:g} s is above the limit {limit_s:.3g} s of panel.solver "
@@ -79,11 +76,10 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
 
 def missing_solvers(case: Case) -> Iterator[str]:
     """Solvers that the case wants and this installation lacks; takes as long as they load."""
-    names = [f"frames.{case.frames.solver.replace('-', '_')}", f"panel.{case.panel.solver}"]
-    if has_particles(case):
-        names.append(f"particles.{case.particles.solver}")
-    for name in names:
+    for port, adapter in solvers.in_use(case).items():
+        if port == "particles" and not has_particles(case):
+            continue
         try:
-            import_module(f"adapters.{name}")
+            adapter.load()
         except SolverMissing as missing:
             yield str(missing)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from orchestrator.case.tables.case import Case
+from orchestrator.case import solvers
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
@@ -24,16 +24,10 @@ def judge(scene: Scene) -> Verdict:
     )
 
 
-def left_out(case: Case) -> str:
-    off = case.frames.solver == "prescribed" and bool(moved_by_forces(case))
-    return "frames.solver prescribed: nothing acts on the frames' motion" if off else ""
-
-
 EFFECT = Effect(
     part="frames",
     judge=judge,
     described=lambda case: bool(moved_by_forces(case)),
-    left_out=left_out,
-    overlay=lambda case: {"frames": {"solver": "prescribed"}},
+    overlay=lambda case: {"frames": {"solver": solvers.without("frames", "frame-dynamics")}},
     key="frames.solver",
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
@@ -26,23 +27,17 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
-def left_out(case: Case) -> str:
-    translating = "frames.solver two-mass: frames translate only"
-    return translating if case.frames.solver == "two-mass" else ""
-
-
 def overlay(case: Case) -> Overlay:
     """Frames that only translate have no drives."""
     frames = case.screen.frames.values()
     driven = any(frame.drive or frame.mass_kg is None for frame in frames)
-    return {} if driven else {"frames": {"solver": "two-mass"}}
+    return {} if driven else {"frames": {"solver": solvers.without("frames", "frame-rotation")}}
 
 
 EFFECT = Effect(
     part="frames",
     judge=judge,
     described=lambda case: bool(moved_by_forces(case)),
-    left_out=left_out,
     overlay=overlay,
     needs=("frame-dynamics",),
     key="frames.solver",

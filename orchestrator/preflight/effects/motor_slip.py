@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from orchestrator.case.planning import KNOW_MOTORS
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Motor
 from orchestrator.ports.plans import Exciter
@@ -121,12 +120,6 @@ def described(case: Case) -> bool:
     return any(exciter.motor for exciter in case.screen.exciters.values())
 
 
-def left_out(case: Case) -> str:
-    solver = case.frames.solver
-    lacks = described(case) and solver not in KNOW_MOTORS
-    return f"frames.solver {solver}: shafts turn at their speed_rad_per_s" if lacks else ""
-
-
 def overlay(case: Case) -> Overlay:
     rows = {name: {"motor": None} for name, row in case.screen.exciters.items() if row.motor}
     return {"screen": {"exciters": rows}} if rows else {}
@@ -136,7 +129,6 @@ EFFECT = Effect(
     part="frames",
     judge=judge,
     described=described,
-    left_out=left_out,
     overlay=overlay,
     needs=("frame-dynamics",),
     key="screen.exciters.<name>.motor",

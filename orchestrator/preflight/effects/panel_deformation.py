@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.case.tables.case import Case
+from orchestrator.case import solvers
 from orchestrator.preflight.scene.effect import PARTS, TENTH, Effect, Verdict
 from orchestrator.preflight.scene.moved_panel import answer
 from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene
@@ -64,16 +64,11 @@ def _pulling(scene: Scene) -> Share:
     return "change of the stroke", abs(change), why
 
 
-def left_out(case: Case) -> str:
-    return "panel.solver rigid: panels stay flat" if case.panel.solver == "rigid" else ""
-
-
 EFFECT = Effect(
     part="panels",
     judge=judge,
     described=lambda case: bool(case.screen.panels),
-    left_out=left_out,
-    overlay=lambda case: {"panel": {"solver": "rigid"}},
+    overlay=lambda case: {"panel": {"solver": solvers.without("panel", "panel-deformation")}},
     key="panel.solver",
     checked_by="frames_throw",
     saves=True,

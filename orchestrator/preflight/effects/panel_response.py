@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import ELASTIC, Scene
 
@@ -18,16 +17,10 @@ def judge(scene: Scene) -> Verdict:
     )
 
 
-def left_out(case: Case) -> str:
-    recorded = "panel.solver recorded: panels play back a shape, whatever moves them"
-    return recorded if case.panel.solver == "recorded" else ""
-
-
 EFFECT = Effect(
     part="panels",
     judge=judge,
     described=lambda case: bool(case.screen.panels),
-    left_out=left_out,
     needs=("panel-deformation",),
     key="panel.solver",
 )

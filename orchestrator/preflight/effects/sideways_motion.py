@@ -3,6 +3,7 @@ frame's translation."""
 
 from __future__ import annotations
 
+from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
@@ -27,23 +28,17 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
-def left_out(case: Case) -> str:
-    planar = "frames.solver planar: frames stay upright in the vertical plane"
-    return planar if case.frames.solver == "planar" else ""
-
-
 def overlay(case: Case) -> Overlay:
-    """Planar frames have no drives that leave the plane."""
+    """Frames that stay in the plane have no drives that leave it."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     leaves = any(d.amplitude_m[1] or d.rotation_rad[0] or d.rotation_rad[2] for d in drives)
-    return {} if leaves else {"frames": {"solver": "planar"}}
+    return {} if leaves else {"frames": {"solver": solvers.without("frames", "sideways-motion")}}
 
 
 EFFECT = Effect(
     part="frames",
     judge=judge,
     described=lambda case: bool(moved_by_forces(case)),
-    left_out=left_out,
     overlay=overlay,
     needs=("frame-rotation",),
     key="frames.solver",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict
 from orchestrator.preflight.scene.moved_panel import MovedPanel
@@ -34,23 +35,18 @@ def _whole_aspect(scene: Scene) -> float:
     return max(row.width_m / row.length_m for row in scene.case.whole.screen.panels.values())
 
 
-def left_out(case: Case) -> str:
-    strip = "panel.solver strip: nothing varies across a panel"
-    return strip if case.panel.solver == "strip" else ""
-
-
 def overlay(case: Case) -> Overlay:
-    """A strip is explicit, with its own step, and has at least two cells."""
+    """A solver without it, with its own step; it has at least two cells along."""
     if case.panel.cells[0] < 2:
         return {}
-    return {"panel": {"solver": "strip", "integrator": "explicit", "step_s": 0.0}}
+    uniform = solvers.without("panel", "variation-across")
+    return {"panel": {"solver": uniform, "integrator": "explicit", "step_s": 0.0}}
 
 
 EFFECT = Effect(
     part="panels",
     judge=judge,
     described=lambda case: bool(case.screen.panels),
-    left_out=left_out,
     overlay=overlay,
     needs=("panel-deformation",),
     key="panel.solver",

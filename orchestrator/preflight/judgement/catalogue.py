@@ -8,6 +8,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import get_args
 
+from orchestrator.case import solvers
 from orchestrator.case.file.contents import absent, has_particles
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight import effects
@@ -73,7 +74,7 @@ def judged(case: Case) -> dict[Part, list[Judged]]:
 def can_go(case: Case, name: str) -> bool:
     """Whether keys of the case leave it out that do not do so yet: neither it nor, with another
     value of the same key, something that it needs."""
-    gone = any(EFFECTS[one].left_out(case) for one in (name, *needs_of(name)))
+    gone = any(why_left_out(case, effect) for effect in (name, *needs_of(name)))
     return bool(EFFECTS[name].overlay(case)) and not gone
 
 
@@ -101,7 +102,7 @@ def needs_of(name: str) -> Iterator[str]:
 def present(case: Case, name: str) -> bool:
     """Whether the case describes it and nothing leaves it out, nor what it needs."""
     effect = EFFECTS[name]
-    there = effect.described(case) and not effect.left_out(case)
+    there = effect.described(case) and not why_left_out(case, name)
     return there and all(present(case, one) for one in effect.needs)
 
 
@@ -120,8 +121,20 @@ def taken_along(case: Case, name: str) -> list[str]:
 
 def left_out(case: Case) -> dict[str, str]:
     """What solvers and other settings leave out of this case: name -> why."""
-    found = {name: effect.left_out(case) for name, effect in EFFECTS.items()}
-    return {name: why for name, why in found.items() if why}
+    reasons = {name: why_left_out(case, name) for name in EFFECTS}
+    return {name: why for name, why in reasons.items() if why}
+
+
+def why_left_out(case: Case, name: str) -> str:
+    """Why settings leave an effect out, or a solver one that the case describes; "" if none does."""
+    effect = EFFECTS[name]
+    if why := effect.left_out(case):
+        return why
+    for port, adapter in solvers.in_use(case).items():
+        instead = adapter.leaves_out.get(name)
+        if instead is not None and effect.described(case):
+            return f"{port}.solver {getattr(case, port).solver}: {instead}"
+    return ""
 
 
 def dropped(bare: Case, at_level: Case) -> dict[str, str]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import block_diag, eigh
 
+from orchestrator.case import solvers
 from orchestrator.ports import Array
 from orchestrator.ports.plans import FramesPlan
 from orchestrator.preflight.scene.scene import Scene
@@ -49,14 +50,15 @@ class FrameMatrices:
 def frame_matrices(scene: Scene) -> FrameMatrices | None:
     """None where no frame is free to be pushed."""
     case, plan = scene.case, scene.plan
-    if case.frames.solver == "prescribed" or not free_frames(plan):
+    solver = solvers.frames(case)
+    if not (solver.moved_by_forces and free_frames(plan)):
         return None
-    freedoms = 3 if case.frames.solver == "two-mass" else 6
+    freedoms = 6 if solver.rotates else 3
     springs = [
         replace(spring, stiffness_N_per_m=panel.taut_stiffness_N_per_m * panel.stiffening)
         for spring, panel in zip(scene.springs, scene.panels, strict=True)
     ]
-    if case.panel.solver in ("rigid", "recorded"):  # no springs
+    if not solvers.panel(case).yields:  # no springs
         springs = []
     bodies = {body.name: body for body in plan.bodies}
     masses = [mass_of(bodies[name])[:freedoms, :freedoms] for name in free_frames(plan)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from orchestrator.case import solvers
 from orchestrator.case.tables.screen import Panel
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.stability.bound import Bound
@@ -21,7 +22,6 @@ from orchestrator.preflight.stability.frame_modes import FrameMatrices
 from orchestrator.preflight.stability.panel_masses import areal_kg_per_m2, lightest_point_kg
 from orchestrator.preflight.stability.touching import Contact, Touch, touches
 
-CARRIED = ("rigid", "recorded")  # panels that hand every load to their frames
 SOURCE = "docs/theory/stability.md, "
 
 
@@ -45,7 +45,7 @@ def contacts(
     seats = list(_seats(scene, modes_rad_per_s, frames))
     rules = {"particles-first": _drifting, "robin": _foreseen, "serial-staggered": _late}
     scheme = scene.case.coupling.scheme
-    if scheme == "robin" and scene.case.panel.solver in CARRIED:
+    if scheme == "robin" and not solvers.panel(scene.case).yields:
         scheme = "particles-first"  # that is what it does on them
     if seats and scheme in rules:
         yield from rules[scheme](seats)
@@ -117,15 +117,17 @@ def _seats(scene: Scene, modes_rad_per_s: dict[str, float], frames: FrameMatrice
     that each takes, and of a few that crowd on the lightest point its share."""
     for name, panel in scene.case.screen.panels.items():
         for touch in touches(scene, panel.material):
-            mass_kg = _mass_kg(scene, panel, touch, frames)
+            mass_kg = _mass_kg(scene, name, panel, touch, frames)
             if mass_kg is not None:
                 yield Seat(name, touch, mass_kg, modes_rad_per_s.get(name, 0.0))
 
 
-def _mass_kg(scene: Scene, panel: Panel, touch: Touch, frames: FrameMatrices | None) -> float | None:
+def _mass_kg(
+    scene: Scene, name: str, panel: Panel, touch: Touch, frames: FrameMatrices | None
+) -> float | None:
     """None where nothing moves under a load."""
-    if scene.case.panel.solver not in CARRIED:
-        alone_kg = lightest_point_kg(scene.case, panel)
+    if solvers.panel(scene.case).yields:
+        alone_kg = lightest_point_kg(scene.case, name)
         crowded_kg = areal_kg_per_m2(scene.case, panel) * touch.area_m2
         return min(alone_kg, max(crowded_kg, alone_kg / touch.most))
     wanted = scene.case.exchange

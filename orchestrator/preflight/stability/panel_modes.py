@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.case import adapter
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.planning import panel_plans
 from orchestrator.case.tables.case import Case
@@ -18,14 +18,13 @@ period.  Steps of h turn w into (2 / h) arcsin(w h / 2)."""
 def largest_steps_s(case: Case) -> dict[str, float]:
     """Name of each row of panels -> largest step of its solver; empty where that is not limited by
     stability.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
-    solver = adapter.imported("panel", case.panel.solver)
-    explicit = case.panel.integrator == "explicit" and hasattr(solver, "largest_step_s")
-    if not explicit:
+    limit = solvers.panel(case).largest_step_s
+    if limit is None or case.panel.integrator != "explicit":
         return {}
     rows = {
         single.table_name: plan for single, plan in zip(single_panels(case), panel_plans(case), strict=True)
     }
-    return {name: float(solver.largest_step_s(plan)) for name, plan in rows.items()}
+    return {name: float(limit(plan)) for name, plan in rows.items()}
 
 
 def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:

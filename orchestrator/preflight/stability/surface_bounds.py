@@ -10,10 +10,10 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from orchestrator.case import solvers
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.stability.bound import Bound
-from orchestrator.preflight.stability.panel_bounds import CARRIED
 from orchestrator.preflight.stability.touching import touches
 
 INTERVALS_PER_CONTACT = 10
@@ -46,8 +46,8 @@ def met(scene: Scene) -> list[Met]:
     """Every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
     middles or as the frames, whichever is more."""
     case, moves = scene.case, scene.case.exchange.frame_motion
-    yields = case.panel.solver not in CARRIED
-    panels_throw = scene.frames_throw if case.panel.solver == "rigid" else scene.throw
+    yields = solvers.panel(case).yields
+    panels_throw = scene.throw if solvers.panel(case).deforms else scene.frames_throw
     found = []
     for name, panel in case.screen.panels.items():
         known = not yields and (not moves or _known(scene, *panel.frames))
@@ -61,7 +61,8 @@ def met(scene: Scene) -> list[Met]:
 
 
 def _known(scene: Scene, *frames: str) -> bool:
-    unmoved = scene.case.frames.solver == "prescribed" or not scene.case.exchange.panel_reaction
+    forces = solvers.frames(scene.case).moved_by_forces
+    unmoved = not (forces and scene.case.exchange.panel_reaction)
     known = {drive.body for drive in scene.plan.drives} | {GROUND}
     return unmoved or known.issuperset(frames)
 
