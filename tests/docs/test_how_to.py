@@ -15,6 +15,7 @@ PAGES = {page.stem: page for page in sorted((ROOT / "docs/how-to").glob("*.md"))
 WITH_CODE = [name for name, page in PAGES.items() if BLOCK.search(page.read_text(encoding="utf-8"))]
 
 
+@pytest.mark.process
 @pytest.mark.parametrize("name", WITH_CODE)
 def test_the_example_runs(name: str, tmp_path: Path) -> None:
     """In a process of its own, so that what an example adds to the program is gone afterwards."""
@@ -25,4 +26,4 @@ def test_the_example_runs(name: str, tmp_path: Path) -> None:
 
 
 def test_there_are_examples() -> None:
-    assert {"add-a-key", "add-a-result"} <= set(WITH_CODE)
+    assert {"add-a-key", "add-a-result", "add-a-study"} <= set(WITH_CODE)
