@@ -11,6 +11,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from orchestrator.case.file.contents import has_particles
 from orchestrator.preflight.levels import load
 from tests.bench import coupling, effects
 
@@ -30,6 +31,8 @@ def main() -> None:
         console.print(effects.bench(timed, args.intervals))
     else:
         loaded = load(args.case, args.level, args.overrides)
+        if not has_particles(loaded.case):
+            parser.error("the case has no particles: there is nothing to compare")
         console.print(coupling.bench(loaded, args.intervals, args.settling))
 
 

@@ -108,19 +108,6 @@ def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) ->
     assert (CASES / case / "README.md").is_file()
 
 
-def test_bench_says_what_is_wrong_with_a_case(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["bench", str(written(tmp_path)), "--set", "duration_s=2e4"])
-    assert done.exit_code == 2, done.output
-    assert "looks like ms" in done.output
-
-
-def test_bench_wants_particles(tmp_path: Path) -> None:
-    without = CASE[: CASE.index("[bed.particles.ball]")] + CASE[CASE.index("[probes.middle]") :]
-    done = CALL.invoke(app, ["bench", str(written(tmp_path, without))])
-    assert done.exit_code == 2, done.output
-    assert "the case has no particles" in done.output
-
-
 def test_version_names_what_the_program_stands_on() -> None:
     done = CALL.invoke(app, ["--version"])
     assert done.exit_code == 0
