@@ -66,7 +66,7 @@ def explain(
 
     Exit code 0: done, whatever the verdicts; 2: the case has problems.
     """
-    from orchestrator.cli.explain import show
+    from orchestrator.cli.explain import print_explanation
     from orchestrator.preflight.check import table_mistakes
     from orchestrator.studies.ladder.stored import stored
 
@@ -74,11 +74,11 @@ def explain(
     with reported_errors():
         found = stored(loaded, ladder)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
-        show(loaded, found, _tried(loaded, asked, budget), asked)
+        print_explanation(loaded, found, _tried(loaded, asked, budget), asked)
 
 
 def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:
-    """Runs with and without effects, for results that are ``asked`` for; None where none are."""
+    """Makes runs with and without effects for results that are ``asked`` for; None where none are."""
     from orchestrator.case.scalars import scalar
     from orchestrator.studies.paired import LIMIT_S, RUNS_IN_BUDGET, Pairs
     from orchestrator.studies.trials import for_results

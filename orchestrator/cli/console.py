@@ -1,4 +1,4 @@
-"""How the commands of ``flipflow`` speak, and how they say what a user got wrong."""
+"""The console of all commands: what they print, and how they report what went wrong."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.
 
 @contextmanager
 def reported_errors() -> Iterator[None]:
-    """What went wrong inside, other than by a mistake in flipflow, is said, and ends the program
-    with its exit code."""
+    """Reports what goes wrong inside, and ends the program with its exit code.  An internal error is
+    raised as it is."""
     try:
         yield
     except KeyboardInterrupt:
@@ -37,7 +37,7 @@ def reported_errors() -> Iterator[None]:
 
 
 def _code(error: Exception) -> int | None:
-    """Its exit code; None for what only a mistake in flipflow raises."""
+    """Returns the exit code of an error; None for what only an internal error raises."""
     from orchestrator.case.file.errors import CaseError
     from orchestrator.output.records.run_folder import FolderUnusable
     from orchestrator.ports.plans import SolverFailed, SolverMissing
@@ -83,6 +83,6 @@ def checked(
 
 
 def refuse(why: str) -> NoReturn:
-    """Says why the command cannot be carried out, and ends the program."""
+    """Prints why the command cannot be carried out, and ends the program."""
     ERRORS.print(why)
     raise typer.Exit(WRONG)

@@ -27,30 +27,32 @@ SHORT = ("effect", "here", "value", "auto")
 NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels: nothing to decide"}
 
 
-def show(
+def print_explanation(
     loaded: LoadedCase,
     ladder: Mapping[str, Any] | None = None,
     tried: Asked | None = None,
     asked: Sequence[str] = (),
 ) -> None:
-    """Prints everything about a case without mistakes in its tables; with what a ``ladder``
-    measured of it, or what runs that were ``tried`` say of the results ``asked`` for, in place of
-    estimates."""
+    """Prints the verdicts on all effects of a case whose tables have no problems.
+
+    What a ``ladder`` measured of it, or what runs that were ``tried`` say of the results ``asked``
+    for, takes the place of estimates.
+    """
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    parts = judged_of(loaded) if tried is None else judged_of(loaded, tried.pairs, asked)
+    parts = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if ladder is not None:
         parts = {part: [_measured(one, ladder) for one in rows] for part, rows in parts.items()}
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
-    console.print(table(parts, COLUMNS[:-1] if narrow else COLUMNS))
+    console.print(effects_table(parts, COLUMNS[:-1] if narrow else COLUMNS))
     if narrow:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
-    for line in () if tried is None else about_trials(tried, asked):
+    for line in () if tried is None else trial_lines(tried, asked):
         console.print(line, soft_wrap=True)
-    for line in summary(loaded, [verdict for rows in parts.values() for verdict in rows]):
+    for line in summary_lines(loaded, [verdict for rows in parts.values() for verdict in rows]):
         console.print(line, soft_wrap=True)
 
 
@@ -58,11 +60,13 @@ def _measured(one: Judged, ladder: Mapping[str, Any]) -> Judged:
     return replace(one, verdict=measured(one.effect, one.verdict, ladder))
 
 
-def judged_of(
+def judge_effects(
     loaded: LoadedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
 ) -> dict[Part, list[Judged]]:
-    """The case as it describes itself, and what of it is here; with ``pairs`` of runs for the
-    results ``asked`` for, by default those that the case itself has."""
+    """Judges the effects of the case as it describes itself, by part.
+
+    ``pairs`` of runs decide for the results ``asked`` for; by default those that the case has.
+    """
     if pairs is None:
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
 
@@ -74,22 +78,22 @@ def judged_of(
     }
 
 
-def table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
-    """One row for each effect, part by part."""
-    found = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+def effects_table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
+    """Returns a table with a row for each effect, part by part."""
+    rows_table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        found.add_column(column, no_wrap=column in SHORT, overflow="fold")
+        rows_table.add_column(column, no_wrap=column in SHORT, overflow="fold")
     going = with_dependents(spared(one for rows in parts.values() for one in rows), "")
     for part, rows in parts.items():
-        found.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
+        rows_table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
         for one in rows:
-            found.add_row(*_row(one, going)[: len(columns)])
-        found.add_section()
-    return found
+            rows_table.add_row(*_row(one, going)[: len(columns)])
+        rows_table.add_section()
+    return rows_table
 
 
-def about_trials(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
-    """What was run, what could not be, and for what the budget did not last."""
+def trial_lines(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
+    """Yields what was run, what could not be, and for what the budget did not last."""
     done = [name for name, pair in tried.pairs.items() if not pair.refused]
     spent = f"{tried.spent_s:.0f} s of processor time"
     yield f"for {', '.join(asked)}: {len(done)} effects tried out or remembered, {spent}"
@@ -120,7 +124,7 @@ def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:
 
 
 def _by_auto(one: Judged, going: Collection[str]) -> str:
-    """What ``effects = "auto"`` does with it."""
+    """Returns what ``effects = "auto"`` does with an effect."""
     if one.lacking:
         return "warns"
     if not one.present:
@@ -128,8 +132,8 @@ def _by_auto(one: Judged, going: Collection[str]) -> str:
     return "leaves out" if one.effect in going else "keeps"
 
 
-def summary(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
-    """What the case lacks, and what it could do without."""
+def summary_lines(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
+    """Yields what the case lacks, and what it could do without."""
     lacking = [one for one in verdicts if one.lacking]
     spare = [one for one in verdicts if one.spare]
     yield ("matters, and the case does not have it:" if lacking else "nothing that matters is lacking")

@@ -1,4 +1,4 @@
-"""What is in a case, in words and derived numbers, for ``flipflow check`` and ``list``."""
+"""What ``flipflow check`` prints: what is in a case, in words and derived numbers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from orchestrator.preflight.stability.choice import settled_card, with_scheme
 
 
 def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
-    """Lines about a case without mistakes; with ``detail`` all that limits its sync interval, in
+    """Yields lines about a case without problems; with ``detail`` all that limits its sync interval, in
     the theory's terms."""
     case = loaded.case
     stability = settled_card(case)
@@ -77,11 +77,11 @@ def _machine(loaded: LoadedCase) -> Iterator[str]:
     yield from _damping(case)
     yield from openings(case)
     rigid = [len(wall.triangles) for wall in walls(case, loaded.folder)]
-    yield f"  triangles  {_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
+    yield f"  triangles  {_triangles_on_panels(case)}, {sum(rigid)} on {len(rigid)} rigid surfaces"
 
 
 def _damping(case: Case) -> Iterator[str]:
-    """What branches make of the loss factors that were measured."""
+    """Yields what branches make of the loss factors that were measured."""
     for name, material in case.materials.items():
         law = material.hyperelastic
         if law is None or not law.loss_curve:
@@ -95,8 +95,8 @@ def _damping(case: Case) -> Iterator[str]:
         yield f"             off by {off.error:.1%} at most, at {off.at_Hz:g} Hz"
 
 
-def _on_panels(case: Case) -> str:
-    """How many triangles the particles meet."""
+def _triangles_on_panels(case: Case) -> str:
+    """Returns how many triangles the particles meet."""
     try:
         counts = [len(grid.triangles) for grid in surface_grids(case).values()]
     except SolverMissing:
@@ -118,7 +118,7 @@ def _particles(loaded: LoadedCase) -> Iterator[str]:
 
 
 def _cost(case: Case, at_start: int) -> Iterator[str]:
-    """What the whole run will take, and the parts that take a tenth or more of it."""
+    """Yields what the whole run will take, and the parts that take a tenth or more of it."""
     ranges = predicted_range_s(case, at_start)
     least, most = (sum(parts.values()) for parts in ranges)
     fed = most > 1.1 * least

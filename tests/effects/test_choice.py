@@ -9,7 +9,7 @@ import pytest
 import tomli_w
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.cli.explain import judged_of
+from orchestrator.cli.explain import judge_effects
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import mistakes, warnings
 from orchestrator.preflight.judgement.account import account, at_start
@@ -219,8 +219,8 @@ def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
 def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: Path) -> None:
     """Openings that effects leave out are still asked about."""
     plain = load(written(tmp_path, FULL), None, MORE)
-    before = {one.effect: one for rows in judged_of(plain).values() for one in rows}
-    after = {one.effect: one for rows in judged_of(full(tmp_path)).values() for one in rows}
+    before = {one.effect: one for rows in judge_effects(plain).values() for one in rows}
+    after = {one.effect: one for rows in judge_effects(full(tmp_path)).values() for one in rows}
     assert after["apertures"].verdict == before["apertures"].verdict
     assert (before["apertures"].present, after["apertures"].present) == (True, False)
 

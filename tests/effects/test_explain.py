@@ -12,7 +12,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from orchestrator.case.scalars import SCALARS
-from orchestrator.cli.explain import COLUMNS, table
+from orchestrator.cli.explain import COLUMNS, effects_table
 from orchestrator.cli.main import app
 from orchestrator.preflight import effects
 from orchestrator.preflight.check import table_mistakes
@@ -111,9 +111,9 @@ material = "PU"
 
 def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
     parts = judged(load(written(tmp_path)).case)
-    assert len(table(parts, COLUMNS).columns) == 8
+    assert len(effects_table(parts, COLUMNS).columns) == 8
     console = Console(width=100, record=True, file=StringIO())
-    console.print(table(parts, COLUMNS[:-1]))
+    console.print(effects_table(parts, COLUMNS[:-1]))
     said = console.export_text()
     assert "frame-rotation" in said
     assert "frames.solver" not in said

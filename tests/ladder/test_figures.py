@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from orchestrator.studies.sampling import sampled_at
 
 from orchestrator.ports import Array
 from orchestrator.ports.clock import exact
@@ -12,7 +13,6 @@ from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.levels import load
 from orchestrator.studies.figures import Figures, errors, relative
 from orchestrator.studies.ladder.rungs import rungs
-from orchestrator.studies.sampling import sampled_at
 from tests.runs.outside import ROOT
 
 
