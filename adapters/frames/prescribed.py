@@ -10,7 +10,7 @@ import numpy as np
 
 from adapters.frames.common import linear
 from adapters.frames.common.drive import DrivenPoints
-from orchestrator.ports import Account, Known, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Known, Load, Motion, Saved, check_point_count
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
@@ -38,7 +38,7 @@ class PrescribedFrames:
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        counted("frames' reaction", reaction, len(self._now))
+        check_point_count("frames' reaction", reaction, len(self._now))
         before, self._now = self._now, self._points.at(interval.end_s)
         moved_m = self._now.position_m - before.position_m
         self._received_J += float(np.sum(reaction.force_N * moved_m))

@@ -19,7 +19,7 @@ from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Collocation
 from adapters.frames.common.exciter import Unbalance
 from adapters.frames.common.ledger import BodySums, FramesLedger
-from orchestrator.ports import Account, Array, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
@@ -73,7 +73,7 @@ class TwoMassFrames:
         return self._carried()
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        counted("frames' reaction", reaction, len(self._carrier))
+        check_point_count("frames' reaction", reaction, len(self._carrier))
         steps = interval.steps(self._largest_step_s)
         self._collocation.set_step(interval.length_s / steps)
         reaction_N = self._onto_bodies @ reaction.force_N

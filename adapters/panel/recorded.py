@@ -19,10 +19,20 @@ import math
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    HermitePath,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    check_point_count,
+)
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
 from orchestrator.ports.state import restore_attributes, save_attributes
@@ -66,8 +76,8 @@ class RecordedPanel:
         return PanelState(self._surface, Load(weight_N + self._pull_N(0.0)))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        counted("recorded panel's clamps", clamps, len(self._clamps))
-        counted("recorded panel's load", load, len(self._surface))
+        check_point_count("recorded panel's clamps", clamps, len(self._clamps))
+        check_point_count("recorded panel's load", load, len(self._surface))
         surface = self._placed(clamps, interval.end_s)
         acceleration = (surface.velocity_m_per_s - self._surface.velocity_m_per_s) / interval.length_s
         through_N = load.force_N + self._mass_kg * (self._gravity_m_per_s2 - acceleration)
@@ -148,7 +158,7 @@ class Played:
         one, two, fraction = self._between(time_s)
         before = Motion(found.shape_m[one], found.rate_m[one])
         after = Motion(found.shape_m[two], found.rate_m[two])
-        now = Path(before, after, self._step_rad).at(fraction)
+        now = HermitePath(before, after, self._step_rad).at(fraction)
         grown, rate_1_s = self._grown(time_s)
         away_m = now.position_m - found.rest_m
         velocity_m_per_s = rate_1_s * away_m + grown * speed * now.velocity_m_per_s

@@ -17,7 +17,17 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
-from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    check_point_count,
+)
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
@@ -58,8 +68,8 @@ class RigidPanel:
         return PanelState(self._now, Load(self._mass_kg * self._gravity_m_per_s2))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        counted("rigid panel's clamps", clamps, len(self._now))
-        counted("rigid panel's load", load, len(self._now))
+        check_point_count("rigid panel's clamps", clamps, len(self._now))
+        check_point_count("rigid panel's load", load, len(self._now))
         before, self._now = self._now, clamps
         acceleration = (clamps.velocity_m_per_s - before.velocity_m_per_s) / interval.length_s
         reaction = load.force_N + self._mass_kg * (self._gravity_m_per_s2 - acceleration)

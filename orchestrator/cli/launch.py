@@ -24,7 +24,7 @@ from rich.console import Console
 from orchestrator.case import distributions, solvers
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import TOO_LARGE, find_problems
-from orchestrator.coupling import ranks
+from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records import run_folder, summary, trust
@@ -49,7 +49,7 @@ AT_ONCE = 128 + signal.SIGINT
 
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
     """Runs a case on every rank, and returns the exit code."""
-    world = ranks.communicator()
+    world = mpi.communicator()
     try:
         loaded = load(path, level, overrides)
         require_runnable(loaded)
@@ -57,7 +57,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
-        folder = ranks.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
+        folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
     except Exception as error:
         return report_refusal(world, error)
     return execute(loaded, entries, folder, world)
@@ -71,10 +71,10 @@ def _decide_effects(
     if not loaded.choice.asked:
         return loaded
     say = _console().print
-    made = ranks.first_rank_does(world, lambda: before(loaded, say))
+    made = mpi.first_rank_does(world, lambda: before(loaded, say))
     if not made and world is None:
         return loaded
-    known = ranks.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
+    known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
     read = loaded.origin.read()
     agree({key_of(read, name): known.get(name) for name in EFFECTS})
     loaded = load(path, level, overrides)
@@ -101,7 +101,7 @@ def report_refusal(world: Any, error: Exception) -> int:
             message, code = TOO_LARGE, WRONG
         case _:
             message, code = f"internal error: {type(error).__name__}: {error}", BROKEN
-    return ranks.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
+    return mpi.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
 
 
 def execute(
@@ -117,7 +117,7 @@ def execute(
     ``entries`` are the account of its effects, ``warned`` further warnings.  Raises FolderUnusable
     where another process is at work.
     """
-    first = ranks.is_first(world)
+    first = mpi.is_first(world)
     console = _console(quiet=not first)
     alone = lock(folder / OF_A_RUN) if first else nullcontext()
     with run_folder.logging_to(folder, first), alone:
@@ -198,10 +198,10 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
     else:
         code, status, reason = DONE, trust.DONE, ""
     try:
-        return ranks.first_rank_does(world, lambda: _finish(run, code, status, reason, folder, console))
+        return mpi.first_rank_does(world, lambda: _finish(run, code, status, reason, folder, console))
     except KeyboardInterrupt:
         _print_and_log(f"stopped at once: what the run leaves at its end is not in {folder}", console)
-        return ranks.end_all(world, AT_ONCE)
+        return mpi.end_all(world, AT_ONCE)
 
 
 def _classify(error: BaseException) -> tuple[int, str, str]:
@@ -257,7 +257,7 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
                 console.print(line)
         elif run.resumes is None:
             run_folder.remove_folder(folder)
-    return ranks.end_all(world, code)
+    return mpi.end_all(world, code)
 
 
 def _write_what_can_be(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:

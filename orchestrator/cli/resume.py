@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.cli.launch import execute, report_refusal, require_runnable
-from orchestrator.coupling import ranks
+from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable, is_at_work, write_case, write_json
@@ -23,14 +23,14 @@ KILLED = "the run had been killed, or the machine stopped: nothing says how it e
 def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
     """Goes on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
     Returns the exit code."""
-    world = ranks.communicator()
+    world = mpi.communicator()
     try:
-        save = ranks.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
+        save = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
         as_saved = load(folder, None, overrides)
         loaded = replace(as_saved, name=save.about["name"], level=save.about["level"])
         require_runnable(loaded)
         entries = account(loaded.described, loaded.left_out)
-        warned = ranks.first_rank_does(world, lambda: _prepare_folder(folder, save, loaded, world))
+        warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, save, loaded, world))
         return execute(loaded, entries, folder, world, save, warned)
     except Exception as error:
         return report_refusal(world, error)

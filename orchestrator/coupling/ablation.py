@@ -15,8 +15,10 @@ import numpy as np
 from orchestrator.coupling.altered_panel import AlteredPanel
 from orchestrator.ports import (
     Account,
+    ContactTangent,
     Crossings,
     Frames,
+    HermitePath,
     Inertia,
     Known,
     Load,
@@ -26,14 +28,12 @@ from orchestrator.ports import (
     PanelState,
     Particles,
     ParticleSnapshot,
+    Predicting,
     Removed,
-    Responding,
-    Response,
     Saved,
 )
-from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
+from orchestrator.ports.optional import surface_ahead
 from orchestrator.ports.state import restorable
 
 
@@ -87,7 +87,7 @@ def still_clamped(panel: Panel) -> AlteredPanel:
     """A panel whose clamps stay where they were at t = 0."""
     still = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
     known = Known(still, np.ones(len(still), dtype=np.bool_))
-    follow = ahead_of(panel)
+    follow = surface_ahead(panel)
 
     def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return panel.advance(interval, still, load)
@@ -108,12 +108,12 @@ class ParticlesOnStillSurface:
     def initial(self) -> Load:
         return self._particles.initial()
 
-    def advance(self, interval: Interval, path: Path) -> Load:
-        return self._particles.advance(interval, Path(self._still, self._still, path.length_s))
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
+        return self._particles.advance(interval, HermitePath(self._still, self._still, path.length_s))
 
-    def response(self, length_s: float) -> Response:
+    def contact_tangent(self, length_s: float) -> ContactTangent:
         """The surface's motion does not matter."""
-        told = cast(Responding, self._particles).response(length_s)
+        told = cast(Predicting, self._particles).contact_tangent(length_s)
         return replace(told, impedance_N_s_per_m=0.0 * told.impedance_N_s_per_m)
 
     def snapshot(self) -> ParticleSnapshot:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
-from orchestrator.ports.ahead import Ahead, ahead_of
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.inertia import inertia_of
+from orchestrator.ports.optional import Ahead, surface_ahead, surface_inertia
 from orchestrator.ports.state import restorable
 
 Advance = Callable[[Interval, Motion, Load], PanelState]
@@ -27,8 +26,8 @@ class AlteredPanel:
     ) -> None:
         self._panel, self._advance = panel, advance
         self._initial = initial or panel.initial
-        self._inertia = inertia or (lambda: inertia_of(panel))
-        self._ahead = ahead or ahead_of(panel)
+        self._inertia = inertia or (lambda: surface_inertia(panel))
+        self._ahead = ahead or surface_ahead(panel)
         self.mount: Mount = panel.mount
 
     def initial(self) -> PanelState:

@@ -20,22 +20,26 @@ from orchestrator.case.planning import bushings, frames_plan, particles_plan
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, still_clamped, unloaded
 from orchestrator.coupling.bushing_forces import BushingForces
-from orchestrator.coupling.ledger import Members
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.numbering import (
+from orchestrator.coupling.metered import (
+    MeteredFrames,
+    MeteredPanel,
+    MeteredParticles,
+    MeteredSolvers,
+    Stopwatch,
+)
+from orchestrator.coupling.mpi import FramesOnFirstRank
+from orchestrator.coupling.panel_set import PanelSet
+from orchestrator.coupling.schemes import create_scheme
+from orchestrator.coupling.schemes.scheme import Solvers
+from orchestrator.coupling.surface_indexing import (
     panel_of_triangle,
     panel_points,
     penetrations,
     probes,
     touched_surface,
 )
-from orchestrator.coupling.panel_set import PanelSet
-from orchestrator.coupling.pieces import frame_pieces, panel_pieces, wall_pieces
-from orchestrator.coupling.ranks import FramesOnFirstRank
-from orchestrator.coupling.schemes import scheme
-from orchestrator.coupling.schemes.exchange import Solvers
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.surface_parts import frame_parts, panel_parts, wall_parts
 from orchestrator.ports import Frames, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from orchestrator.preflight.check import mistakes_at_rest
@@ -58,15 +62,15 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
 
 def _built(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack) -> Machine:
     case = settled(loaded.case)
-    panels = panel_pieces(case, loaded.folder, stopwatch, world)
-    walls, frames = wall_pieces(case, loaded.folder), frame_pieces(case)
-    pieces = [*panels, *walls, *frames]
-    together = PanelSet(len(pieces), lambda i: pieces[i].open(), world)
+    panels = panel_parts(case, loaded.folder, stopwatch, world)
+    walls, frames = wall_parts(case, loaded.folder), frame_parts(case)
+    parts = [*panels, *walls, *frames]
+    together = PanelSet(len(parts), lambda i: parts[i].open(), world)
     opened.callback(together.close)
     start = together.initial()
     surface = touched_surface(case, [*panels, *walls], together, start.surface.position_m)
     triangle_panels = panel_of_triangle([*panels, *walls], len(panels))
-    gone_through = penetrations(case, pieces, len(panels), together)
+    gone_through = penetrations(case, parts, len(panels), together)
     particles_wanted = particles_plan(case, surface, world, folder)
     start_list = particles_wanted.particles if particles_wanted is not None else nobody()
     found = mistakes_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
@@ -77,14 +81,14 @@ def _built(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, o
         held_N = np.zeros_like(held_N)
     frames_wanted = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
     centres = {
-        piece.name: together.clamps[len(panels) + len(walls) + number].start
-        for number, piece in enumerate(frames)
+        part.name: together.clamps[len(panels) + len(walls) + number].start
+        for number, part in enumerate(frames)
     }
     material, particles, wearing = _particles(case, particles_wanted, stopwatch)
     if particles is not None:
         opened.callback(particles.close)
     opened_frames = _frames(case, frames_wanted, world)
-    members = Members(
+    members = MeteredSolvers(
         MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
         MeteredPanel(together, "panels", "mapping", stopwatch),
         particles,
@@ -92,14 +96,14 @@ def _built(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, o
     return Machine(
         solvers=_handed_over(case, members),
         members=members,
-        scheme=scheme(case.coupling.scheme, effort(case)),
+        scheme=create_scheme(case.coupling.scheme, effort(case)),
         stopwatch=stopwatch,
         surface=surface,
         panel_of_triangle=triangle_panels,
         panels=panel_points(case, panels, together),
         penetrations=gone_through,
         centres=centres,
-        probes=probes(case, pieces, together),
+        probes=probes(case, parts, together),
         bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
         material=material,
         wearing=wearing,
@@ -129,7 +133,7 @@ def _particles(
     return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 
-def _handed_over(case: Case, members: Members) -> Solvers:
+def _handed_over(case: Case, members: MeteredSolvers) -> Solvers:
     """The solvers as the coupling sees them: with the hand-overs that the case wants."""
     wanted = case.exchange
     frames: Frames = members.frames

@@ -11,31 +11,20 @@ one member gave the other received (or it is in transit, one interval late).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.schemes.exchange import Pending
+from orchestrator.coupling.metered import MeteredSolvers
+from orchestrator.coupling.schemes.scheme import Pending
 from orchestrator.ports import Account, Array
-
-
-@dataclass(frozen=True)
-class Members:
-    """The metered members; ``particles`` is None where the case has none."""
-
-    frames: MeteredFrames
-    panel: MeteredPanel
-    particles: MeteredParticles | None
-
 
 ROUNDED = 1e-6
 """Of the impulse through all points, in sizes: beside it, rounding of their sum (1e-16 of it) is
 1e-10 at most."""
 
 LOSING = {"particles-panel": ("particles",), "panel-frames": ("panel", "frames")}
-"""Members whose losses are a scale for what is created at an interface: particles lose what the
+"""MeteredSolvers whose losses are a scale for what is created at an interface: particles lose what the
 panels gave them, panels and frames what drives the machine."""
 
 
@@ -86,7 +75,7 @@ class Ledger:
     ``account``s are collective under MPI, so are ``energy_J`` and ``momentum_residual``.
     """
 
-    def __init__(self, members: Members, pending: Pending) -> None:
+    def __init__(self, members: MeteredSolvers, pending: Pending) -> None:
         """``pending``: what the scheme holds back at t = 0."""
         self._members = members
         self._opening = self._accounts()

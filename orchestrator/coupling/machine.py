@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from orchestrator.case.bed.material_book import MaterialBook
 from orchestrator.coupling.bushing_forces import BushingForces
-from orchestrator.coupling.ledger import Members
-from orchestrator.coupling.schemes.exchange import Scheme, Solvers
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import MeteredSolvers, Stopwatch
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers
 from orchestrator.ports import Array, Indices, Wearing
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.penetration import Penetrations
@@ -51,13 +50,13 @@ class Machine:
     """All that the run, its records and its reports need to know.
 
     ``centres``: frame name -> number of its centre of mass among the carried points; the next three
-    are the ends of the arms that tell its rotation (``pieces.frame_pieces``).
+    are the ends of the arms that tell its rotation (``surface_parts.frame_parts``).
     ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
     ``material`` is None where the case has no particles, ``wearing`` where nothing wears.
     """
 
     solvers: Solvers
-    members: Members
+    members: MeteredSolvers
     scheme: Scheme
     stopwatch: Stopwatch
     surface: TriangleSurface

@@ -13,16 +13,15 @@ from scipy.sparse import csr_array
 
 from orchestrator.coupling.altered_panel import AlteredPanel
 from orchestrator.ports import Inertia, Known, Load, Motion, Panel, PanelState
-from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.inertia import inertia_of
+from orchestrator.ports.optional import surface_ahead, surface_inertia
 
 
 def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
     """The panel seen through other points of its surface; ``H`` (new points, panel's surface
     points), from ``MeshedPanel.interpolation``."""
     HT, sizes = csr_array(H.T), abs(H)
-    follow = ahead_of(panel)
+    follow = surface_ahead(panel)
 
     def moved(surface: Motion) -> Motion:
         return Motion(H @ surface.position_m, H @ surface.velocity_m_per_s)
@@ -39,7 +38,7 @@ def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
         return Known(moved(own.motion), sizes @ np.where(own.which, 0.0, 1.0) == 0.0)
 
     def inertia() -> Inertia:
-        own = inertia_of(panel)
+        own = surface_inertia(panel)
         return replace(own, shapes=csr_array(H @ own.shapes))
 
     return AlteredPanel(panel, advance, lambda: seen(panel.initial()), inertia, ahead)

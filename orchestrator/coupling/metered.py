@@ -5,17 +5,22 @@ A metered solver is again a solver; the coupling does not know the difference.
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 
-from orchestrator.coupling.stopwatch import Stopwatch
-from orchestrator.coupling.timed_panel import timed
+from orchestrator.coupling.altered_panel import AlteredPanel
 from orchestrator.ports import (
     Account,
     Array,
+    ContactTangent,
     Crossings,
     Frames,
+    HermitePath,
     Inertia,
     Known,
     Load,
@@ -26,18 +31,42 @@ from orchestrator.ports import (
     PanelState,
     Particles,
     ParticleSnapshot,
+    Predicting,
     Removed,
-    Responding,
-    Response,
     Restorable,
     Saved,
 )
-from orchestrator.ports.ahead import carried_ahead
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.failures import solver_failure_context
-from orchestrator.ports.hermite import Path
-from orchestrator.ports.inertia import inertia_of
+from orchestrator.ports.optional import find_driven_points, surface_ahead, surface_inertia
 from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+
+
+class Stopwatch:
+    """Entering a part pauses the one outside it, so the parts add up to the time inside any."""
+
+    def __init__(self) -> None:
+        self.wall_s: dict[str, float] = {}
+        self._parts: list[str] = []
+        self._since_s = 0.0
+
+    @contextmanager
+    def __call__(self, part: str) -> Iterator[None]:
+        self._book()
+        self._parts.append(part)
+        try:
+            yield
+        finally:
+            self._book()
+            self._parts.pop()
+
+    def _book(self) -> None:
+        now = time.perf_counter()
+        if self._parts:
+            part = self._parts[-1]
+            self.wall_s[part] = self.wall_s.get(part, 0.0) + now - self._since_s
+        self._since_s = now
+
 
 _OF_FRAMES = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
 _OF_PANELS = (
@@ -99,7 +128,7 @@ class MeteredFrames:
 
     def ahead(self, interval: Interval) -> Known | None:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
-            return carried_ahead(self._frames, interval)
+            return find_driven_points(self._frames, interval)
 
     def account(self) -> Account:
         return self._frames.account()
@@ -124,7 +153,7 @@ class MeteredPanel:
     last: tuple[Motion, Load, PanelState]
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
-        self._panel = timed(panel, name, part, stopwatch)
+        self._panel = meter_panel(panel, name, part, stopwatch)
         self.mount: Mount = panel.mount
         self.received_N_s: Array = np.zeros(3)
         self.given_N_s: Array = np.zeros(3)
@@ -155,7 +184,7 @@ class MeteredPanel:
         return self._panel.ahead(interval, clamps)
 
     def inertia(self) -> Inertia:
-        return inertia_of(self._panel)
+        return surface_inertia(self._panel)
 
     def account(self) -> Account:
         return self._panel.account()
@@ -177,7 +206,7 @@ class MeteredParticles:
     ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts intervals
     run, those taken back, too."""
 
-    last: tuple[Path, Load]
+    last: tuple[HermitePath, Load]
 
     def __init__(self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch) -> None:
         self._particles, self._name, self._stopwatch = particles, name, stopwatch
@@ -190,7 +219,7 @@ class MeteredParticles:
         with solver_failure_context(self._name, None):
             return self._particles.initial()
 
-    def advance(self, interval: Interval, path: Path) -> Load:
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
         with self._stopwatch("particles"), solver_failure_context(self._name, interval):
             load = self._particles.advance(interval, path)
         self.last = path, load
@@ -199,9 +228,9 @@ class MeteredParticles:
         self.runs += 1
         return load
 
-    def response(self, length_s: float) -> Response:
+    def contact_tangent(self, length_s: float) -> ContactTangent:
         with self._stopwatch("particles"):
-            return cast(Responding, self._particles).response(length_s)
+            return cast(Predicting, self._particles).contact_tangent(length_s)
 
     def snapshot(self) -> ParticleSnapshot:
         return self._particles.snapshot()
@@ -229,3 +258,31 @@ class MeteredParticles:
 
     def close(self) -> None:
         self._particles.close()
+
+
+def meter_panel(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPanel:
+    """The panel says its ``name`` when it fails; its time is booked under ``part``."""
+    follow = surface_ahead(panel)
+
+    def initial() -> PanelState:
+        with solver_failure_context(name, None):
+            return panel.initial()
+
+    def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        with stopwatch(part), solver_failure_context(name, interval):
+            return panel.advance(interval, clamps, load)
+
+    def ahead(interval: Interval, clamps: Known) -> Known:
+        with stopwatch(part), solver_failure_context(name, interval):
+            return follow(interval, clamps)
+
+    return AlteredPanel(panel, advance, initial, ahead=ahead)
+
+
+@dataclass(frozen=True)
+class MeteredSolvers:
+    """The metered members; ``particles`` is None where the case has none."""
+
+    frames: MeteredFrames
+    panel: MeteredPanel
+    particles: MeteredParticles | None

@@ -14,10 +14,8 @@ from typing import Any
 import numpy as np
 
 from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
-from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.inertia import inertia_of
-from orchestrator.ports.inertia import joined as joined_inertia
+from orchestrator.ports.optional import concatenate_inertias, surface_ahead, surface_inertia
 from orchestrator.ports.state import restorable
 
 
@@ -32,12 +30,12 @@ class PanelSet:
         self._communicator = communicator
         rank, size = (communicator.rank, communicator.size) if communicator else (0, 1)
         self._own: dict[int, Panel] = {i: open_panel(i) for i in range(rank, count, size)}
-        self._follow = {i: ahead_of(panel) for i, panel in self._own.items()}
+        self._follow = {i: surface_ahead(panel) for i, panel in self._own.items()}
         states = self._exchanged({i: panel.initial() for i, panel in self._own.items()})
         mounts = self._exchanged({i: panel.mount for i, panel in self._own.items()})
-        self.surface = slices([len(state.surface) for state in states])
-        self.clamps = slices([len(mount.frame) for mount in mounts])
-        self._initial = joined(states)
+        self.surface = consecutive_slices([len(state.surface) for state in states])
+        self.clamps = consecutive_slices([len(mount.frame) for mount in mounts])
+        self._initial = concatenate_states(states)
         self.mount = Mount(
             np.concatenate([mount.position_m for mount in mounts]),
             tuple(frame for mount in mounts for frame in mount.frame),
@@ -51,19 +49,21 @@ class PanelSet:
             i: panel.advance(interval, clamps.part(self.clamps[i]), Load(load.force_N[self.surface[i]]))
             for i, panel in self._own.items()
         }
-        return joined(self._exchanged(own))
+        return concatenate_states(self._exchanged(own))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
         own = {i: ahead(interval, clamps.part(self.clamps[i])) for i, ahead in self._follow.items()}
         parts = self._exchanged(own)
-        motion = joined_motion([part.motion for part in parts])
+        motion = concatenate_motions([part.motion for part in parts])
         return Known(motion, np.concatenate([part.which for part in parts]))
 
     def inertia(self) -> Inertia:
-        return joined_inertia(self._exchanged({i: inertia_of(panel) for i, panel in self._own.items()}))
+        return concatenate_inertias(
+            self._exchanged({i: surface_inertia(panel) for i, panel in self._own.items()})
+        )
 
     def account(self) -> Account:
-        return total(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
+        return sum_accounts(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
 
     def save(self) -> Saved:
         """Of the panels on this rank."""
@@ -84,20 +84,21 @@ class PanelSet:
         return [everybody[i] for i in sorted(everybody)]
 
 
-def slices(lengths: Sequence[int]) -> tuple[slice, ...]:
+def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:
     """Consecutive slices of the given lengths."""
     ends = np.cumsum([0, *lengths]).tolist()
     return tuple(slice(a, b) for a, b in itertools.pairwise(ends))
 
 
-def joined(states: Sequence[PanelState]) -> PanelState:
+def concatenate_states(states: Sequence[PanelState]) -> PanelState:
     """One state with the points of all."""
     return PanelState(
-        joined_motion([s.surface for s in states]), Load(np.concatenate([s.reaction.force_N for s in states]))
+        concatenate_motions([s.surface for s in states]),
+        Load(np.concatenate([s.reaction.force_N for s in states])),
     )
 
 
-def joined_motion(motions: Sequence[Motion]) -> Motion:
+def concatenate_motions(motions: Sequence[Motion]) -> Motion:
     """The points of all, one after the other."""
     return Motion(
         np.concatenate([motion.position_m for motion in motions]),
@@ -105,7 +106,7 @@ def joined_motion(motions: Sequence[Motion]) -> Motion:
     )
 
 
-def total(accounts: Sequence[Account]) -> Account:
+def sum_accounts(accounts: Sequence[Account]) -> Account:
     """The sum of accounts, name by name."""
 
     def added(name: str) -> Any:

@@ -14,15 +14,15 @@ mass m per area (docs/theory/panel_stops.md).
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.coupling.stop_tops import Through, corners_m, tops
 from orchestrator.ports import (
     Account,
     Array,
+    Indices,
     Inertia,
     Known,
     Load,
@@ -31,13 +31,70 @@ from orchestrator.ports import (
     Mount,
     PanelState,
     Saved,
-    counted,
+    check_point_count,
 )
-from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.inertia import inertia_of
-from orchestrator.ports.plans import PanelPlan
+from orchestrator.ports.geometry import Rectangle, foot_on_triangle
+from orchestrator.ports.optional import surface_ahead, surface_inertia
+from orchestrator.ports.plans import PanelPlan, Stop
 from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+
+
+@dataclass(frozen=True)
+class Through:
+    """Points (n,) seen from their tops: ``depth_m`` (n,) below them, ``normal`` (n, 3) of the tops,
+    ``share`` (n, 3) of the top's three corners in the point's foot on it; they add up to one."""
+
+    depth_m: Array
+    normal: Array
+    share: Array
+
+
+@dataclass(frozen=True)
+class Tops:
+    """All stops of a panel.  Of its n points that can meet one: material coordinates (n, 2), the
+    number of its stop (n,), and area, stiffness and damping of the layer under it (n,)."""
+
+    coordinates_m: Array
+    stop: Indices
+    stiffness_N_per_m: Array
+    damping_N_s_per_m: Array
+
+    def through(self, corners_m: Array, place_m: Array) -> Through:
+        """Points at ``place_m`` (n, 3), tops with ``corners_m`` (stops, 3, 3): the first, one along
+        from it, one across from it."""
+        foot = foot_on_triangle(corners_m[self.stop], place_m)
+        return Through(-foot.height_m, foot.normal, foot.share)
+
+    def onto_corners(self, share: Array, force_N: Array, stops: int) -> Array:
+        """(stops, 3, 3) of forces (n, 3) at the points' feet."""
+        given = np.zeros((stops, 3, 3))
+        np.add.at(given, self.stop, share[:, :, None] * force_N[:, None, :])
+        return given
+
+
+def tops(stops: tuple[Stop, ...], rectangle: Rectangle, spacing_m: Array) -> Tops:
+    """Points in the middles of cells of ``spacing_m`` (2,) at most, along and across."""
+    coordinates, number, areas = [], [], []
+    for place, stop in enumerate(stops):
+        sides_m = np.array([stop.to_m - stop.from_m, rectangle.width_m])
+        counts = np.ceil(sides_m / spacing_m - 1e-9).astype(int)
+        s, y = ((np.arange(n) + 0.5) * side / n for n, side in zip(counts, sides_m, strict=True))
+        grid = np.stack(np.meshgrid(stop.from_m + s, y, indexing="ij"), axis=-1).reshape(-1, 2)
+        coordinates.append(grid)
+        number.append(np.full(len(grid), place))
+        areas.append(np.full(len(grid), sides_m.prod() / len(grid)))
+    of, area_m2 = np.concatenate(number), np.concatenate(areas)
+    stiffness, damping = np.array([(s.stiffness_Pa_per_m, s.damping_Pa_s_per_m) for s in stops])[of].T
+    return Tops(np.concatenate(coordinates), of, stiffness * area_m2, damping * area_m2)
+
+
+def corners_m(stop: Stop, rectangle: Rectangle) -> Array:
+    """(3, 3) of the top in the world at t = 0, with the panel straight between its clamps."""
+    below_m = rectangle.corner_m - stop.gap_m * rectangle.normal
+    ends = np.array([[stop.from_m, 0.0], [stop.to_m, 0.0], [stop.from_m, rectangle.width_m]])
+    return np.asarray(rectangle.mounted(ends) - rectangle.corner_m + below_m)
+
 
 POINTS_PER_CELL = 2  # along and across, of the panel's mesh
 
@@ -52,7 +109,7 @@ class StoppedPanel:
         rest of a panel on beams."""
         at = plan.rectangle
         self._panel, self._stops = panel, len(plan.stops)
-        self._follow = ahead_of(panel)
+        self._follow = surface_ahead(panel)
         cell_m = np.divide((at.length_m, at.width_m), plan.cells)
         self._tops = tops(plan.stops, at, cell_m / POINTS_PER_CELL)
         self._H = panel.interpolation(self._tops.coordinates_m)
@@ -67,7 +124,7 @@ class StoppedPanel:
         self._refuse_rest_on(plan)
 
     def inertia(self) -> Inertia:
-        return inertia_of(self._panel)
+        return surface_inertia(self._panel)
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
         """Of the panel's own clamps; the tops carry nothing that particles touch."""
@@ -77,7 +134,7 @@ class StoppedPanel:
         return self._with(self._panel.initial(), np.zeros((3 * self._stops, 3)))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        counted("stopped panel's clamps and stops", clamps, len(self.mount.frame))
+        check_point_count("stopped panel's clamps and stops", clamps, len(self.mount.frame))
         own, corners = clamps.part(slice(self._clamps)), clamps.part(slice(self._clamps, None))
         middle, elastic_N, damping_N = self._pushed(corners, interval.length_s)
         force_N = (elastic_N + damping_N)[:, None] * middle.normal

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.coupling.ranks import first_rank_does
+from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.ports import Saved
 
 

@@ -1,6 +1,6 @@
 """The ports: what crosses between solvers, and the two calls that every solver has.
 
-Start reading here; the records are in crossing.py and particle_records.py.  Motion runs down
+Start reading here; the records are in interface_records.py and particle_records.py.  Motion runs down
 (frames -> panels -> particles), load runs up (particles -> panels -> frames).  Everything that
 crosses is a list of points with a vector at each, in SI units and in one world frame, so that the
 power through any interface is the sum of F . v.
@@ -15,11 +15,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.crossing import (
+from orchestrator.ports.interface_records import (
     Account,
     AngularAccount,
     Array,
     BrokenRecord,
+    ContactTangent,
+    HermitePath,
     Indices,
     Inertia,
     Known,
@@ -27,24 +29,24 @@ from orchestrator.ports.crossing import (
     Motion,
     Mount,
     PanelState,
-    Response,
-    counted,
+    check_point_count,
 )
-from orchestrator.ports.particle_records import Crossings, Overlaps, ParticleSnapshot, Removed, in_order
+from orchestrator.ports.particle_records import Crossings, Overlaps, ParticleSnapshot, Removed, sort_removed
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-    from orchestrator.ports.hermite import Path
 
 __all__ = [
     "Account",
     "AngularAccount",
     "Array",
     "BrokenRecord",
+    "ContactTangent",
     "Crossings",
     "Following",
     "Frames",
+    "HermitePath",
     "Indices",
     "Inert",
     "Inertia",
@@ -58,15 +60,14 @@ __all__ = [
     "PanelState",
     "ParticleSnapshot",
     "Particles",
+    "Predicting",
     "Removed",
-    "Responding",
-    "Response",
     "Restorable",
     "Saved",
     "Scheduled",
     "Wearing",
-    "counted",
-    "in_order",
+    "check_point_count",
+    "sort_removed",
 ]
 
 
@@ -128,7 +129,7 @@ class Particles(Protocol):
         """Force on the surface points at t = 0."""
         ...
 
-    def advance(self, interval: Interval, path: Path) -> Load:
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
         """Mean force on the surface points over the interval, during which they follow ``path``.
 
         Where the surface's motion was extrapolated, the path's start may differ from the last
@@ -168,10 +169,10 @@ class Wearing(Protocol):
         ...
 
 
-class Responding(Protocol):
+class Predicting(Protocol):
     """Particles that foretell their load, built from a plan that asks for it."""
 
-    def response(self, length_s: float) -> Response:
+    def contact_tangent(self, length_s: float) -> ContactTangent:
         """Over the next interval of ``length_s``; at a sync point, alike on every rank (collective
         under MPI).  Changes nothing."""
         ...

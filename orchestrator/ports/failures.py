@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from traceback import clear_frames
 
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.crossing import BrokenRecord
+from orchestrator.ports.interface_records import BrokenRecord
 
 
 class SolverMissing(Exception):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.ports.crossing import Array, Indices
+from orchestrator.ports.interface_records import Array, Indices
 
 LARGEST_CARRIED_OVERLAP = 0.5
 """Of a radius.  Contact laws are for contacts that are small against the bodies; the area of one
@@ -108,7 +108,7 @@ class Crossings:
 Bed = tuple[ParticleSnapshot, Overlaps]
 
 
-def in_order(parts: Sequence[Removed]) -> Removed:
+def sort_removed(parts: Sequence[Removed]) -> Removed:
     """All of several, none included, in the order of time, then id."""
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
     places = np.empty((0, 3))

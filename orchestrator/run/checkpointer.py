@@ -9,8 +9,8 @@ from typing import Any
 
 from orchestrator.case.tables.numerics import CheckpointSettings
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.ranks import first_rank_does
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.mpi import first_rank_does
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.recorder import Recorder

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any
 
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.schemes.scheme import State
 
 # SIGHUP comes when a terminal or a connection closes; SIGUSR1 is what mpirun passes on without
 # killing a second later, and what batch systems can send

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as RichProgress
 
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
 
 LOG = logging.getLogger("flipflow")
 LINE_EVERY_S = 5.0

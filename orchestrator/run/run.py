@@ -15,8 +15,8 @@ from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.coupling.build import build
 from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.ranks import is_first
-from orchestrator.coupling.schemes.exchange import State, initial
+from orchestrator.coupling.mpi import is_first
+from orchestrator.coupling.schemes.scheme import State, initial_state
 from orchestrator.output.checkpoints import Save
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
@@ -81,7 +81,7 @@ class Run:
                 machine.close()
 
     def _coupled(self, machine: Machine, stop: StopRequest) -> None:
-        state = initial(machine.solvers)
+        state = initial_state(machine.solvers)
         ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
         with write_failure_context("results", 0.0):
             resumed = self.resumes is not None

@@ -16,8 +16,8 @@ from rich.table import Table
 
 from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.coupling.build import build
-from orchestrator.coupling.schemes.exchange import initial
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
+from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.levels import LoadedCase
 
@@ -33,7 +33,7 @@ class Runner:
         folder.mkdir()
         self.stopwatch = Stopwatch()
         self._machine = build(loaded, folder, None, self.stopwatch)
-        self._state = initial(self._machine.solvers)
+        self._state = initial_state(self._machine.solvers)
         self._interval_s = loaded.case.coupling.sync_interval_s
         self._done = 0
         self.wall_s = 0.0

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orchestrator.coupling.build import build
-from orchestrator.coupling.schemes.exchange import initial
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
+from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.levels import load
 
@@ -32,7 +32,7 @@ def _main(case: str, level: str, *overrides: str) -> None:
     with tempfile.TemporaryDirectory(prefix="flipflow-loaded-") as scratch:
         machine = build(found, Path(scratch), None, Stopwatch())
         first = Interval(0, found.case.coupling.sync_interval_s)
-        machine.scheme.advance(machine.solvers, first, initial(machine.solvers))
+        machine.scheme.advance(machine.solvers, first, initial_state(machine.solvers))
         machine.close()
     adapters = {name.removeprefix("adapters.") for name in sys.modules if name[:9] == "adapters."}
     print(*sorted(adapters | (set(LARGE) & sys.modules.keys())))

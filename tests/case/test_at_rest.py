@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.build import build
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
 from orchestrator.preflight.check import mistakes
 from tests.case.cases import FEED, LEVEL, loaded, written
 from tests.runs.outside import QUICK, flipflow, run_words

@@ -10,9 +10,9 @@ from pathlib import Path
 from orchestrator.coupling.build import build
 from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes import exchange as coupling
-from orchestrator.coupling.schemes.exchange import State
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
+from orchestrator.coupling.schemes import scheme as coupling
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import ParticleSnapshot
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.levels import LoadedCase, load
@@ -68,7 +68,7 @@ def opened(loaded: LoadedCase) -> Iterator[Coupled]:
     machine = build(loaded, loaded.folder, None, Stopwatch())
     try:
         interval_s = loaded.case.coupling.sync_interval_s
-        state = coupling.initial(machine.solvers)
+        state = coupling.initial_state(machine.solvers)
         pending = machine.scheme.pending(state, Interval(0, interval_s))
         yield Coupled(machine, interval_s, state, Ledger(machine.members, pending))
     finally:

@@ -10,10 +10,9 @@ import pytest
 from adapters.frames import two_mass
 from adapters.particles import liggghts
 from orchestrator.case.planning import frames_plan, particles_plan
-from orchestrator.coupling.schemes.exchange import State
-from orchestrator.ports import Load, Motion
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path as PointPath
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE, EMPTY
 
@@ -100,7 +99,7 @@ def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> N
     alone = liggghts.build(plan)
     here = Motion(surface.position_m, np.zeros_like(surface.position_m))
     for index in range(INTERVALS):
-        load = alone.advance(Interval(index, interval_s), PointPath(here, here, interval_s))
+        load = alone.advance(Interval(index, interval_s), HermitePath(here, here, interval_s))
     wanted = alone.snapshot()
     alone.close()
     np.testing.assert_array_equal(found.position_m, wanted.position_m)

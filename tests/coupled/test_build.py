@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.case import adapter
 from orchestrator.coupling.build import build
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
 from orchestrator.ports.plans import SolverFailed
 from tests.coupled.machines import written
 from tests.coupled.screen import CASE

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.build import build
-from orchestrator.coupling.schemes import exchange as coupling
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import Stopwatch
+from orchestrator.coupling.schemes import scheme as coupling
 from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.ports.clock import intervals
 from orchestrator.preflight.levels import load
@@ -30,7 +30,7 @@ def pull_N_per_m(tension_m: float, folder: Path) -> float:
     loaded = load(CASE, "draft", [*SETS, f"screen.panels.deck.tension_m={tension_m}"])
     machine = build(loaded, folder, None, Stopwatch())
     moving = np.array([frame == "moving" for frame in machine.solvers.panel.mount.frame])
-    state = coupling.initial(machine.solvers)
+    state = coupling.initial_state(machine.solvers)
     times, pulls = [], []
     for interval in intervals(0.48, INTERVAL_S):
         state = machine.scheme.advance(machine.solvers, interval, state)

@@ -12,10 +12,20 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.coupling.schemes.exchange import Solvers
-from orchestrator.ports import Account, Crossings, Inertia, Load, Motion, Mount, PanelState, Response, Saved
+from orchestrator.coupling.schemes.scheme import Solvers
+from orchestrator.ports import (
+    Account,
+    ContactTangent,
+    Crossings,
+    HermitePath,
+    Inertia,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+)
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 
@@ -85,7 +95,7 @@ class HungPlate:
         return PanelState(point(self.x, self.v), push(0.0))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        path, dt = Path(self.clamp, clamps, interval.length_s), interval.length_s / self.steps
+        path, dt = HermitePath(self.clamp, clamps, interval.length_s), interval.length_s / self.steps
         pull = self.stiffness_N_per_m * (self.x - path.position_m(0.0)[0, 0])
         impulse = 0.0
         for step in range(self.steps):
@@ -124,7 +134,7 @@ class Sphere:
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, "x", "v", "seen")
 
-    def response(self, length_s: float) -> Response:
+    def contact_tangent(self, length_s: float) -> ContactTangent:
         """By the implicit midpoint rule, of the contact that there is now."""
         overlap = self.seen - self.x
         touching = float(overlap > 0.0 or self.stays)
@@ -133,12 +143,12 @@ class Sphere:
         resisting = np.zeros((1, 3, 3))
         resisting[0, 0, 0] = share * impedance
         given = share * (impedance * self.v - self.stiffness_N_per_m * overlap)
-        return Response(push(given).force_N, resisting)
+        return ContactTangent(push(given).force_N, resisting)
 
     def initial(self) -> Load:
         return push(0.0)
 
-    def advance(self, interval: Interval, path: Path) -> Load:
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
         dt = interval.length_s / self.steps
         force = self._force(path, 0.0)
         impulse = 0.0
@@ -152,7 +162,7 @@ class Sphere:
         self.seen = path.end.position_m[0, 0]
         return push(-impulse / interval.length_s)
 
-    def _force(self, path: Path, fraction: float) -> float:
+    def _force(self, path: HermitePath, fraction: float) -> float:
         overlap = path.position_m(fraction)[0, 0] - self.x
         rate = path.velocity_m_per_s(fraction)[0, 0] - self.v
         if overlap <= 0.0 and not self.stays:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, still_clamped, unloaded
-from orchestrator.coupling.schemes import SCHEMES, scheme
-from orchestrator.coupling.schemes.exchange import Solvers, State, initial
+from orchestrator.coupling.schemes import SCHEMES, create_scheme
+from orchestrator.coupling.schemes.scheme import Solvers, State, initial_state
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import as_arrays, restorable
@@ -45,7 +45,7 @@ WITHOUT = [without_reaction, without_frame_motion, without_load, without_panel_m
 
 
 def advanced(solvers: Solvers, name: str, state: State, intervals: range) -> State:
-    chosen = scheme(name)
+    chosen = create_scheme(name)
     for index in intervals:
         state = chosen.advance(solvers, Interval(index, INTERVAL_S), state)
     return state
@@ -62,7 +62,7 @@ def test_every_scheme_runs_without_it(without: Callable[[Solvers], Solvers], nam
     """Somewhere else than with it; the sphere has touched the plate."""
     ends = []
     for solvers in (machine(), without(machine())):
-        ends.append(advanced(solvers, name, initial(solvers), range(5)))
+        ends.append(advanced(solvers, name, initial_state(solvers), range(5)))
         assert ends[-1].load.force_N.any()
     assert differences(*map(as_arrays, ends)) != []
 
@@ -71,7 +71,7 @@ def test_every_scheme_runs_without_it(without: Callable[[Solvers], Solvers], nam
 def test_members_step_back_and_others_take_over(without: Callable[[Solvers], Solvers]) -> None:
     """Bit for bit."""
     first, second = without(machine()), without(machine())
-    state = advanced(first, "particles-first", initial(first), range(5))
+    state = advanced(first, "particles-first", initial_state(first), range(5))
     before = saved(first)
     ends = [as_arrays(advanced(first, "particles-first", state, range(5, 10)))]
     assert differences(before, saved(first)) != []
@@ -89,5 +89,5 @@ def test_robin_without_any_known_mass_is_particles_first() -> None:
     ends = []
     for name in ("robin", "particles-first"):
         solvers = without_load(machine())
-        ends.append(as_arrays(advanced(solvers, name, initial(solvers), range(10))))
+        ends.append(as_arrays(advanced(solvers, name, initial_state(solvers), range(10))))
     assert differences(*ends) == []

@@ -10,18 +10,14 @@ from scipy.sparse import csr_array
 
 from orchestrator.coupling.ablation import UnpushedFrames, still_clamped, unloaded
 from orchestrator.coupling.mapping import mapped
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, Stopwatch, meter_panel
+from orchestrator.coupling.mpi import FramesOnFirstRank
 from orchestrator.coupling.panel_set import PanelSet
-from orchestrator.coupling.ranks import FramesOnFirstRank
-from orchestrator.coupling.schemes import SCHEMES, scheme
-from orchestrator.coupling.schemes.exchange import Solvers, State, initial
-from orchestrator.coupling.schemes.steps import ahead, extrapolated
-from orchestrator.coupling.stopwatch import Stopwatch
-from orchestrator.coupling.timed_panel import timed
-from orchestrator.ports import Frames, Known, Load, Motion, Panel, PanelState
-from orchestrator.ports.ahead import ahead_of, carried_ahead
+from orchestrator.coupling.schemes import SCHEMES, create_scheme
+from orchestrator.coupling.schemes.scheme import Solvers, State, extrapolate, forecast, initial_state
+from orchestrator.ports import Frames, HermitePath, Known, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
+from orchestrator.ports.optional import find_driven_points, surface_ahead
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, point, push
 
 LENGTH_S = 0.1
@@ -86,15 +82,15 @@ class DrivenPlate(Told):
 class Seeing(Sphere):
     """Keeps the paths that it was shown."""
 
-    paths: list[Path] = field(default_factory=list)
+    paths: list[HermitePath] = field(default_factory=list)
 
-    def advance(self, interval: Interval, path: Path) -> Load:
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
         self.paths.append(path)
         return super().advance(interval, path)
 
 
 def run(name: str, solvers: Solvers, intervals: int) -> list[State]:
-    state, way = initial(solvers), scheme(name)
+    state, way = initial_state(solvers), create_scheme(name)
     states = [state]
     for index in range(intervals):
         state = way.advance(solvers, Interval(index, LENGTH_S), state)
@@ -104,7 +100,7 @@ def run(name: str, solvers: Solvers, intervals: int) -> list[State]:
 
 def test_extrapolated_clamps_are_exact_at_constant_acceleration() -> None:
     """x = 2 + 3 t - 5 t^2 / 2."""
-    found = extrapolated(point(2.0, 3.0), np.array([[-5.0, 0.0, 0.0]]), 0.2)
+    found = extrapolate(point(2.0, 3.0), np.array([[-5.0, 0.0, 0.0]]), 0.2)
     assert found.position_m[0] == pytest.approx([2.0 + 0.6 - 0.1, 0.0, 0.0], rel=1e-14)
     assert found.velocity_m_per_s[0] == pytest.approx([2.0, 0.0, 0.0], rel=1e-14)
 
@@ -118,7 +114,7 @@ def test_a_panel_on_a_frame_that_speeds_up_evenly_is_told_where_it_will_be(name:
     for told, state in zip(panel.told[1:], states[2:], strict=True):
         assert told.position_m == pytest.approx(state.clamps.position_m, rel=1e-13)
         assert told.velocity_m_per_s == pytest.approx(state.clamps.velocity_m_per_s, rel=1e-13)
-    first = extrapolated(states[0].clamps, np.zeros((1, 3)), LENGTH_S)
+    first = extrapolate(states[0].clamps, np.zeros((1, 3)), LENGTH_S)
     assert panel.told[0].position_m == pytest.approx(first.position_m, abs=1e-15)
 
 
@@ -151,12 +147,12 @@ def test_particles_see_the_true_path_of_what_is_driven(name: str) -> None:
 def test_what_is_not_driven_is_not_known() -> None:
     """Nor is the surface of a panel that says nothing of it."""
     free = Solvers(FreeFrame(1.0, v=0.5), HungPlate(1.0, 0.0), None)
-    found = ahead(free, Interval(0, LENGTH_S), initial(free))
+    found = forecast(free, Interval(0, LENGTH_S), initial_state(free))
     assert found.surface is None
     assert not found.settled
     assert found.clamps.position_m[0, 0] == pytest.approx(0.05)
     driven = Solvers(DrivenFrame(1.0), HungPlate(1.0, 0.0), None)
-    assert ahead(driven, Interval(0, LENGTH_S), initial(driven)).surface is None
+    assert forecast(driven, Interval(0, LENGTH_S), initial_state(driven)).surface is None
 
 
 def test_known_points_among_others() -> None:
@@ -188,19 +184,19 @@ def frames_around(inner: Frames) -> list[Frames]:
 @pytest.mark.parametrize("which", range(2))
 def test_what_stands_around_frames_passes_on_what_is_known(which: int) -> None:
     interval = Interval(3, LENGTH_S)
-    known = carried_ahead(frames_around(DrivenFrame(1.0))[which], interval)
+    known = find_driven_points(frames_around(DrivenFrame(1.0))[which], interval)
     assert known is not None
     assert known.motion.position_m[0, 0] == np.sin(0.4)
-    assert carried_ahead(frames_around(FreeFrame(1.0))[which], interval) is None
+    assert find_driven_points(frames_around(FreeFrame(1.0))[which], interval) is None
 
 
 @every_scheme
 def test_where_frames_go_that_feel_nothing_is_known_ahead(name: str) -> None:
     """Free ones under a force that grows, so that no extrapolation is right; they move once."""
     panel, frame = Told(1.0, 4.0), PushedFrame(2.0, v=0.3)
-    frames, way = UnpushedFrames(frame), scheme(name)
+    frames, way = UnpushedFrames(frame), create_scheme(name)
     solvers = Solvers(frames, panel, None)
-    state = initial(solvers)
+    state = initial_state(solvers)
     for index in range(4):
         frame.force_N += 1.0
         state = way.advance(solvers, Interval(index, LENGTH_S), state)
@@ -213,7 +209,7 @@ def panels_around(inner: Panel) -> list[Panel]:
     twice = csr_array(np.ones((2, 1)))
     return [
         unloaded(inner),
-        timed(inner, "panel", "panel", Stopwatch()),
+        meter_panel(inner, "panel", "panel", Stopwatch()),
         MeteredPanel(inner, "panels", "mapping", Stopwatch()),
         mapped(inner, twice),
         PanelSet(2, lambda i: inner),
@@ -226,12 +222,12 @@ def test_what_stands_around_panels_passes_on_what_is_known(which: int) -> None:
     interval, panels = Interval(3, LENGTH_S), panels_around(DrivenPlate(1.0, 0.0))
     clamps = len(panels[which].mount.frame)
     end = Motion(np.full((clamps, 3), 7.0), np.full((clamps, 3), 8.0))
-    found = ahead_of(panels[which])(interval, Known(end, np.ones(clamps, dtype=np.bool_)))
+    found = surface_ahead(panels[which])(interval, Known(end, np.ones(clamps, dtype=np.bool_)))
     assert found.which.all()
     assert found.motion.position_m.tolist() == np.full((len(found.which), 3), 7.0).tolist()
     assert found.motion.velocity_m_per_s.tolist() == np.full((len(found.which), 3), 8.0).tolist()
     silent = panels_around(HungPlate(1.0, 0.0))[which]
-    assert not ahead_of(silent)(interval, Known(end, np.ones(clamps, dtype=np.bool_))).which.any()
+    assert not surface_ahead(silent)(interval, Known(end, np.ones(clamps, dtype=np.bool_))).which.any()
 
 
 def test_a_panel_whose_clamps_are_held_is_known_to_stand_still() -> None:

@@ -7,10 +7,10 @@ import logging
 import numpy as np
 import pytest
 
-from orchestrator.coupling.schemes import scheme
-from orchestrator.coupling.schemes.exchange import Scheme, initial
-from orchestrator.coupling.schemes.iterated import Relaxation
-from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
+from orchestrator.coupling.schemes import create_scheme
+from orchestrator.coupling.schemes.acceleration import Aitken, LeastSquares
+from orchestrator.coupling.schemes.iterated import Acceleration
+from orchestrator.coupling.schemes.scheme import Scheme, initial_state
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.effort import Effort
@@ -27,7 +27,7 @@ def impact(way: Scheme, plate_kg: float, intervals: int) -> tuple[float, float]:
     length_s = np.pi * np.sqrt(plate_kg / (1 + plate_kg)) / intervals
     sphere, plate = Sphere(1.0, 1.0, 0.3 * length_s, -1.0), HungPlate(plate_kg, 0.0)
     solvers = members(sphere, plate, FreeFrame(1.0))
-    state = initial(solvers)
+    state = initial_state(solvers)
     for index in range(3 * intervals + 2):
         state = way.advance(solvers, Interval(index, length_s), state)
     return sphere.v - plate.v, sphere.v + plate_kg * plate.v + 1.0
@@ -39,7 +39,7 @@ def impact(way: Scheme, plate_kg: float, intervals: int) -> tuple[float, float]:
 def test_an_elastic_impact_keeps_its_energy(name: str, plate_kg: float, intervals: int) -> None:
     """Even in one interval; measured 6e-4, and below 1e-4 from two on.  particles-first makes
     0.88 to 1.4 of it in one interval.  Five tries are enough."""
-    way = scheme(name)
+    way = create_scheme(name)
     restitution, momentum_defect = impact(way, plate_kg, intervals)
     assert restitution == pytest.approx(1.0, abs=1e-3 if intervals == 1 else 1.5e-4)
     assert abs(momentum_defect) < 1e-12
@@ -62,7 +62,7 @@ def damped(name: str, intervals: int) -> float:
     sphere = Sphere(1.0, 1.0, 0.3 * length_s, -1.0, damping_N_s_per_m=0.12)
     plate = HungPlate(0.1, 0.0)
     solvers = members(sphere, plate, FreeFrame(1.0))
-    state, way = initial(solvers), scheme(name)
+    state, way = initial_state(solvers), create_scheme(name)
     for index in range(3 * intervals):
         state = way.advance(solvers, Interval(index, length_s), state)
     return sphere.v - plate.v
@@ -85,7 +85,7 @@ def test_a_damped_impact(name: str, rebound: float) -> None:
 @BOTH
 def test_what_nothing_touches_is_not_repeated(name: str) -> None:
     solvers = members(Sphere(1.0, 1.0, 1.0, 0.0), HungPlate(1.0, 4.0), FreeFrame(1.0))
-    state, way = initial(solvers), scheme(name)
+    state, way = initial_state(solvers), create_scheme(name)
     for index in range(10):
         state = way.advance(solvers, Interval(index, 0.1), state)
     assert way.figures() == {"mean": 1.0, "most": 1, "unsolved": 0, "worst": 0.0}
@@ -93,7 +93,7 @@ def test_what_nothing_touches_is_not_repeated(name: str) -> None:
 
 @BOTH
 def test_what_is_not_solved_is_counted_and_said_once(name: str, caplog: pytest.LogCaptureFixture) -> None:
-    way = scheme(name, Effort(1e-12, 0.0, 2))
+    way = create_scheme(name, Effort(1e-12, 0.0, 2))
     with caplog.at_level(logging.WARNING):
         _, momentum_defect = impact(way, 0.01, 3)
     assert abs(momentum_defect) < 1e-12  # of every iterate
@@ -106,7 +106,7 @@ def test_what_is_not_solved_is_counted_and_said_once(name: str, caplog: pytest.L
 def test_a_scheme_goes_on_as_it_was_saved(name: str) -> None:
     """Counts and shares; the members stay."""
     solvers = members(Sphere(1.0, 1.0, 0.1, -1.0), HungPlate(0.1, 0.0), FreeFrame(1.0))
-    state, way, other = initial(solvers), scheme(name), scheme(name)
+    state, way, other = initial_state(solvers), create_scheme(name), create_scheme(name)
     for index in range(4):
         state = way.advance(solvers, Interval(index, 0.1), state)
     assert way.memory is not None
@@ -122,7 +122,7 @@ def test_a_scheme_goes_on_as_it_was_saved(name: str) -> None:
     assert way.figures() == other.figures()
 
 
-def solved(relaxation: Relaxation, matrix: Array, tries: int) -> Array:
+def solved(relaxation: Acceleration, matrix: Array, tries: int) -> Array:
     """The last try at  x = b - A x,  with b = 1, from zero."""
     relaxation.begin()
     tried = np.zeros(len(matrix))
@@ -133,7 +133,7 @@ def solved(relaxation: Relaxation, matrix: Array, tries: int) -> Array:
 
 @pytest.mark.parametrize("relaxation", [Aitken(), LeastSquares()])
 @pytest.mark.parametrize("stiffness", [0.1, 10.0, 1e4])
-def test_one_contact_takes_two_tries(relaxation: Relaxation, stiffness: float) -> None:
+def test_one_contact_takes_two_tries(relaxation: Acceleration, stiffness: float) -> None:
     """However stiff: a straight line is known from two of its points."""
     tried = solved(relaxation, np.array([[stiffness]]), 2)
     assert tried[0] == pytest.approx(1 / (1 + stiffness), rel=1e-9)

@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 import pytest
 
-from orchestrator.coupling.ledger import Ledger, Members
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.schemes.exchange import Pending
+from orchestrator.coupling.ledger import Ledger
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles, MeteredSolvers
+from orchestrator.coupling.schemes.scheme import Pending
 from orchestrator.ports import Account, Array
 
 
@@ -53,7 +53,7 @@ def members() -> tuple[Member, Member, Member]:
 
 
 def opened(frames: Member, panel: Member, particles: Member, pending: Pending) -> Ledger:
-    metered = Members(
+    metered = MeteredSolvers(
         cast(MeteredFrames, frames), cast(MeteredPanel, panel), cast(MeteredParticles, particles)
     )
     return Ledger(metered, pending)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestrator.coupling.schemes import scheme as named
-from orchestrator.coupling.schemes.exchange import initial
+from orchestrator.coupling.schemes import create_scheme as named
+from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 
@@ -19,7 +19,7 @@ def impact(scheme: str, intervals_per_contact: int) -> tuple[float, float]:
     length_s = CONTACT_S / intervals_per_contact
     sphere, plate = Sphere(1.0, 1.0, 0.3 * length_s, -1.0), HungPlate(4.0, 0.0)
     solvers = members(sphere, plate, FreeFrame(1.0))
-    state, way = initial(solvers), named(scheme)
+    state, way = initial_state(solvers), named(scheme)
     for index in range(3 * intervals_per_contact):
         state = way.advance(solvers, Interval(index, length_s), state)
     return sphere.v - plate.v, sphere.v + 4 * plate.v + 1.0
@@ -55,7 +55,7 @@ def chain(scheme: str, intervals: int, end_s: float) -> np.ndarray:
     """(x sphere, x plate, x frame) at ``end_s``: a bed mass held on a plate held on a frame."""
     sphere, plate, frame = Sphere(1.0, 4.0, -0.05, 0.0), HungPlate(2.0, 3.0), FreeFrame(5.0)
     solvers = members(sphere, plate, frame)
-    state, way = initial(solvers), named(scheme)
+    state, way = initial_state(solvers), named(scheme)
     for index in range(intervals):
         state = way.advance(solvers, Interval(index, end_s / intervals), state)
     return np.array([sphere.x, plate.x, frame.x])

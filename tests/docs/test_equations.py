@@ -9,8 +9,7 @@ import pytest
 from scipy.integrate import trapezoid
 
 from adapters.particles.spheres.adhesion import JkrLaw
-from orchestrator.ports import Motion
-from orchestrator.ports.hermite import Path
+from orchestrator.ports import HermitePath, Motion
 from orchestrator.preflight.stability.contact_limits import HELD, late_contact_s, light_point_s
 from orchestrator.preflight.stability.frame_limits import extrapolated_clamps_s
 
@@ -46,7 +45,7 @@ def test_jkr_by_the_table_of_adhesion() -> None:
 def test_the_hermite_path_is_off_by_384ths() -> None:
     """Of t^4: its fourth derivative is 24."""
     zero = np.zeros((1, 3))
-    path = Path(Motion(zero, zero), Motion(zero + 1, zero + 4), 1.0)
+    path = HermitePath(Motion(zero, zero), Motion(zero + 1, zero + 4), 1.0)
     t = np.linspace(0, 1, 2001)
     place = [path.position_m(share)[0, 0] - share**4 for share in t]
     velocity = [path.velocity_m_per_s(share)[0, 0] - 4 * share**3 for share in t]

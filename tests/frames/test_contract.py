@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import BrokenRecord, Load
-from orchestrator.ports.ahead import carried_ahead
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.optional import find_driven_points
 from orchestrator.ports.state import as_arrays
 from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
 from tests.frames.machines import POINTS_M, body, two_bodies
@@ -172,7 +172,7 @@ def test_what_drives_move_is_known_ahead(case: Case) -> None:
     others_stand_still = case.solver == "prescribed"
     for index, force_N in enumerate(loads(80)):
         interval = Interval(index, INTERVAL_S)
-        known = carried_ahead(frames, interval)
+        known = find_driven_points(frames, interval)
         motion = frames.advance(interval, Load(force_N))
         assert differences(as_arrays(motion), as_arrays(unasked.advance(interval, Load(force_N)))) == []
         if not plan.drives:

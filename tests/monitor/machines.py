@@ -10,11 +10,15 @@ from rich.console import Console
 
 from orchestrator.coupling import schemes
 from orchestrator.coupling.bushing_forces import BushingForces
-from orchestrator.coupling.ledger import Members
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, MeteredParticles
-from orchestrator.coupling.schemes.exchange import Solvers, State, initial
-from orchestrator.coupling.stopwatch import Stopwatch
+from orchestrator.coupling.metered import (
+    MeteredFrames,
+    MeteredPanel,
+    MeteredParticles,
+    MeteredSolvers,
+    Stopwatch,
+)
+from orchestrator.coupling.schemes.scheme import Solvers, State, initial_state
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
@@ -34,9 +38,9 @@ class NoFeed:
     def restore(self, saved: Saved) -> None: ...
 
 
-def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> Members:
+def metered(sphere: Sphere, plate: HungPlate, frame: FreeFrame) -> MeteredSolvers:
     watch = Stopwatch()
-    return Members(
+    return MeteredSolvers(
         MeteredFrames(frame, "frame", watch),
         MeteredPanel(plate, "plate", "panel", watch),
         MeteredParticles(sphere, NoFeed(), "sphere", watch),
@@ -72,7 +76,7 @@ def monitored(
 ) -> Monitor:
     """Runs so many intervals under the watch; ``each`` is shown what is recorded of them."""
     free = [f"coupling.sync_interval_s={interval_s}", *sets]
-    state = initial(machine.solvers)
+    state = initial_state(machine.solvers)
     monitor = Monitor(loaded(folder, free).case, machine, state, None, Console(quiet=True))
     for index in range(intervals):
         interval = Interval(index, interval_s)

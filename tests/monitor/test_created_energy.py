@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.coupling.schemes.exchange import initial
+from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
 from orchestrator.run.monitor.interface_work import (
     Balance,
@@ -53,7 +53,7 @@ def test_an_elastic_impact_has_as_much_more_energy_as_was_created(
     sphere, plate = Sphere(1.0, 1.0, 0.3 * length_s, -1.0), HungPlate(4.0, 0.0)
     frame = FreeFrame(1.0)
     machine = on_a_line(sphere, plate, frame, scheme)
-    state = initial(machine.solvers)
+    state = initial_state(machine.solvers)
     work, before_J = ContactWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(3 * per_contact):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)
@@ -70,7 +70,7 @@ def test_a_frame_on_a_panel_too(scheme: str) -> None:
     sphere, plate, frame = Sphere(1.0, 1.0, 9.0, 0.0), HungPlate(2.0, 3.0, 200), FreeFrame(5.0)
     plate.x = 0.1
     machine = on_a_line(sphere, plate, frame, scheme)
-    state = initial(machine.solvers)
+    state = initial_state(machine.solvers)
     work, before_J = ClampWork(state, ALL), energy_J(sphere, plate, frame)
     for index in range(400):
         state = machine.scheme.advance(machine.solvers, Interval(index, 0.1), state)
@@ -141,7 +141,7 @@ def test_walls_count_in_what_went_through() -> None:
     length_s = np.pi * np.sqrt(4 / 5) / 20
     sphere, plate = Sphere(1.0, 1.0, 0.3 * length_s, -1.0), HungPlate(4.0, 0.0)
     machine = on_a_line(sphere, plate, FreeFrame(1.0), "particles-first")
-    state = initial(machine.solvers)
+    state = initial_state(machine.solvers)
     work = ContactWork(state, slice(0, 0))
     for index in range(60):
         state = machine.scheme.advance(machine.solvers, Interval(index, length_s), state)

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from orchestrator.coupling.schemes import scheme
-from orchestrator.coupling.schemes.exchange import initial
+from orchestrator.coupling.schemes import create_scheme
+from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.contact_limits import light_point_s
@@ -104,7 +104,7 @@ def test_the_real_limit_of_a_light_point(damping_N_s_per_m: float, of_the_limit:
     limit = limit_s(lambda h: line.radius("particles-first", h, CONTACT), predicted_s)
     interval_s = of_the_limit * limit
     solvers = members(*held_down(damping_N_s_per_m, 1e-3))
-    state, advance = initial(solvers), scheme("particles-first").advance
+    state, advance = initial_state(solvers), create_scheme("particles-first").advance
     watched, share = Alternation(state.panel.surface.velocity_m_per_s, LOUD), 0.0
     for index in range(60):
         interval = Interval(index, interval_s)

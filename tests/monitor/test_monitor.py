@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.contact_limits import light_point_s
 from orchestrator.run.monitor.monitor import Stopped

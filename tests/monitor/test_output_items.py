@@ -12,7 +12,7 @@ import pytest
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import MonitorSettings
 from orchestrator.coupling.machine import Machine, PanelPoints
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import Overlaps

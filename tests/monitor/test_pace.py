@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from orchestrator.case.bed.feed import Feeds
-from orchestrator.coupling.schemes import SCHEMES, scheme
-from orchestrator.coupling.schemes.exchange import State, initial
+from orchestrator.coupling.schemes import SCHEMES, create_scheme
+from orchestrator.coupling.schemes.scheme import State, initial_state
 from orchestrator.ports.clock import Interval
 from orchestrator.run.monitor.pace import Pace
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
@@ -53,7 +53,7 @@ def line() -> tuple[Sphere, HungPlate, FreeFrame]:
 def run(name: str, length_s: float, parts: list[int]) -> tuple[State, list[State], Pace]:
     """Intervals of ``length_s`` in so many parts each: the state at the end, what was recorded."""
     solvers, pace, recorded = members(*line()), Pace(length_s, 64, 1), []
-    state, chosen = initial(solvers), scheme(name)
+    state, chosen = initial_state(solvers), create_scheme(name)
     for index, pace.parts in enumerate(parts):
         state, seen = pace.advance(chosen, solvers, Interval(index, length_s), state, lambda part: None)
         recorded.append(seen)
@@ -76,7 +76,7 @@ def test_in_parts_it_is_the_finer_run(name: str) -> None:
 def test_no_momentum_is_lost_when_the_length_changes(name: str) -> None:
     sphere, plate, frame = line()
     solvers, pace = members(sphere, plate, frame), Pace(0.2, 64, 1)
-    state, chosen = initial(solvers), scheme(name)
+    state, chosen = initial_state(solvers), create_scheme(name)
     for index, pace.parts in enumerate([1, 2, 4, 4, 2, 1, 1]):
         state, _ = pace.advance(chosen, solvers, Interval(index, 0.2), state, lambda part: None)
     pending = chosen.pending(state, Interval(0, pace.last_s))

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from adapters.panel.common.body import Action
-from orchestrator.ports import Load, Motion
+from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Apertures
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import SolverFailed
 from tests.panel.elastic_plans import BRANCHES, difference, plan, shaken
 
@@ -147,7 +146,7 @@ def advanced(sheet):
     """All arrays of a sheet after two steps under a load."""
     held_m = sheet._flat_m[sheet.held]
     still = Motion(held_m, np.zeros_like(held_m))
-    action = Action(Path(still, still, 2e-5), np.full_like(sheet.state.position_m, 1e-3))
+    action = Action(HermitePath(still, still, 2e-5), np.full_like(sheet.state.position_m, 1e-3))
     sheet.advance(sheet.state, action, Interval(0, 2e-5))
     return vars(sheet.state) | sheet.memory
 

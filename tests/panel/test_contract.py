@@ -10,8 +10,8 @@ import pytest
 
 from orchestrator.coupling.mapping import mapped
 from orchestrator.ports import Array, BrokenRecord, Known, Load
-from orchestrator.ports.ahead import ahead_of
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.optional import surface_ahead
 from orchestrator.ports.state import as_arrays, restorable
 from tests.panel.contract import (
     CASES,
@@ -222,7 +222,7 @@ def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
     panel, unasked = case.open(), case.open()
     first = np.array([frame == "driving" for frame in panel.mount.frame])
     every = np.ones(len(first), dtype=np.bool_)
-    asked = ahead_of(panel)
+    asked = surface_ahead(panel)
     for index in range(40):
         interval, end = Interval(index, INTERVAL_S), swung(panel, (index + 1) * INTERVAL_S)
         known, half = asked(interval, Known(end, every)), asked(interval, Known(end, first))

@@ -11,7 +11,7 @@ from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.inertia import inertia_of
+from orchestrator.ports.optional import surface_inertia
 from tests.panel.contract import CASES, Case
 
 SHORT_S = 1e-7  # far less than the period of any mode: a load is an impulse
@@ -40,7 +40,7 @@ def test_an_impulse_gives_the_velocity_of_the_masses(name: str, through: bool) -
     idle_m_per_s, panel = velocity_m_per_s(case, through, None)
     load_N = np.random.default_rng(5).normal(0.0, 1.0, idle_m_per_s.shape)
     pushed_m_per_s, _ = velocity_m_per_s(case, through, load_N)
-    inertia = inertia_of(panel)
+    inertia = surface_inertia(panel)
     masses_N = inertia.yielding(inertia.shapes.T @ load_N)
     expected = inertia.shapes @ (masses_N / inertia.mass_kg[:, None])
     found = (pushed_m_per_s - idle_m_per_s) / SHORT_S

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.ports import Array, Motion, Particles
+from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
 
 G_M_PER_S2 = np.array([0.0, 0.0, -9.81])
@@ -124,7 +123,7 @@ class Run:
         for _ in range(intervals):
             start = self.motion()
             interval, self.index = Interval(self.index, length_s), self.index + 1
-            path = Path(start, self.motion(), length_s)
+            path = HermitePath(start, self.motion(), length_s)
             self.load_N.append(self.solver.advance(interval, path).force_N)
 
     def until_clear(self, particle: int = 0, most: int = 2000) -> None:

@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.ports import Array, Motion, Particles
+from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
 
 INTERVAL_S = 5e-5
@@ -83,6 +82,6 @@ def travel(solver: Particles, motion_at: Any, intervals: range, length_s: float 
     forces = []
     for index in intervals:
         interval = Interval(index, length_s)
-        path = Path(motion_at(interval.start_s), motion_at(interval.end_s), length_s)
+        path = HermitePath(motion_at(interval.start_s), motion_at(interval.end_s), length_s)
         forces.append(solver.advance(interval, path).force_N.sum(axis=0))
     return forces

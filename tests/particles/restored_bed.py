@@ -15,11 +15,9 @@ import numpy as np
 
 from orchestrator.case.bed.feed import Feeds, Inlet
 from orchestrator.case.bed.material_book import CountedFeed
-from orchestrator.coupling.metered import MeteredParticles
-from orchestrator.coupling.stopwatch import Stopwatch
-from orchestrator.ports import Motion
+from orchestrator.coupling.metered import MeteredParticles, Stopwatch
+from orchestrator.ports import HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import Exit, ParticlesPlan
 from orchestrator.ports.state import as_arrays
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
@@ -64,12 +62,12 @@ def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
     return MeteredParticles(opened, feed, solver, Stopwatch())
 
 
-def astray(interval: Interval) -> Path:
+def astray(interval: Interval) -> HermitePath:
     """The surface pushed up and along, out of its way."""
     start, end = wave(interval.start_s), wave(interval.end_s)
     off_m = np.array([1e-4, 0.0, 2e-4])
     pushed = Motion(end.position_m + off_m, end.velocity_m_per_s + off_m / INTERVAL_S)
-    return Path(start, pushed, INTERVAL_S)
+    return HermitePath(start, pushed, INTERVAL_S)
 
 
 def hesitating(solver: str, plan: ParticlesPlan, intervals: int) -> list[str]:

@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.ports import Array, Motion, Particles
+from orchestrator.ports import Array, HermitePath, Motion, Particles
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
@@ -95,7 +94,7 @@ class Puller:
         forces, shifts = [], []
         for _ in range(intervals):
             end_m = self.shift_m + length_s * velocity_m_per_s[0]
-            path = Path(
+            path = HermitePath(
                 Motion(start_m + self.shift_m, velocity_m_per_s),
                 Motion(start_m + end_m, velocity_m_per_s),
                 length_s,

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.ports import Account, Array, Motion
+from orchestrator.ports import Account, Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import Jkr, ParticleList, ParticlesPlan
 from tests.particles.contract import Run, energy_defect_J, one, particles, plan, plate
 
@@ -50,7 +49,7 @@ def advance(run: Run, intervals: int) -> None:
     start_m = run.plan.surface.position_m
     for _ in range(intervals):
         now = Interval(run.index, INTERVAL_S)
-        path = Path(turned(start_m, now.start_s), turned(start_m, now.end_s), INTERVAL_S)
+        path = HermitePath(turned(start_m, now.start_s), turned(start_m, now.end_s), INTERVAL_S)
         run.load_N.append(run.solver.advance(now, path).force_N)
         run.index += 1
 
@@ -116,7 +115,9 @@ def test_resistance_to_rolling_sees_the_surface_turn(build: Build, law: str) -> 
     rolls = {"rolling_friction": one(0.3), "rolling": law, "sliding_friction": one(0.0)}
     velocity_m_per_s = np.cross(omega, surface.position_m - [0.0, 0.0, 0.005])
     end_m = surface.position_m + length_s * velocity_m_per_s
-    path = Path(Motion(surface.position_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
+    path = HermitePath(
+        Motion(surface.position_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s
+    )
     spins_rad_per_s = []
     for spin_rad_per_s in (omega, 0.0 * omega):
         falling = particles([0.0, 0.0, 0.0051], [0.0, 0.0, -0.5], spin_rad_per_s)

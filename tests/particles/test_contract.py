@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.ports import BrokenRecord, Motion
+from orchestrator.ports import BrokenRecord, HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan
 from tests.particles.contract import (
     G_M_PER_S2,
@@ -212,7 +211,7 @@ def test_a_jump_of_the_surface_is_booked_as_work(build: Build) -> None:
     before, jump_m = run.solver.account(), 1e-7
     still = at_rest(run.plan.surface)
     lifted = Motion(still.position_m + jump_m * UP, still.velocity_m_per_s)
-    run.solver.advance(Interval(100, 1e-3), Path(lifted, lifted, 1e-3))
+    run.solver.advance(Interval(100, 1e-3), HermitePath(lifted, lifted, 1e-3))
     work_J = run.solver.account().received_J["surface"] - before.received_J["surface"]
     assert work_J == pytest.approx(MASS_KG * 9.81 * jump_m, rel=1e-3)
 
@@ -379,7 +378,7 @@ def test_a_wrong_number_of_surface_points_is_refused(build: Build) -> None:
     run = build(plan(plate(0.02, 2), particles([0, 0, 0.1])))
     wrong = at_rest(plate(0.02, 3))
     with pytest.raises(BrokenRecord, match=r"9 .*16"):
-        run.solver.advance(Interval(0, 1e-3), Path(wrong, wrong, 1e-3))
+        run.solver.advance(Interval(0, 1e-3), HermitePath(wrong, wrong, 1e-3))
 
 
 def test_a_surface_with_a_nan_cannot_cross() -> None:

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.ports import Array, Motion
+from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import GrainMaterial, ParticlesPlan
 from orchestrator.ports.state import restorable
 from tests.particles.contract import WEIGHTLESS, Run, at_rest, one, particles, plan, plate
@@ -135,7 +134,7 @@ def test_a_surface_that_moves_through_a_particle(build: Build) -> None:
     assert run.solver.crossings().number == 2
     run = build(soft(surface, given))
     end = moved(surface, 0.02 * up, 0.0 * up)
-    run.solver.advance(Interval(0, 1e-3), Path(end, end, 1e-3))
+    run.solver.advance(Interval(0, 1e-3), HermitePath(end, end, 1e-3))
     assert run.solver.crossings().number == 2
 
 

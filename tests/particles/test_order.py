@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestrator.ports import Array, Motion
+from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import ParticlesPlan
 from tests.particles.contract import WEIGHTLESS, one, particles, plan, plate
 
@@ -40,12 +39,12 @@ def at(given: ParticlesPlan, height_m: float, velocity_m_per_s: float) -> Motion
     return Motion(given.surface.position_m + height_m * up, velocity_m_per_s * up)
 
 
-def following(given: ParticlesPlan, height: Height, intervals: int) -> list[Path]:
+def following(given: ParticlesPlan, height: Height, intervals: int) -> list[HermitePath]:
     motions = [at(given, *height(index * LENGTH_S)) for index in range(intervals + 1)]
-    return [Path(start, end, LENGTH_S) for start, end in pairwise(motions)]
+    return [HermitePath(start, end, LENGTH_S) for start, end in pairwise(motions)]
 
 
-def carried(module: Any, given: ParticlesPlan, paths: Iterable[Path]) -> tuple[Array, Array]:
+def carried(module: Any, given: ParticlesPlan, paths: Iterable[HermitePath]) -> tuple[Array, Array]:
     """Heights and velocities of the spheres after the plate went along."""
     with closing(module.build(given)) as opened:
         for index, path in enumerate(paths):
@@ -152,7 +151,7 @@ def test_a_jump_of_the_surface_is_felt_half_a_step_late(module: Any) -> None:
     for n in steps:
         given = single(RADIUS_M, 1.0, n)
         before, after = (at(given, height_m, 0.0) for height_m in (0.0, jump_m))
-        paths = [Path(before, before, LENGTH_S), *[Path(after, after, LENGTH_S)] * 19]
+        paths = [HermitePath(before, before, LENGTH_S), *[HermitePath(after, after, LENGTH_S)] * 19]
         (place_m,), (found_m_per_s,) = carried(module, given, paths)
         assert found_m_per_s == pytest.approx(speed_m_per_s, rel=2e-3)
         places_m.append(place_m)

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 from adapters.particles import spheres
-from orchestrator.ports import Array, Motion
+from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import Jkr, ParticlesPlan
 from tests.particles.contract import solver_module
 from tests.particles.folds import VALLEY, fold
@@ -42,7 +41,7 @@ def pressed(**changes: Any) -> ParticlesPlan:
         "restitution": 0.4,
         "sliding_friction": 0.6,
         "gravity_m_per_s2": np.array([0.0, 0.0, -9.81]),
-        "responds": True,
+        "predicts_load": True,
     }
     surface = changes.pop("surface", flat(0.02, 7))
     return make_plan(surface, given, **usual | changes)
@@ -53,7 +52,7 @@ def in_touch(module: ModuleType, plan: ParticlesPlan) -> Iterator[Any]:
     """The solver some steps after its start."""
     with closing(module.build(plan)) as solver:
         at_rest = Motion(plan.surface.position_m, np.zeros_like(plan.surface.position_m))
-        solver.advance(Interval(0, BEFORE_S), Path(at_rest, at_rest, BEFORE_S))
+        solver.advance(Interval(0, BEFORE_S), HermitePath(at_rest, at_rest, BEFORE_S))
         yield solver
 
 
@@ -62,7 +61,7 @@ def load_N(solver: Any, plan: ParticlesPlan, velocity_m_per_s: Array, length_s: 
     before, place_m = solver.save(), plan.surface.position_m
     moving = np.broadcast_to(velocity_m_per_s, place_m.shape).copy()
     start, end = Motion(place_m, moving), Motion(place_m + length_s * moving, moving)
-    load = solver.advance(Interval(1, length_s), Path(start, end, length_s))
+    load = solver.advance(Interval(1, length_s), HermitePath(start, end, length_s))
     solver.restore(before)
     return np.asarray(load.force_N)
 
@@ -74,7 +73,7 @@ WAYS = SPEED_M_S * np.vstack([np.zeros(3), np.eye(3)])
 def errors(solver: Any, plan: ParticlesPlan, length_s: float) -> tuple[float, float]:
     """Of the load at a surface at rest, and of what it changes by where the surface moves in each
     direction; largest value, relative to the largest."""
-    told = solver.response(length_s)
+    told = solver.contact_tangent(length_s)
     still_N, *moving_N = (load_N(solver, plan, way, length_s) for way in WAYS)
     changes = np.array([still_N - one_N for one_N in moving_N]) / SPEED_M_S
     foretold = np.moveaxis(told.impedance_N_s_per_m, 2, 0)  # (direction of motion, points, 3)
@@ -114,7 +113,7 @@ def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
     told = []
     for module in (spheres, solver_module("liggghts")):
         with in_touch(module, plan) as solver:
-            told.append(solver.response(1e-5))
+            told.append(solver.contact_tangent(1e-5))
     mine, theirs = told
     for name in ("push_N", "impedance_N_s_per_m"):
         one, other = getattr(mine, name), getattr(theirs, name)
@@ -127,12 +126,12 @@ def test_a_response_goes_along_with_a_saved_state() -> None:
     """Bit for bit, back at the sync point and in another instance."""
     plan = pressed()
     with in_touch(solver_module("liggghts"), plan) as solver:
-        before, told = solver.save(), solver.response(1e-5)
+        before, told = solver.save(), solver.contact_tangent(1e-5)
         load_N(solver, plan, np.array([0.0, 0.0, 0.01]), 1e-5)
-        again = solver.response(1e-5)
+        again = solver.contact_tangent(1e-5)
     with closing(solver_module("liggghts").build(plan)) as other:
         other.restore(before)
-        elsewhere = other.response(1e-5)
+        elsewhere = other.contact_tangent(1e-5)
     for name in ("push_N", "impedance_N_s_per_m"):
         np.testing.assert_array_equal(getattr(told, name), getattr(again, name))
         np.testing.assert_array_equal(getattr(told, name), getattr(elsewhere, name))

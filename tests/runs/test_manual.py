@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.coupling.schemes import scheme
+from orchestrator.coupling.schemes import create_scheme
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words, summary
 
 MANUAL = (ROOT / "docs/run-folder.md").read_text()
@@ -69,7 +69,7 @@ def test_the_keys_of_the_summary(folder: Path) -> None:
 
 
 def test_the_keys_of_the_iterations() -> None:
-    assert set(scheme("aitken").figures()) == documented("### `iterations`")
+    assert set(create_scheme("aitken").figures()) == documented("### `iterations`")
 
 
 def test_the_keys_of_the_results(folder: Path) -> None:

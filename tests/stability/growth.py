@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.coupling.schemes import scheme as named
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.schemes import create_scheme as named
 from orchestrator.coupling.schemes.robin import Robin
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Array, PanelState
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.effort import Effort

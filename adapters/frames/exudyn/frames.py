@@ -26,7 +26,7 @@ from adapters.frames.common.poses import Attached, Poses, cross
 from adapters.frames.exudyn import LARGEST_TILT_RAD, trapezoidal
 from adapters.frames.exudyn.books import Books
 from adapters.frames.exudyn.spatial_shaft import shafts
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import restore_attributes, save_attributes
@@ -90,7 +90,7 @@ class ExudynFrames:
         return self._points
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        counted("frames' reaction", reaction, len(self._plan.points_m))
+        check_point_count("frames' reaction", reaction, len(self._plan.points_m))
         wrench = self._wrench_of(reaction, interval.length_s)
         for shaft in self._shafts:
             wrench[shaft.body] += shaft.wrench

@@ -35,7 +35,7 @@ from adapters.frames.planar.plane import (
     power,
     wrench,
 )
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, counted
+from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count
 from orchestrator.ports.adapters import FramesAdapter, Objection
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
@@ -106,7 +106,7 @@ class PlanarFrames:
         return self._moved()
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        counted("frames' reaction", reaction, len(self._plan.points_m))
+        check_point_count("frames' reaction", reaction, len(self._plan.points_m))
         steps = interval.steps(self._largest_step_s)
         self._collocation.set_step(interval.length_s / steps)
         on_bodies, before = self._forces.reaction(reaction.force_N), self._poses.place[0]

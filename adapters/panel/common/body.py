@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from orchestrator.ports import Array, Indices, Saved
-from orchestrator.ports.hermite import Path
+from orchestrator.ports import Array, HermitePath, Indices, Saved
 from orchestrator.ports.state import save_attributes
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ class Action:
     """What acts on a body during an interval: the path of its held nodes, and a constant force
     (nodes, 3) from outside, weight included."""
 
-    held: Path
+    held: HermitePath
     outside_N: Array
 
 

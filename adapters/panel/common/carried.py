@@ -9,7 +9,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    check_point_count,
+)
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -34,8 +44,8 @@ class CarriedSurface:
         return PanelState(rest, Load.zero(len(rest)))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        counted("carried surface's clamps", clamps, len(self.mount.frame))
-        counted("carried surface's load", load, len(self.mount.frame))
+        check_point_count("carried surface's clamps", clamps, len(self.mount.frame))
+        check_point_count("carried surface's load", load, len(self.mount.frame))
         moved_m = clamps.position_m - self._position_m
         self._received_J += float(np.sum(load.force_N * moved_m))
         self._position_m = clamps.position_m

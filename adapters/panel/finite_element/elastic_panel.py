@@ -12,6 +12,7 @@ from adapters.panel.finite_element.grid import Interpolating
 from orchestrator.ports import (
     Account,
     Array,
+    HermitePath,
     Indices,
     Inertia,
     Known,
@@ -21,10 +22,9 @@ from orchestrator.ports import (
     PanelState,
     Restorable,
     Saved,
-    counted,
+    check_point_count,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -100,12 +100,12 @@ class ElasticPanel:
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         state, held = self._state, self._body.held
-        counted(f"panel {self._plan.name}: clamps", clamps, len(held))
-        counted(f"panel {self._plan.name}: load", load, len(self._initial.surface))
+        check_point_count(f"panel {self._plan.name}: clamps", clamps, len(held))
+        check_point_count(f"panel {self._plan.name}: load", load, len(self._initial.surface))
         outside = self._weight_N.copy()
         outside[self._surface] += load.force_N
         started_m, started_m_per_s = (state.position_m.copy(), state.velocity_m_per_s.take(held, axis=0))
-        action = Action(Path(self._clamps, clamps, interval.length_s), outside)
+        action = Action(HermitePath(self._clamps, clamps, interval.length_s), outside)
         on_held = self._integrator.advance(state, action, interval)
         self._check(interval)
         self._clamps = clamps

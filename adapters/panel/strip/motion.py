@@ -17,8 +17,7 @@ from adapters.panel._kernel import Chain as CompiledChain
 from adapters.panel.common.body import Action, CompiledBody
 from adapters.panel.common.maxwell import checked
 from adapters.panel.strip.chain import Chain
-from orchestrator.ports import Array
-from orchestrator.ports.hermite import Path
+from orchestrator.ports import Array, HermitePath
 
 
 class ChainMotion(CompiledBody):
@@ -66,7 +65,7 @@ class ChainMotion(CompiledBody):
         super().__init__(kernel, held, memory)
         kernel.rest()
 
-    def run(self, path: Path, outside_N: Array, steps: int) -> tuple[Array, float]:
+    def run(self, path: HermitePath, outside_N: Array, steps: int) -> tuple[Array, float]:
         """Move over ``path`` (of the held rows) under ``outside_N`` (r, 3), constant.
 
         Returns the impulse (held, 3) that the chain gives to the clamps, and its work on them.

@@ -20,9 +20,20 @@ from adapters.panel.common import bilinear
 from adapters.panel.perforation.strip import left
 from adapters.panel.strip.at_rest import first_guess_m, settled
 from adapters.panel.strip.chain import Chain, chain
-from orchestrator.ports import Account, Array, Inertia, Known, Load, Motion, Mount, PanelState, Saved, counted
+from orchestrator.ports import (
+    Account,
+    Array,
+    HermitePath,
+    Inertia,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    check_point_count,
+)
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import PanelPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -117,12 +128,12 @@ class Strip:
         return PanelState(self._surface, Load(reaction_N.repeat(2, axis=0) / 2))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        counted(f"panel {self._name}: clamps", clamps, len(self._clamps))
-        counted(f"panel {self._name}: load", load, len(self._surface))
+        check_point_count(f"panel {self._name}: clamps", clamps, len(self._clamps))
+        check_point_count(f"panel {self._name}: load", load, len(self._surface))
         motion = self._motion
         turning_N = self._halves.T @ (2 * bilinear.half(load.force_N))
         outside_N = 2 * bilinear.middle(load.force_N) + self._weight_N
-        path = Path(_middle(self._clamps), _middle(clamps), interval.length_s)
+        path = HermitePath(_middle(self._clamps), _middle(clamps), interval.length_s)
         impulse_N_s, work_J = motion.run(path, outside_N, interval.steps(self._step_s))
         lowest, highest = motion.stretches()
         if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN

@@ -11,9 +11,8 @@ from scipy.spatial import cKDTree
 
 from adapters.particles._liggghts import Engine
 from adapters.particles.liggghts.input import FIRST_EVALUATION, has_sliding, input_text
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, HermitePath, Indices
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.hermite import Path as SurfacePath
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticleList, ParticlesPlan, Sjkr
 
 SAME_PLACE = 1e-6  # of the period: points closer than this, one period on, are joined
@@ -41,7 +40,7 @@ def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine
     _set_laws(engine, plan)
     if plan.wear_m3_per_N_m is not None:
         engine.set_wear(floats(plan.wear_m3_per_N_m))
-    if plan.responds:
+    if plan.predicts_load:
         engine.ask_contact_tangent()
     if plan.periodic_y:
         period_m = float(plan.domain_m[1, 1] - plan.domain_m[0, 1])
@@ -69,7 +68,7 @@ def create_particles(engine: Engine, new: ParticleList, first_id: int) -> None:
     )
 
 
-def begin_path(engine: Engine, path: SurfacePath, length_s: float, steps: int) -> None:
+def begin_path(engine: Engine, path: HermitePath, length_s: float, steps: int) -> None:
     """Let the surface points follow ``path`` over the next ``steps``."""
     engine.begin_path(
         start_m=floats(path.start.position_m),

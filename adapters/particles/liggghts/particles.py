@@ -21,17 +21,17 @@ from orchestrator.ports import (
     Account,
     Array,
     BrokenRecord,
+    ContactTangent,
     Crossings,
+    HermitePath,
     Load,
     Overlaps,
     ParticleSnapshot,
     Removed,
-    Response,
     Saved,
-    in_order,
+    sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import ParticleList, ParticlesPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import as_arrays, like
 
@@ -86,14 +86,14 @@ class Liggghts:
     def initial(self) -> Load:
         return Load(self._summed(self._engine.force_N()))
 
-    def advance(self, interval: Interval, path: Path) -> Load:
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
         """Move the particles over an interval; see ``Particles.advance``.
 
         Raises SolverFailed if LIGGGHTS fails, loses a particle or makes a NaN, and BrokenRecord if
         the path is not that of the plan's surface points."""
         points = len(self._plan.surface.position_m)
         if len(path.start) != points or len(path.end) != points:
-            raise BrokenRecord(f"Path: {points} points wanted, got {len(path.start)}")
+            raise BrokenRecord(f"HermitePath: {points} points wanted, got {len(path.start)}")
         steps = interval.steps(self._plan.step_s)
         try:
             begin_path(self._engine, path, interval.length_s, steps)
@@ -131,7 +131,7 @@ class Liggghts:
     def removed(self) -> Removed:
         mine, self._removed = self._removed, []
         ranks = self._comm.gather(mine)
-        return in_order([part for rank in ranks or [] for part in rank])
+        return sort_removed([part for rank in ranks or [] for part in rank])
 
     def overlaps(self) -> Overlaps:
         self._prepare()
@@ -146,10 +146,10 @@ class Liggghts:
     def worn_m3(self) -> Array:
         return self._summed(self._engine.worn_m3())
 
-    def response(self, length_s: float) -> Response:
-        assert self._plan.responds, "asked of a plan without"
+    def contact_tangent(self, length_s: float) -> ContactTangent:
+        assert self._plan.predicts_load, "asked of a plan without"
         mine = self._engine.contact_tangent(length_s)
-        return Response(**{name: self._summed(values) for name, values in mine.items()})
+        return ContactTangent(**{name: self._summed(values) for name, values in mine.items()})
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
         """Views of this rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
@@ -169,7 +169,7 @@ class Liggghts:
             "created": np.array(self._created),
             "deepest": as_arrays(self._deepest_of_rank()),
             "crossings": as_arrays(self._crossings),
-            "removed": as_arrays(in_order(self._removed)),
+            "removed": as_arrays(sort_removed(self._removed)),
         }
 
     def restore(self, saved: Saved) -> None:
@@ -179,7 +179,7 @@ class Liggghts:
         self._engine.take_deepest_overlaps()  # of what was evaluated to get back there
         self._deepest = like(Overlaps(), saved["deepest"])
         self._crossings = like(Crossings.none(), saved["crossings"])
-        self._removed = [like(in_order([]), saved["removed"])]
+        self._removed = [like(sort_removed([]), saved["removed"])]
         self._unprepared = False
 
     def close(self) -> None:

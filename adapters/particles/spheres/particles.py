@@ -23,20 +23,20 @@ from orchestrator.ports import (
     Account,
     AngularAccount,
     Array,
+    ContactTangent,
     Crossings,
+    HermitePath,
     Indices,
     Load,
     Motion,
     Overlaps,
     ParticleSnapshot,
     Removed,
-    Response,
     Saved,
-    counted,
-    in_order,
+    check_point_count,
+    sort_removed,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 from orchestrator.ports.plans import ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
@@ -80,8 +80,8 @@ class SpheresSolver:
     def initial(self) -> Load:
         return Load(self._now.on_points_N)
 
-    def advance(self, interval: Interval, path: Path) -> Load:
-        counted("particles' surface", path.end, len(self._surface_m))
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
+        check_point_count("particles' surface", path.end, len(self._surface_m))
         self._feed(interval)
         before_m, on_surface_N_m = self._surface_m, self._on_surface_N_m()
         self._jump_to(path.start)
@@ -107,7 +107,7 @@ class SpheresSolver:
 
     def removed(self) -> Removed:
         since, self._removed = self._removed, []
-        return in_order(since)
+        return sort_removed(since)
 
     def overlaps(self) -> Overlaps:
         since, self._deepest = self._deepest, Overlaps()
@@ -116,7 +116,7 @@ class SpheresSolver:
     def crossings(self) -> Crossings:
         return self._crossings
 
-    def response(self, length_s: float) -> Response:
+    def contact_tangent(self, length_s: float) -> ContactTangent:
         return response(self._system, self._spheres, self._now, self._plan.gravity_m_per_s2, length_s)
 
     def worn_m3(self) -> Array:
@@ -146,12 +146,12 @@ class SpheresSolver:
         )
 
     def save(self) -> Saved:
-        saved = save_attributes(self, *_STATE) | {"removed": as_arrays(in_order(self._removed))}
+        saved = save_attributes(self, *_STATE) | {"removed": as_arrays(sort_removed(self._removed))}
         return saved if self._wear is None else saved | {"wear": self._wear.save()}
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_STATE)
-        self._removed = [like(in_order([]), saved["removed"])]
+        self._removed = [like(sort_removed([]), saved["removed"])]
         if self._wear is not None:
             self._wear.restore(saved["wear"])
 

@@ -10,7 +10,7 @@ from adapters.particles.spheres.contacts import springs
 from adapters.particles.spheres.forces import Forces, System
 from adapters.particles.spheres.partners import partners
 from adapters.particles.spheres.state import Spheres
-from orchestrator.ports import Array, Response
+from orchestrator.ports import Array, ContactTangent
 
 SLIDES = 1.0 - 1e-9  # of the force at which friction gives way: there it is held
 
@@ -35,7 +35,7 @@ class _Pushing:
 
 def response(
     system: System, spheres: Spheres, now: Forces, gravity_m_per_s2: Array, length_s: float
-) -> Response:
+) -> ContactTangent:
     """Springs and dampers by the implicit midpoint rule: the mean force on the sphere is
     elastic - z (u - surface velocity), z = k H / 2 + g, with the point's mean velocity u, which
     that force itself changes by H / 2 times what it gives (docs/theory/coupling.md)."""
@@ -52,7 +52,7 @@ def response(
     push_N = np.einsum("nij,nj->ni", Z, one.free_m_per_s)
     push_N -= np.einsum("nij,nj->ni", split(share), one.elastic_N)
     touching, points = now.touching, len(now.on_points_N)
-    found = Response(np.zeros((points, 3)), np.zeros((points, 3, 3)))
+    found = ContactTangent(np.zeros((points, 3)), np.zeros((points, 3, 3)))
     weight = touching.barycentric
     np.add.at(found.push_N, touching.points, weight[:, :, None] * push_N[:, None, :])
     shares = weight[:, :, None, None] * Z[:, None, :, :]

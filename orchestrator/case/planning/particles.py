@@ -38,7 +38,7 @@ def particles_plan(
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
-        responds=case.coupling.scheme == "robin",
+        predicts_load=case.coupling.scheme == "robin",
         particles=initial_particles(case, numbers),
         largest_diameter_m=largest_diameter_m(case),
         domain_m=np.array(case.domain_m),

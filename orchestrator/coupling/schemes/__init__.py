@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orchestrator.coupling.schemes import iterated, robin, staggered
-from orchestrator.coupling.schemes.exchange import Scheme
+from orchestrator.coupling.schemes.scheme import Scheme
 from orchestrator.preflight.effort import Effort
 
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
@@ -17,6 +17,6 @@ SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
 }
 
 
-def scheme(name: str, effort: Effort | None = None) -> Scheme:
+def create_scheme(name: str, effort: Effort | None = None) -> Scheme:
     """A scheme that has not begun; without ``effort`` with the usual one."""
     return SCHEMES[name](effort or Effort())

@@ -7,7 +7,7 @@ known and takes the chord's place.)  Unknown is the load F, sought as the fixed 
 
     F -> load of the particles on the chord which the panel moves along under F,
 
-from the load of the last interval on; ``relaxation.py`` has the ways there.  Every iterate hands
+from the load of the last interval on; ``acceleration.py`` has the ways there.  Every iterate hands
 over all momentum, since the panel at last moves under the load that the particles gave.
 """
 
@@ -18,9 +18,16 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
-from orchestrator.coupling.schemes.relaxation import Aitken, LeastSquares
-from orchestrator.coupling.schemes.steps import Ahead, ahead, chord, ended
+from orchestrator.coupling.schemes.acceleration import Aitken, LeastSquares
+from orchestrator.coupling.schemes.scheme import (
+    Forecast,
+    Scheme,
+    Solvers,
+    State,
+    chord,
+    finish_interval,
+    forecast,
+)
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restorable, restore_attributes, save_attributes
@@ -30,7 +37,7 @@ LOG = logging.getLogger("flipflow")
 _COUNTS = ("_intervals", "_runs", "_longest", "_unsolved", "_worst")
 
 
-class Relaxation(Restorable, Protocol):
+class Acceleration(Restorable, Protocol):
     """Says under which load the next try is made; begins anew in each interval."""
 
     def begin(self) -> None: ...
@@ -48,45 +55,45 @@ def quasi_newton(effort: Effort) -> Scheme:
     return _scheme(effort, LeastSquares())
 
 
-def _scheme(effort: Effort, relaxation: Relaxation) -> Scheme:
-    iterated = Iterated(effort, relaxation)
+def _scheme(effort: Effort, acceleration: Acceleration) -> Scheme:
+    iterated = Iterated(effort, acceleration)
     return Scheme(iterated.advance, memory=iterated)
 
 
 class Iterated:
     """The scheme, and the count of what it took."""
 
-    def __init__(self, effort: Effort, relaxation: Relaxation) -> None:
-        self._effort, self._relaxation = effort, relaxation
+    def __init__(self, effort: Effort, acceleration: Acceleration) -> None:
+        self._effort, self._acceleration = effort, acceleration
         self._intervals = self._runs = self._longest = self._unsolved = 0
         self._worst = 0.0
 
     def advance(self, solvers: Solvers, interval: Interval, now: State) -> State:
-        known = ahead(solvers, interval, now)
+        known = forecast(solvers, interval, now)
         if solvers.particles is None:
             panel, load = solvers.panel.advance(interval, known.clamps, now.load), now.load
         else:
             panel, load = self._solved(solvers, interval, now, known)
-        return ended(solvers, interval, now, panel, load)
+        return finish_interval(solvers, interval, now, panel, load)
 
     def _solved(
-        self, solvers: Solvers, interval: Interval, now: State, known: Ahead
+        self, solvers: Solvers, interval: Interval, now: State, known: Forecast
     ) -> tuple[PanelState, Load]:
         assert solvers.particles is not None
         particles, panel = restorable(solvers.particles), restorable(solvers.panel)
         particles_before, panel_before = particles.save(), panel.save()
-        self._relaxation.begin()
+        self._acceleration.begin()
         tried = now.load
         for run in range(1, self._effort.most + 1):
             moved = solvers.panel.advance(interval, known.clamps, tried)
             path = known.path(chord(now.panel.surface, moved.surface, interval.length_s))
             load = solvers.particles.advance(interval, path)
-            off_N = size(load.force_N - tried.force_N)
-            solved = off_N <= max(self._effort.tolerance * size(load.force_N), self._effort.floor_N)
+            off_N = norm_N(load.force_N - tried.force_N)
+            solved = off_N <= max(self._effort.tolerance * norm_N(load.force_N), self._effort.floor_N)
             solved = solved or known.settled  # any other load would be answered alike
             if solved or run == self._effort.most:
                 break
-            tried = Load(self._relaxation.next(tried.force_N, load.force_N))
+            tried = Load(self._acceleration.next(tried.force_N, load.force_N))
             particles.restore(particles_before)
             panel.restore(panel_before)
         self._count(run, solved, off_N, load, interval)
@@ -101,11 +108,11 @@ class Iterated:
         return {"mean": mean, "most": self._longest, "unsolved": self._unsolved, "worst": self._worst}
 
     def save(self) -> Saved:
-        return save_attributes(self, *_COUNTS) | {"relaxation": self._relaxation.save()}
+        return save_attributes(self, *_COUNTS) | {"relaxation": self._acceleration.save()}
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_COUNTS)
-        self._relaxation.restore(saved["relaxation"])
+        self._acceleration.restore(saved["relaxation"])
 
     def _count(self, runs: int, solved: bool, off_N: float, load: Load, interval: Interval) -> None:
         self._intervals += 1
@@ -114,7 +121,7 @@ class Iterated:
         if solved:
             return
         self._unsolved += 1
-        residual = off_N / max(size(load.force_N), off_N)
+        residual = off_N / max(norm_N(load.force_N), off_N)
         self._worst = max(self._worst, residual)
         if self._unsolved == 1:
             LOG.warning(
@@ -126,5 +133,5 @@ class Iterated:
             )
 
 
-def size(force_N: Array) -> float:
+def norm_N(force_N: Array) -> float:
     return float(np.linalg.norm(force_N))

@@ -2,7 +2,7 @@
 
 ``robin`` runs each solver once in an interval, and the panel a second time, for a trial: under the
 last interval's load, after which it is taken back.  With that and with what the particles foretell
-of their load (``Response``) the chord is found along which the surface will go,
+of their load (``ContactTangent``) the chord is found along which the surface will go,
 
     v = v_trial + s H / (2 M) (push - Z v - load_before),
 
@@ -19,18 +19,105 @@ has it, or else at its velocity.  Where nothing is known of any (rigid panels), 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
+import numpy.typing as npt
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import LinearOperator, cg
 
-from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
+from orchestrator.coupling.schemes.scheme import Forecast, Scheme, Solvers, State, finish_interval, forecast
 from orchestrator.coupling.schemes.staggered import particles_first
-from orchestrator.coupling.schemes.steps import Ahead, ahead, ended
-from orchestrator.coupling.schemes.yielding import Yielding, against
-from orchestrator.ports import Array, Load, Motion, Responding, Response, Saved
+from orchestrator.ports import (
+    Array,
+    ContactTangent,
+    HermitePath,
+    Inertia,
+    Load,
+    Motion,
+    Panel,
+    Predicting,
+    Saved,
+)
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
+from orchestrator.ports.optional import surface_inertia
 from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+
+SOLVED = 1e-4  # of the excess load: less than what the contacts' linear answer is worth
+MOST_ITERATIONS = 200
+LEAST_SHARE = 1e-3
+
+
+@dataclass(frozen=True)
+class SurfaceCompliance:
+    """``transposed``: the inertia's shapes; ``spread``: the sizes of their entries, each times its
+    row's sum, transposed; ``known`` (points,): whether anything is known of a point's mass."""
+
+    inertia: Inertia
+    transposed: csr_array
+    spread: csr_array
+    known: npt.NDArray[np.bool_]
+
+    @staticmethod
+    def of(panel: Panel) -> SurfaceCompliance:
+        inertia = surface_inertia(panel)
+        shapes, sizes = inertia.shapes, abs(inertia.shapes)
+        spread = sizes.multiply(np.asarray(sizes.sum(axis=1))[:, None])
+        known = np.diff(shapes.indptr) > 0
+        return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
+
+    def to(self, excess_N: Array, response: ContactTangent, length_s: float, share: Array) -> Array:
+        """Mean velocity (points, 3) by which the points give way to ``excess_N`` (points, 3) over
+        an interval: shapes u, where the masses' velocity u solves
+
+            (2 M / (s H) + shapes' Z shapes) u = shapes' excess,
+
+        by conjugate gradients.  Their preconditioner has each Z spread over the masses under it,
+        which is never less than the matrix."""
+        shapes, wanted = self.inertia.shapes, self._on_masses(excess_N)
+        free = 2 / length_s * self.inertia.mass_kg[:, None] / share
+        impedance = np.einsum("pii->p", response.impedance_N_s_per_m)
+        lumped = free + (self.spread @ impedance)[:, None]
+        touched = np.flatnonzero(impedance)
+        Z, under = response.impedance_N_s_per_m[touched], shapes[touched]
+        onto = csr_array(under.T)
+
+        def product(u: Array) -> Array:
+            u = u.reshape(wanted.shape)
+            resisting_N = (Z @ (under @ u)[:, :, None])[:, :, 0]
+            return np.ravel(free * u + self.inertia.yielding(onto @ resisting_N))
+
+        square = (wanted.size, wanted.size)
+        u, _ = cg(
+            LinearOperator(square, matvec=product, dtype=float),
+            np.ravel(wanted),
+            tol=SOLVED,
+            atol=0.0,
+            maxiter=MOST_ITERATIONS,
+            M=LinearOperator(square, matvec=lambda r: r / np.ravel(lumped), dtype=float),
+        )
+        return np.asarray(shapes @ u.reshape(wanted.shape))
+
+    def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
+        """Of what free masses would have done (3,), by direction: the work of the load ``more`` on
+        the mean velocity ``gave_m_per_s`` (points, 3) that it really caused.  1 for a free mass, less
+        where the panel's stiffness holds it; ``before`` where nothing changed."""
+        on_masses_N = self._on_masses(more.force_N)
+        free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
+        found = before.copy()
+        real = (more.force_N * gave_m_per_s)[self.known].sum(axis=0)
+        np.divide(real, free, out=found, where=free > 0)
+        return np.clip(found, LEAST_SHARE, 1.0)
+
+    def _on_masses(self, points_N: Array) -> Array:
+        """What the masses yield to."""
+        return self.inertia.yielding(self.transposed @ points_N)
+
+
+def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
+    """(points, 3): by how much less the particles push a surface that moves."""
+    return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
 def robin() -> Scheme:
@@ -45,40 +132,45 @@ class Robin:
     def __init__(self) -> None:
         self._seen_m: Array | None = None
         self._share = np.ones(3)
-        self._yielding: Yielding | None = None
+        self._compliance: SurfaceCompliance | None = None
 
     def advance(self, solvers: Solvers, interval: Interval, now: State) -> State:
         if solvers.particles is None:
             return particles_first(solvers, interval, now)
-        yielding = self._yielding = self._yielding or Yielding.of(solvers.panel)
-        if not yielding.known.any():
+        compliance = self._compliance = self._compliance or SurfaceCompliance.of(solvers.panel)
+        if not compliance.known.any():
             return particles_first(solvers, interval, now)
-        response = cast(Responding, solvers.particles).response(interval.length_s)
-        known = ahead(solvers, interval, now)
-        trial = tried(solvers, interval, now, known)
-        path = known.path(self._foreseen(yielding, response, trial, interval, now))
+        response = cast(Predicting, solvers.particles).contact_tangent(interval.length_s)
+        known = forecast(solvers, interval, now)
+        trial = trial_surface(solvers, interval, now, known)
+        path = known.path(self._foreseen(compliance, response, trial, interval, now))
         load = solvers.particles.advance(interval, path)
         panel = solvers.panel.advance(interval, known.clamps, load)
         self._seen_m = path.end.position_m
         more = Load(load.force_N - now.load.force_N)
         gave_m_per_s = (panel.surface.position_m - trial.position_m) / interval.length_s
-        self._share = yielding.share(more, gave_m_per_s, interval.length_s, self._share)
-        return ended(solvers, interval, now, panel, load)
+        self._share = compliance.share(more, gave_m_per_s, interval.length_s, self._share)
+        return finish_interval(solvers, interval, now, panel, load)
 
     def _foreseen(
-        self, yielding: Yielding, response: Response, trial: Motion, interval: Interval, now: State
-    ) -> Path:
+        self,
+        compliance: SurfaceCompliance,
+        response: ContactTangent,
+        trial: Motion,
+        interval: Interval,
+        now: State,
+    ) -> HermitePath:
         """The straight path of the surface."""
-        length_s, surface, known = interval.length_s, now.panel.surface, yielding.known[:, None]
+        length_s, surface, known = interval.length_s, now.panel.surface, compliance.known[:, None]
         start_m = surface.position_m
         if self._seen_m is not None:
             start_m = np.where(known, self._seen_m, start_m)
         trial_m_per_s = (trial.position_m - start_m) / length_s
         velocity_m_per_s = np.where(known, trial_m_per_s, surface.velocity_m_per_s)
-        excess_N = response.push_N - against(response, velocity_m_per_s) - now.load.force_N
-        velocity_m_per_s += yielding.to(excess_N, response, length_s, self._share)
+        excess_N = response.push_N - resisting_force(response, velocity_m_per_s) - now.load.force_N
+        velocity_m_per_s += compliance.to(excess_N, response, length_s, self._share)
         end_m = start_m + length_s * velocity_m_per_s
-        return Path(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
+        return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
     def figures(self) -> dict[str, Any]:
         """An interval is never repeated."""
@@ -93,7 +185,7 @@ class Robin:
         self._seen_m = np.array(saved["seen_m"]) if "seen_m" in saved else None
 
 
-def tried(solvers: Solvers, interval: Interval, now: State, known: Ahead) -> Motion:
+def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
     """The surface at the interval's end, were the load the last one's; the panel stays as it is."""
     panel = restorable(solvers.panel)
     before = panel.save()

@@ -14,38 +14,36 @@ acts like negative damping: first order, and it adds energy.
 
 from __future__ import annotations
 
-from orchestrator.coupling.schemes.exchange import Solvers, State
-from orchestrator.coupling.schemes.steps import acceleration, ahead, ended
-from orchestrator.ports import Load, Motion
+from orchestrator.coupling.schemes.scheme import Solvers, State, finish_interval, forecast, mean_acceleration
+from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.hermite import Path
 
 
 def particles_first(solvers: Solvers, interval: Interval, now: State) -> State:
     """Load runs up within the interval; motion is known ahead, or extrapolated down."""
-    known = ahead(solvers, interval, now)
-    load = _particles_on(solvers, interval, known.path(drift(now, interval)), now)
+    known = forecast(solvers, interval, now)
+    load = _particles_on(solvers, interval, known.path(extrapolated_path(now, interval)), now)
     panel = solvers.panel.advance(interval, known.clamps, load)
-    return ended(solvers, interval, now, panel, load)
+    return finish_interval(solvers, interval, now, panel, load)
 
 
 def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
     """Motion runs down within the interval, load is the last interval's."""
     clamps = solvers.frames.advance(interval, now.panel.reaction)
     panel = solvers.panel.advance(interval, clamps, now.load)
-    path = Path(now.panel.surface, panel.surface, interval.length_s)
+    path = HermitePath(now.panel.surface, panel.surface, interval.length_s)
     load = _particles_on(solvers, interval, path, now)
-    return State(clamps, acceleration(now.clamps, clamps, interval), panel, load)
+    return State(clamps, mean_acceleration(now.clamps, clamps, interval), panel, load)
 
 
-def drift(now: State, interval: Interval) -> Path:
+def extrapolated_path(now: State, interval: Interval) -> HermitePath:
     """The surface's path at constant velocity."""
     start, length_s = now.panel.surface, interval.length_s
     end_m = start.position_m + length_s * start.velocity_m_per_s
-    return Path(start, Motion(end_m, start.velocity_m_per_s), length_s)
+    return HermitePath(start, Motion(end_m, start.velocity_m_per_s), length_s)
 
 
-def _particles_on(solvers: Solvers, interval: Interval, path: Path, now: State) -> Load:
+def _particles_on(solvers: Solvers, interval: Interval, path: HermitePath, now: State) -> Load:
     if solvers.particles is None:
         return now.load  # zero for ever
     return solvers.particles.advance(interval, path)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_lines import PanelLines, tension_N

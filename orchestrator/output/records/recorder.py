@@ -19,8 +19,8 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.ranks import is_first
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.mpi import is_first
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import deck_record

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.machine import Machine, Probe
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import History
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
 from orchestrator.ports.state import restore_attributes, save_attributes
@@ -23,7 +23,7 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
     the world.
 
     ``centres`` (frames,): numbers of the centres of mass; the three points after each are the ends
-    of arms that were 1 m long and lay along the world's axes at t = 0 (``pieces.frame_pieces``).
+    of arms that were 1 m long and lay along the world's axes at t = 0 (``surface_parts.frame_parts``).
     """
     if not len(centres):  # which Rotation does not take
         return np.empty((0, 3)), np.empty((0, 3))

@@ -97,7 +97,7 @@ class ParticlesPlan:
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
     ``wear_m3_per_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
     other per force and distance slid; None where nothing wears.
-    ``responds``: whether the particles are to foretell their load (``ports.Responding``).
+    ``predicts_load``: whether the particles are to foretell their load (``ports.Predicting``).
     ``rolling``: the law of rolling resistance, where its coefficient is not zero.
     Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
     corner), are removed; the first exit that holds one counts.  ``communicator`` is an mpi4py
@@ -120,7 +120,7 @@ class ParticlesPlan:
     adhesion: Jkr | Sjkr | None = None
     rolling: Literal["epsd2", "cdt"] = "epsd2"
     wear_m3_per_N_m: Array | None = None
-    responds: bool = False
+    predicts_load: bool = False
     feed: Feed | None = None
     exits: tuple[Exit, ...] = ()
     periodic_y: bool = False

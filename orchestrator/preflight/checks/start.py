@@ -14,8 +14,8 @@ from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.planning import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import overlap_m, reach_into
 from orchestrator.ports.plans import ParticleList
-from orchestrator.ports.triangles import overlap_m, reach_into
 
 ALLOWED = 1e-6  # overlap over diameter that counts as touching
 

@@ -24,11 +24,10 @@ from typing import NamedTuple
 import numpy as np
 
 from orchestrator.case.tables.case import Case
-from orchestrator.coupling.ledger import Members
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes.exchange import State
-from orchestrator.ports import Array, Indices, Load, Motion, PanelState, Saved
-from orchestrator.ports.hermite import Path
+from orchestrator.coupling.metered import MeteredSolvers
+from orchestrator.coupling.schemes.scheme import State
+from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState, Saved
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
@@ -50,10 +49,10 @@ class InterfaceData(NamedTuple):
     length_s: float
     frames: tuple[Load, Motion]
     panel: tuple[Motion, Load, PanelState]
-    particles: tuple[Path, Load] | None
+    particles: tuple[HermitePath, Load] | None
 
 
-def interface_data(members: Members, length_s: float) -> InterfaceData:
+def interface_data(members: MeteredSolvers, length_s: float) -> InterfaceData:
     """Returns what crossed in the interval that the members have just ended, as their meters have it."""
     particles = members.particles.last if members.particles is not None else None
     return InterfaceData(length_s, members.frames.last, members.panel.last, particles)

@@ -8,7 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Saved
 from orchestrator.ports.particle_records import Bed
 from orchestrator.run.monitor.interface_work import InterfaceData, InterfaceWork

@@ -13,8 +13,8 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.numerics import Then
 from orchestrator.coupling.machine import Machine
-from orchestrator.coupling.ranks import first_rank_does, is_first
-from orchestrator.coupling.schemes.exchange import State
+from orchestrator.coupling.mpi import first_rank_does, is_first
+from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_s
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval, steps_in

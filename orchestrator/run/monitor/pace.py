@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from orchestrator.coupling.schemes.exchange import Scheme, Solvers, State
+from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
 from orchestrator.ports import Load, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restore_attributes, save_attributes

@@ -1,4 +1,4 @@
-"""Which points and triangles of the whole surface are whose, once the pieces are one."""
+"""Which points and triangles of the whole surface are whose, once the parts are one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from orchestrator.case.planning import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, Probe
 from orchestrator.coupling.panel_set import PanelSet
-from orchestrator.coupling.pieces import Piece
+from orchestrator.coupling.surface_parts import SurfacePart
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.penetration import Body, Penetrations, ProbedPanel
@@ -18,7 +18,7 @@ NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
 
 
 def touched_surface(
-    case: Case, touched: list[Piece], together: PanelSet, position_m: Array
+    case: Case, touched: list[SurfacePart], together: PanelSet, position_m: Array
 ) -> TriangleSurface:
     """All that particles touch; points on frames belong to it, but to no triangle."""
     number = material_numbers(case)
@@ -28,29 +28,29 @@ def touched_surface(
             [
                 NONE.reshape(0, 3),
                 *(
-                    piece.triangles + points.start
-                    for piece, points in zip(touched, together.surface, strict=False)
+                    part.triangles + points.start
+                    for part, points in zip(touched, together.surface, strict=False)
                 ),
             ]
         ),
-        np.concatenate([NONE, *(np.full(len(piece.triangles), number[piece.material]) for piece in touched)]),
+        np.concatenate([NONE, *(np.full(len(part.triangles), number[part.material]) for part in touched)]),
     )
 
 
-def panel_points(case: Case, panels: list[Piece], together: PanelSet) -> tuple[PanelPoints, ...]:
+def panel_points(case: Case, panels: list[SurfacePart], together: PanelSet) -> tuple[PanelPoints, ...]:
     """Where the panels' points lie; a clamp is the first up to the middle of the span."""
     found = []
-    for number, (piece, single) in enumerate(zip(panels, single_panels(case), strict=True)):
+    for number, (part, single) in enumerate(zip(panels, single_panels(case), strict=True)):
         surface, clamps, at = together.surface[number], together.clamps[number], single.rectangle
-        end_of_held = clamps.stop - 3 * piece.stops
+        end_of_held = clamps.stop - 3 * part.stops
         held, stops = np.arange(clamps.start, end_of_held), np.arange(end_of_held, clamps.stop)
         along_m = (together.mount.position_m[held] - at.corner_m) @ at.along
         first = along_m < at.span_m / 2
-        line = surface.start + piece.centre_line
-        shape = surface.start + piece.shape
+        line = surface.start + part.centre_line
+        shape = surface.start + part.shape
         found.append(
             PanelPoints(
-                piece.name,
+                part.name,
                 surface,
                 clamps,
                 line,
@@ -58,61 +58,61 @@ def panel_points(case: Case, panels: list[Piece], together: PanelSet) -> tuple[P
                 held[first],
                 held[~first],
                 stops,
-                surface.start + piece.edges.points,
-                piece.edges.length_m,
+                surface.start + part.edges.points,
+                part.edges.length_m,
             )
         )
     return tuple(found)
 
 
-def panel_of_triangle(touched: list[Piece], panels: int) -> Indices:
+def panel_of_triangle(touched: list[SurfacePart], panels: int) -> Indices:
     """The number of each triangle's panel, of which there are ``panels``; -1 for walls."""
     return np.concatenate(
         [
             NONE,
             *(
-                np.full(len(piece.triangles), number if number < panels else -1)
-                for number, piece in enumerate(touched)
+                np.full(len(part.triangles), number if number < panels else -1)
+                for number, part in enumerate(touched)
             ),
         ]
     )
 
 
-def penetrations(case: Case, pieces: list[Piece], panels: int, together: PanelSet) -> Penetrations:
-    """Who may go through whom: the first ``panels`` of the pieces, where no clamp and no stop holds
+def penetrations(case: Case, parts: list[SurfacePart], panels: int, together: PanelSet) -> Penetrations:
+    """Who may go through whom: the first ``panels`` of the parts, where no clamp and no stop holds
     them, through all that have triangles."""
     bodies = [
-        Body(piece.name, piece.triangles + points.start)
-        for piece, points in zip(pieces, together.surface, strict=True)
+        Body(part.name, part.triangles + points.start)
+        for part, points in zip(parts, together.surface, strict=True)
     ]
-    singles = zip(single_panels(case), pieces[:panels], together.surface, strict=False)
+    singles = zip(single_panels(case), parts[:panels], together.surface, strict=False)
     probed = [
-        ProbedPanel(number, points.start + _free_pairs(single, piece), single.table.thickness_m)
-        for number, (single, piece, points) in enumerate(singles)
+        ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
+        for number, (single, part, points) in enumerate(singles)
     ]
-    return Penetrations(np.concatenate([piece.drawn_m for piece in pieces]), bodies, probed)
+    return Penetrations(np.concatenate([part.drawn_m for part in parts]), bodies, probed)
 
 
-def _free_pairs(single: SinglePanel, piece: Piece) -> Indices:
+def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
     """(k, 2): the points of a panel's triangles, as pairs of equal ones, and its edges that are
     longer than it is thick, where their middles are held neither by a clamp nor by a stop."""
-    at, points = single.rectangle, np.unique(piece.triangles)
-    long = piece.edges.points[piece.edges.length_m > single.table.thickness_m]
+    at, points = single.rectangle, np.unique(part.triangles)
+    long = part.edges.points[part.edges.length_m > single.table.thickness_m]
     pairs = np.concatenate([np.column_stack([points, points]), long])
-    along = (piece.drawn_m[pairs].mean(axis=1) - at.corner_m) @ at.along / at.span_m
+    along = (part.drawn_m[pairs].mean(axis=1) - at.corner_m) @ at.along / at.span_m
     free = (along > 1e-9) & (along < 1.0 - 1e-9)
     for stop in single.table.stops.values():
         free &= (along < stop.from_m / at.length_m) | (along > stop.to_m / at.length_m)
     return np.asarray(pairs[free])
 
 
-def probes(case: Case, pieces: list[Piece], together: PanelSet) -> tuple[Probe, ...]:
+def probes(case: Case, parts: list[SurfacePart], together: PanelSet) -> tuple[Probe, ...]:
     """The case's probes; points of frames are read from the clamps, which are exact."""
     found = []
-    for number, piece in enumerate(pieces):
-        on_frame = piece.name in case.screen.frames
+    for number, part in enumerate(parts):
+        on_frame = part.name in case.screen.frames
         points = together.clamps[number] if on_frame else together.surface[number]
-        for name, point in piece.points.items():
+        for name, point in part.points.items():
             if name in case.probes:
                 on = "clamps" if on_frame else "surface"
                 found.append(Probe(name, on, points.start + point))

@@ -30,12 +30,12 @@ class Aitken:
 
     def begin(self) -> None:
         self._residual_N = None
-        self._share = first(self._share)
+        self._share = first_share(self._share)
 
     def next(self, tried_N: Array, answer_N: Array) -> Array:
         residual_N = answer_N - tried_N
         if self._residual_N is not None:
-            self._share = secant(self._share * self._residual_N, residual_N - self._residual_N)
+            self._share = secant_share(self._share * self._residual_N, residual_N - self._residual_N)
         self._residual_N = residual_N
         return np.asarray(tried_N + self._share * residual_N)
 
@@ -65,7 +65,7 @@ class LeastSquares:
         self.begin()
 
     def begin(self) -> None:
-        self._share = first(self._share)
+        self._share = first_share(self._share)
         self._residuals: list[Array] = []
         self._answers: list[Array] = []
 
@@ -78,7 +78,7 @@ class LeastSquares:
         V = np.diff(self._residuals, axis=0).T
         W = np.diff(self._answers, axis=0).T
         if len(self._answers) == 2:
-            self._share = secant(W[:, 0] - V[:, 0], V[:, 0])
+            self._share = secant_share(W[:, 0] - V[:, 0], V[:, 0])
         size_N = np.linalg.norm(V, axis=0)  # of one size, so that the last, small ones count, too
         c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
@@ -91,12 +91,12 @@ class LeastSquares:
         restore_attributes(self, saved, "_share")
 
 
-def secant(tried_N: Array, residual_N: Array) -> float:
+def secant_share(tried_N: Array, residual_N: Array) -> float:
     """The share w with which these changes would have led on:  |tried + w residual|  is least."""
     square = float(np.vdot(residual_N, residual_N))
     return -float(np.vdot(tried_N, residual_N)) / square if square > 0 else FIRST_SHARE
 
 
-def first(share: float) -> float:
+def first_share(share: float) -> float:
     """Of an interval, after one that ended with ``share``."""
     return share if 0 < share <= 1 else FIRST_SHARE

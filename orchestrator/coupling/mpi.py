@@ -14,8 +14,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from orchestrator.ports import Account, Frames, Known, Load, Motion, Saved
-from orchestrator.ports.ahead import carried_ahead
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.optional import find_driven_points
 from orchestrator.ports.state import restorable
 
 Shared = TypeVar("Shared")
@@ -83,7 +83,7 @@ class FramesOnFirstRank:
         return self._shared(lambda frames: frames.advance(interval, reaction))
 
     def ahead(self, interval: Interval) -> Known | None:
-        return self._shared(lambda frames: carried_ahead(frames, interval))
+        return self._shared(lambda frames: find_driven_points(frames, interval))
 
     def account(self) -> Account:
         return self._shared(lambda frames: frames.account())

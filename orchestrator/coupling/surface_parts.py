@@ -1,6 +1,6 @@
-"""The pieces of the surface: panels, walls, and points that are only looked at.
+"""The parts of the surface: panels, walls, and points that are only looked at.
 
-Each piece is a ``Panel`` to the coupling: a finite-element panel seen through the particles'
+Each part is a ``Panel`` to the coupling: a finite-element panel seen through the particles'
 triangles, a wall that a frame carries, or points on a frame that nothing touches.
 """
 
@@ -23,9 +23,8 @@ from orchestrator.case.planning import panel_plans
 from orchestrator.case.playback import playbacks
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.mapping import mapped
-from orchestrator.coupling.ranks import first_rank_does
-from orchestrator.coupling.stopwatch import Stopwatch
-from orchestrator.coupling.timed_panel import timed
+from orchestrator.coupling.metered import Stopwatch, meter_panel
+from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
 from orchestrator.ports.geometry import Edges
 from orchestrator.ports.plans import PanelPlan
@@ -37,12 +36,12 @@ def _nothing(*shape: int) -> Callable[[], Indices]:
 
 
 @dataclass(frozen=True)
-class Piece:
-    """How to open one piece, and what is known of its points before.
+class SurfacePart:
+    """How to open one part, and what is known of its points before.
 
     ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its
     clamps.  ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the
-    points of its ``RecordedGrid``, where it is recorded) hold the piece's own point numbers;
+    points of its ``RecordedGrid``, where it is recorded) hold the part's own point numbers;
     ``points`` maps the names of points looked at (probes, centres of mass) to their numbers.  The
     last three times ``stops`` of its clamps are points of beams below it.
     """
@@ -59,8 +58,8 @@ class Piece:
     stops: int = 0
 
 
-def panel_pieces(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[Piece]:
-    """One piece per panel, in the order of the case, alike on every rank of ``world``."""
+def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[SurfacePart]:
+    """One part per panel, in the order of the case, alike on every rank of ``world``."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
@@ -69,7 +68,7 @@ def panel_pieces(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any
     ]
 
 
-def _panel(case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch: Stopwatch) -> Piece:
+def _panel(case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch: Stopwatch) -> SurfacePart:
     at = {
         name: np.multiply(probe.at, (plan.rectangle.length_m, plan.rectangle.width_m))
         for name, probe in case.probes.items()
@@ -86,11 +85,11 @@ def _panel(case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch:
         own = cast(MeshedPanel, solvers.opened("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
-        panel = timed(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
+        panel = meter_panel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
         return mapped(panel, own.interpolation(coordinates))
 
     first = len(touched.coordinates_m)
-    return Piece(
+    return SurfacePart(
         name=plan.name,
         open=opened,
         drawn_m=plan.rectangle.mounted(coordinates),
@@ -114,24 +113,24 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
         raise CaseError([CaseProblem(key, str(error), "lower it, or tighten the panel")]) from error
 
 
-def wall_pieces(case: Case, case_folder: Path) -> list[Piece]:
-    """One piece per rigid surface."""
+def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
+    """One part per rigid surface."""
 
-    def piece(wall: Wall) -> Piece:
+    def part(wall: Wall) -> SurfacePart:
         opened = carried(wall.position_m, wall.frame)
         place_m = wall.position_m
-        return Piece(wall.name, opened, place_m, {}, wall.triangles, material=wall.material)
+        return SurfacePart(wall.name, opened, place_m, {}, wall.triangles, material=wall.material)
 
-    return [piece(wall) for wall in walls(case, case_folder)]
+    return [part(wall) for wall in walls(case, case_folder)]
 
 
-def frame_pieces(case: Case) -> list[Piece]:
-    """One piece per frame: its centre of mass (under the frame's name), the ends of three arms of
+def frame_parts(case: Case) -> list[SurfacePart]:
+    """One part per frame: its centre of mass (under the frame's name), the ends of three arms of
     1 m from there along the world's axes, which tell its rotation, and its probes."""
     return [_looked_at(case, name) for name in case.screen.frames]
 
 
-def _looked_at(case: Case, frame: str) -> Piece:
+def _looked_at(case: Case, frame: str) -> SurfacePart:
     probes = {
         name: probe.point_m
         for name, probe in case.probes.items()
@@ -141,7 +140,7 @@ def _looked_at(case: Case, frame: str) -> Piece:
     probes_m = to_world(case, np.array(list(probes.values())).reshape(-1, 3))
     position_m = np.vstack([centre_m, centre_m + np.eye(3), probes_m])
     points = {frame: 0} | {name: number for number, name in enumerate(probes, start=4)}
-    return Piece(frame, carried(position_m, frame), position_m, points)
+    return SurfacePart(frame, carried(position_m, frame), position_m, points)
 
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:

@@ -118,7 +118,7 @@ class Load:
         return Load(np.zeros((points, 3)))
 
 
-def counted(what: str, record: Motion | Load, points: int) -> None:
+def check_point_count(what: str, record: Motion | Load, points: int) -> None:
     """Refuse a record that has not exactly ``points`` points (BrokenRecord names both numbers)."""
     if len(record) != points:
         raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
@@ -182,7 +182,7 @@ class Account:
 
 
 @dataclass(frozen=True)
-class Response:
+class ContactTangent:
     """How the particles' mean load on the surface over an interval answers to the surface's motion:
     at each point, moving with the constant velocity v from where the particles last saw it,
 
@@ -220,3 +220,44 @@ class Inertia:
         from scipy.sparse import csr_array  # takes long to import, and few commands need it
 
         return Inertia(csr_array((points, 0)), np.empty(0), np.empty((0, 3)))
+
+
+@dataclass(frozen=True)
+class HermitePath:
+    """Points moving from ``start`` to ``end`` in ``length_s`` with continuous velocity."""
+
+    start: Motion
+    end: Motion
+    length_s: float
+
+    def position_m(self, fraction: float) -> Array:
+        """(points, 3) at ``fraction`` (0 ... 1) of the interval."""
+        t, h = fraction, self.length_s
+        value: Array = (
+            (1 + 2 * t) * (1 - t) ** 2 * self.start.position_m
+            + t * (1 - t) ** 2 * h * self.start.velocity_m_per_s
+            + t * t * (3 - 2 * t) * self.end.position_m
+            + t * t * (t - 1) * h * self.end.velocity_m_per_s
+        )
+        return value
+
+    def velocity_m_per_s(self, fraction: float) -> Array:
+        t, h = fraction, self.length_s
+        value: Array = (
+            6 * t * (t - 1) / h * (self.start.position_m - self.end.position_m)
+            + (1 - t) * (1 - 3 * t) * self.start.velocity_m_per_s
+            + t * (3 * t - 2) * self.end.velocity_m_per_s
+        )
+        return value
+
+    def acceleration_m_per_s2(self, fraction: float) -> Array:
+        t, h = fraction, self.length_s
+        value: Array = (
+            (12 * t - 6) / h**2 * (self.start.position_m - self.end.position_m)
+            + (6 * t - 4) / h * self.start.velocity_m_per_s
+            + (6 * t - 2) / h * self.end.velocity_m_per_s
+        )
+        return value
+
+    def at(self, fraction: float) -> Motion:
+        return Motion(self.position_m(fraction), self.velocity_m_per_s(fraction))

@@ -1,0 +1,171 @@
+"""What a coupling scheme is: it carries the state of all solvers from one sync point to the next.
+
+Each scheme is a short function that reads like its formula.  The schemes stand beside this file,
+one file per family; the package's ``__init__.py`` has their names.  The second half of this file
+holds the steps that schemes share.  docs/theory/coupling.md derives the schemes; tests/coupling
+measures their order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from orchestrator.ports import (
+    Array,
+    Following,
+    Frames,
+    HermitePath,
+    Known,
+    Load,
+    Motion,
+    Panel,
+    PanelState,
+    Particles,
+    Restorable,
+)
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.optional import find_driven_points
+
+
+@dataclass(frozen=True)
+class Solvers:
+    """The members of a coupled run; ``particles`` is None where the case has none."""
+
+    frames: Frames
+    panel: Panel
+    particles: Particles | None
+
+
+@dataclass(frozen=True)
+class State:
+    """All that the coupling knows at a sync point.
+
+    ``clamps``: the frames' carried points; ``clamps_acceleration_m_per_s2`` their mean acceleration
+    over the last interval; ``panel``: surface motion and reaction; ``load``: the particles' mean
+    force on the surface over the last interval.
+    """
+
+    clamps: Motion
+    clamps_acceleration_m_per_s2: Array
+    panel: PanelState
+    load: Load
+
+
+@dataclass(frozen=True)
+class Pending:
+    """Impulse, (3,) each, that was given at a sync point but not yet received above, and its
+    moments about the world's origin."""
+
+    load_N_s: Array
+    reaction_N_s: Array
+    load_N_m_s: Array
+    reaction_N_m_s: Array
+
+
+class Memory(Restorable, Protocol):
+    """What a scheme remembers from interval to interval; alike on every rank."""
+
+    def figures(self) -> dict[str, Any]:
+        """For ``summary.json``."""
+        ...
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """``advance`` carries the state over an interval; ``late``: loads act one interval late;
+    ``memory`` is None where nothing is remembered but the state."""
+
+    advance: Callable[[Solvers, Interval, State], State]
+    late: bool = False
+    memory: Memory | None = None
+
+    def pending(self, state: State, interval: Interval) -> Pending:
+        """What is in transit after ``interval``."""
+        held_s = interval.length_s if self.late else 0.0
+        load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
+        clamps = slice(len(reaction_N))  # the first of the carried points
+        return Pending(
+            held_s * load_N.sum(axis=0),
+            held_s * reaction_N.sum(axis=0),
+            held_s * np.cross(state.panel.surface.position_m, load_N).sum(axis=0),
+            held_s * np.cross(state.clamps.position_m[clamps], reaction_N).sum(axis=0),
+        )
+
+    def figures(self) -> dict[str, Any]:
+        """For ``summary.json``."""
+        return self.memory.figures() if self.memory is not None else {}
+
+
+def initial_state(solvers: Solvers) -> State:
+    """Everything at t = 0, before anything has moved."""
+    clamps = solvers.frames.initial()
+    panel = solvers.panel.initial()
+    load = solvers.particles.initial() if solvers.particles else Load.zero(len(panel.surface))
+    return State(clamps, 0.0 * clamps.velocity_m_per_s, panel, load)
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """The end of an interval as it can be told before anything moves.
+
+    ``clamps``: where their drives have them, and those without a drive as their last acceleration
+    takes them on.  ``surface``: the points whose motion follows from driven clamps alone; None
+    where nothing is driven.  ``start``: the surface now.
+    """
+
+    clamps: Motion
+    surface: Known | None
+    start: Motion
+
+    @property
+    def settled(self) -> bool:
+        """Whether no load can change the surface's motion."""
+        return self.surface is not None and bool(self.surface.which.all())
+
+    def path(self, otherwise: HermitePath) -> HermitePath:
+        """The surface's: the true one (cubic Hermite) where it is known."""
+        if self.surface is None:
+            return otherwise
+        start = Known(self.start, self.surface.which).over(otherwise.start)
+        return HermitePath(start, self.surface.over(otherwise.end), otherwise.length_s)
+
+
+def forecast(solvers: Solvers, interval: Interval, now: State) -> Forecast:
+    """Of the interval that begins ``now``; nothing moves."""
+    clamps = extrapolate(now.clamps, now.clamps_acceleration_m_per_s2, interval.length_s)
+    known = find_driven_points(solvers.frames, interval)
+    if known is None:
+        return Forecast(clamps, None, now.panel.surface)
+    surface = None
+    if isinstance(solvers.panel, Following):
+        surface = solvers.panel.ahead(interval, known)
+    return Forecast(known.over(clamps), surface, now.panel.surface)
+
+
+def finish_interval(solvers: Solvers, interval: Interval, now: State, panel: PanelState, load: Load) -> State:
+    """The frames move under the panel's reaction, and the interval is over."""
+    clamps = solvers.frames.advance(interval, panel.reaction)
+    return State(clamps, mean_acceleration(now.clamps, clamps, interval), panel, load)
+
+
+def chord(start: Motion, end: Motion, length_s: float) -> HermitePath:
+    """The straight path between two places, at constant velocity."""
+    mean_m_per_s = (end.position_m - start.position_m) / length_s
+    return HermitePath(Motion(start.position_m, mean_m_per_s), Motion(end.position_m, mean_m_per_s), length_s)
+
+
+def extrapolate(motion: Motion, acceleration_m_per_s2: Array, length_s: float) -> Motion:
+    """Where points are after ``length_s`` at constant acceleration."""
+    return Motion(
+        motion.position_m + length_s * (motion.velocity_m_per_s + length_s / 2 * acceleration_m_per_s2),
+        motion.velocity_m_per_s + length_s * acceleration_m_per_s2,
+    )
+
+
+def mean_acceleration(before: Motion, after: Motion, interval: Interval) -> Array:
+    """Mean over the interval."""
+    return (after.velocity_m_per_s - before.velocity_m_per_s) / interval.length_s
