@@ -74,6 +74,16 @@ def test_sources_that_are_named_without_their_folder_are_there(page: Path) -> No
         assert any(fnmatch(file, f"*/{name}") for file in files), name
 
 
+def test_the_architecture_names_rooms_and_calls_that_are_there() -> None:
+    page = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    rooms = "cli|run|studies|output|coupling|preflight|case|ports"
+    for path in re.findall(rf"`((?:{rooms})/[\w./]+)`", page):
+        assert (ROOT / "orchestrator" / path).exists(), path
+    for path, call in re.findall(r"^\| \w+ \| `([\w/.]+)`, `(\w+)` \|", page, re.M):
+        text = (ROOT / "orchestrator" / path).read_text(encoding="utf-8")
+        assert re.search(rf"^(?:def|class) {call}\b", text, re.M), f"{path}: {call}"
+
+
 def test_pages_that_code_names_are_there() -> None:
     missing = []
     for file in written("*.py", "*.toml", "*.cpp", "*.h", "*.html", "*.sh"):
