@@ -12,6 +12,9 @@ import numpy as np
 from orchestrator.case.units import unit_of
 from orchestrator.ports.recording import RecordedGrid, Recording
 
+FORMAT = 2
+"""Version of the file, as its attribute ``format_version``; files of older versions have none."""
+LENGTHS = ("length_m", "span_m", "width_m", "clamp_m", "thickness_m")
 SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
 
 
@@ -41,10 +44,12 @@ def write(path: Path, content: File) -> None:
 
     aside = path.with_name(f".{path.name}")
     with h5py.File(aside, "w") as file:
+        file.attrs["format_version"] = FORMAT
         file.attrs["speed_rad_per_s"] = content.speed_rad_per_s
         for name, panel in content.panels.items():
             group, recording = file.create_group(name), panel.recording
-            group.attrs.update({**panel.shape, "cycles": recording.cycles})
+            lengths_m = {name: panel.shape[name] for name in LENGTHS}
+            group.attrs.update({**lengths_m, "cycles": recording.cycles})
             arrays = {series: getattr(recording, series) for series in SERIES}
             arrays |= {"rows_m": recording.grid.rows_m, "columns_m": recording.grid.columns_m}
             for series, values in arrays.items():
@@ -61,14 +66,18 @@ def read(path: Path) -> File:
 
     try:
         with h5py.File(path) as file:
-            panels = {name: _panel(group) for name, group in file.items()}
-            return File(float(file.attrs["speed_rad_per_s"]), panels)
+            speed_rad_per_s = float(file.attrs["speed_rad_per_s"])
+            version = file.attrs.get("format_version")
+            if version != FORMAT:
+                has = "no version of its format, as older ones" if version is None else f"format {version}"
+                raise Unreadable(f"{path}: has {has}; this flipflow reads {FORMAT}: record the run again")
+            return File(speed_rad_per_s, {name: _panel(group) for name, group in file.items()})
     except (OSError, KeyError, ValueError, AttributeError) as error:
         raise Unreadable(f"{path}: is no recording ({error})") from None
 
 
 def _panel(group: Any) -> Panel:
-    shape = {name: float(value) for name, value in group.attrs.items() if name != "cycles"}
+    shape = {name: float(group.attrs[name]) for name in LENGTHS}
     grid = RecordedGrid(group["rows_m"][:], group["columns_m"][:])
     series = {name: np.asarray(group[name][:]) for name in SERIES}
     return Panel(Recording(grid, int(group.attrs["cycles"]), **series), shape)

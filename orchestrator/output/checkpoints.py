@@ -19,7 +19,13 @@ from typing import Any
 import numpy as np
 
 from orchestrator.coupling.mpi import first_rank_does
+from orchestrator.output.records.run_folder import check_format
 from orchestrator.ports import Saved
+
+
+def array_names(saved: Saved) -> set[str]:
+    """Returns the names of all arrays in a state, as a checkpoint has them."""
+    return set(_flat(saved))
 
 
 def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
@@ -45,6 +51,9 @@ def _nested(table: dict[str, Any]) -> Saved:
 
 KEPT = 2
 FOLDER, ABOUT = "saves", "save.json"
+FORMAT = 2
+"""Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
+them against tests/runs/checkpoint_names.txt), of their meaning, or of ``save.json``."""
 SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
@@ -131,7 +140,7 @@ def _complete(
     for copy in copies:
         shutil.copyfile(copy, aside / copy.name)
         sums = sums | {copy.name: _on_disk(aside / copy.name)}
-    about = about | {"copies": [copy.name for copy in copies], "sha256": sums}
+    about = {"format_version": FORMAT} | about | {"copies": [copy.name for copy in copies], "sha256": sums}
     (aside / ABOUT).write_text(json.dumps(about, indent=2, default=float), encoding="utf-8")
     _on_disk(aside / ABOUT)
     _sync(aside)
@@ -185,6 +194,7 @@ def _checked(folder: Path) -> dict[str, Any]:
     """What ``save.json`` says, if the files are as it says.  Raises TornSave."""
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        check_format(folder / ABOUT, about.get("format_version"), FORMAT)
         _must_say(about)
         for name in about["copies"]:
             if Path(name).name != name:

@@ -59,6 +59,15 @@ class Overlaps:
     surface_m: float = 0.0
     surface_per_diameter: float = 0.0
 
+    def figures(self) -> dict[str, float]:
+        """Returns the table in ``summary.json``."""
+        return {
+            "between_m": self.between_m,
+            "between_per_diameter": self.between_per_diameter,
+            "surface_m": self.surface_m,
+            "surface_per_diameter": self.surface_per_diameter,
+        }
+
     def deepest(self, other: Overlaps) -> Overlaps:
         """Of both times together."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)

@@ -69,19 +69,24 @@ class Checkpointer:
             return
         if self._monitor.pace.trusted:
             self._good = done
+        about = self._about() | {"sync_points": done, "good": self._good}
+        checkpoints.write(self._folder, self._state(state), [self._folder / HISTORY], about, self._world)
+        self._last = done
+
+    def _state(self, state: State) -> Saved:
+        """All that decides how the run goes on, of this rank."""
         books = {"recorder": self._recorder.save(), "monitor": self._monitor.save()}
         if self._machine.material is not None:
             books["material"] = self._machine.material.save()
         saved = {"members": self._members(), "coupling": as_arrays(state)} | books
-        about = self._about() | {"sync_points": done, "good": self._good}
         if self._machine.scheme.memory is not None:
             saved["scheme"] = self._machine.scheme.memory.save()
-        checkpoints.write(self._folder, saved, [self._folder / HISTORY], about, self._world)
-        self._last = done
+        return saved
 
     def restore(self, save: Save, start: State) -> State:
         """Takes back all that was saved, into a machine freshly opened whose state is ``start``.
-        Returns the state at the sync point of the checkpoint."""
+        Returns the state at the sync point of the checkpoint.  Raises ValueError where a checkpoint of
+        this run has other arrays."""
         saved, members = save.state(self._world), self._machine.members
         members.frames.restore(saved["members"]["frames"])
         members.panel.restore(saved["members"]["panel"])
@@ -95,6 +100,9 @@ class Checkpointer:
         self._monitor.restore(saved["monitor"])
         self._last, self._good = save.sync_points, save.good
         state: State = like(start, saved["coupling"])
+        then, now = (checkpoints.array_names(one) for one in (saved, self._state(state)))
+        if differing := sorted(then ^ now):
+            raise ValueError(f"only one of them has the arrays {', '.join(differing)}")
         return state
 
     def _members(self) -> Saved:

@@ -103,6 +103,10 @@ class Amount:
     number: int = 0
     mass_kg: float = 0.0
 
+    def figures(self) -> dict[str, Any]:
+        """Returns the table in ``summary.json``."""
+        return {"number": self.number, "mass_kg": self.mass_kg}
+
     def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
         self.number += len(some.diameter_m[rows])
         self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_per_m3[rows])))
@@ -162,17 +166,17 @@ class MaterialBook:
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""
         return {
-            "fed": vars(self.fed),
-            "on_deck": vars(self.on_deck),
-            "lost": vars(self.lost),
-            "escaped": vars(self.escaped),
-            "deepest_overlaps": vars(self.deepest),
+            "fed": self.fed.figures(),
+            "on_deck": self.on_deck.figures(),
+            "lost": self.lost.figures(),
+            "escaped": self.escaped.figures(),
+            "deepest_overlaps": self.deepest.figures(),
             "crossings": self.crossings.figures(),
             "feeds": {
                 feed.inlet.name: {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg} for feed in self.feed.feeds
             },
             "exits": {
-                one.name: {"product": one.product, **vars(amount)}
+                one.name: {"product": one.product, **amount.figures()}
                 for one, amount in zip(self.exits, self.through, strict=True)
             },
         }

@@ -115,7 +115,37 @@ class Column:
 
 ROWS_IN_MEMORY = 500
 HISTORY_FORMAT = 2
-"""Version of the schema below (docs/run-folder.md, "history.h5"); files before had none."""
+"""Version of the file, as its attribute ``format_version``: to be raised with every change of COLUMNS
+or of what they mean (docs/run-folder.md, "history.h5").  Files of older versions have none."""
+COLUMNS: dict[str, tuple[str, ...]] = {
+    "frames": ("displacement_m", "velocity_m_per_s", "rotation_rad", "spin_rad_per_s"),
+    "probes": ("position_m", "velocity_m_per_s"),
+    "point_cycles": ("sync_points", "least_m", "most_m", "mean_m", "farthest_m", "fastest_m_per_s"),
+    "panel_cycles": (
+        *("sync_points", "pull_least_N", "pull_mean_N", "pull_most_N", "clamp_most_N", "load_mean_N"),
+        *("stretch_least", "stretch_most", "sag_most_m", "middle_least_m", "middle_most_m"),
+    ),
+    "forces": ("load_N", "reaction_N", "first_clamp_N", "second_clamp_N", "stops_N"),
+    "bushings": ("deformation_m", "force_N"),
+    "shapes": ("position_m", "velocity_m_per_s"),
+    "panels": ("centre_line_m",),
+    "fed": ("id", "diameter_m", "density_kg_per_m3", "material"),
+    "removed": ("id", "position_m", "velocity_m_per_s", "diameter_m", "density_kg_per_m3", "exit"),
+    "feeds": ("due_kg", "fed_kg"),
+    "bed": ("particles", "mass_kg", "mean_speed_m_per_s", "mean_velocity_m_per_s", "highest_m"),
+    "overlaps": ("between_m", "between_per_diameter", "surface_m", "surface_per_diameter"),
+    "profile": ("along_m", "mass_kg", "velocity_m_per_s", "depth_m"),
+    "wear": ("worn_m3", "mean_m", "depth_m"),
+    "held": ("stickers", "mass_kg", "openings"),
+}
+"""The datasets of every kind of group, beside ``time_s``.  ``energy`` has one for each term of the
+ledger; ``results`` mirrors the results."""
+
+
+def columns(kind: str, record: object) -> dict[str, Any]:
+    """Returns the values of a record by the names that a kind of group has for them, without its
+    time."""
+    return {name: getattr(record, name) for name in COLUMNS[kind]}
 
 
 class History:
@@ -171,6 +201,9 @@ class History:
 
     def _extend(self, where: str, block: Array | Indices) -> None:
         if where not in self._columns:
+            kind, name = where.split("/")[0], where.split("/")[-1]
+            if kind in COLUMNS and name not in (*COLUMNS[kind], "time_s"):
+                raise KeyError(f"{where} is not in the schema of history.h5")
             self._columns[where] = Column(self._file, where, block.shape[1:], block.dtype)
         self._columns[where].append(block)
 

@@ -24,7 +24,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
 from orchestrator.output.records.deck_record import deck_record
-from orchestrator.output.records.history import History
+from orchestrator.output.records.history import History, columns
 from orchestrator.output.records.panel_lines import PanelWatch
 from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.output.records.series import PanelForces, TimeSeries
@@ -98,7 +98,7 @@ class Recorder:
 
     def _shapes(self, time_s: float, surface: Motion) -> None:
         for panel in self._machine.panels:
-            values = vars(surface.part(panel.shape))
+            values = columns("shapes", surface.part(panel.shape))
             self._history.add(f"shapes/{panel.name}", time_s, values)
 
     def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
@@ -168,10 +168,9 @@ class Recorder:
         overlaps = particles.overlaps()
         book.look_at_contacts(overlaps, particles.crossings())
         if self._writes:
-            self._history.add("overlaps", time_s, vars(overlaps))
-            self._history.events("fed", vars(fed))
-            gone = {name: rows for name, rows in vars(removed).items() if name != "material"}
-            self._history.events("removed", gone)
+            self._history.add("overlaps", time_s, columns("overlaps", overlaps))
+            for kind, table in (("fed", fed), ("removed", removed)):
+                self._history.events(kind, {"time_s": table.time_s, **columns(kind, table)})
             for feed in book.feed.feeds:
                 values = {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
                 self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
