@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import sys
+import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -12,6 +14,7 @@ import numpy as np
 import pytest
 
 from orchestrator.coupling.schemes import create_scheme
+from orchestrator.output import checkpoints
 from tests.runs.outside import QUICK, ROOT, flipflow, run_words, summary
 
 MANUAL = (ROOT / "docs/run-folder.md").read_text()
@@ -41,6 +44,10 @@ SOLID = {"stored.panel.isochoric", "stored.panel.volumetric"}
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A short run with everything in it."""
     folder = tmp_path_factory.mktemp("manual") / "run"
+    return short_run(folder)
+
+
+def short_run(folder: Path) -> Path:
     done = flipflow(*run_words("quickstart", folder, ["duration_s=0.02", WEAR, STOPS]))
     assert done.returncode == 0, done.stderr
     return folder
@@ -114,6 +121,23 @@ def test_the_time_series(folder: Path) -> None:
                     assert names == wanted[kind] - {"time_s"}
 
 
+def test_the_arrays_of_a_checkpoint(folder: Path) -> None:
+    """Their names are those of attributes of solvers and books: whoever renames one changes the format
+    of checkpoints, and raises ``checkpoints.FORMAT``."""
+    names = ROOT / "tests/runs/checkpoint_names.txt"
+    head = f"format {checkpoints.FORMAT}"
+    found = "\n".join([head, *sorted(array_names(folder)), ""])
+    assert found == names.read_text(), (
+        f"raise checkpoints.FORMAT, then write the names anew: python -m tests.runs.test_manual {names}"
+    )
+
+
+def array_names(folder: Path) -> set[str]:
+    save = checkpoints.newest(folder)
+    assert save is not None
+    return checkpoints.array_names(save.state(None))
+
+
 def test_the_line_for_pandas_gives_floats(folder: Path) -> None:
     """Of the line as it is printed: every frame is made of one array of floats with a column for
     each component, which pandas takes as it is.  (A list of rows would become objects.)"""
@@ -146,3 +170,10 @@ def test_the_terms_of_the_real_solvers(tmp_path: Path, panel: str) -> None:
     assert terms <= LEDGER
     assert {"lost.particles.contact_dissipation", "supplied.frames.exciter"} <= terms
     assert terms & SOLID == (SOLID if panel == "solid" else set())
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as place:
+        written = array_names(short_run(Path(place) / "run"))
+    text = "\n".join([f"format {checkpoints.FORMAT}", *sorted(written), ""])
+    Path(sys.argv[1]).write_text(text)

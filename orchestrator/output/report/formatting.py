@@ -38,11 +38,6 @@ def interval(found: dict[str, Any] | None, scale: float = 1.0) -> str:
     return text.replace("-", "−")
 
 
-def vector(values: list[float], scale: float = 1.0, axes: tuple[int, ...] = (0, 2)) -> list[str]:
-    """Some components."""
-    return [number(values[axis], scale) for axis in axes]
-
-
 def duration(seconds: float) -> str:
     """Seconds, minutes or hours."""
     if seconds < 120:

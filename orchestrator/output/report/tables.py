@@ -9,7 +9,7 @@ from typing import Any
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
-from orchestrator.output.report.formatting import interval, number, vector
+from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.preflight.scene.effect import in_words
 
@@ -108,11 +108,14 @@ def frames_sheet(motion: dict[str, Any]) -> Sheet:
 
 
 def _orbit(orbit: dict[str, Any]) -> tuple[str, ...]:
+    widths = orbit["half_width_m"] or [None, None, None]
+    amplitudes = [
+        interval({"value": orbit["amplitude_m"][axis], "half_width": widths[axis]}, 1e3) for axis in (0, 2)
+    ]
     axes = f"{number(orbit['major_m'], 1e3)} × {number(abs(orbit['minor_m']), 1e3)}"
     phases = [f"{57.29578 * orbit['phase_rad'][axis]:.0f}".replace("-", "−") for axis in (0, 2)]
     tilt = f"{orbit['tilt_deg']:.0f}".replace("-", "−")
-    other = number(orbit["other_m"][0], 1e3)
-    return (*vector(orbit["amplitude_m"], 1e3), *phases, axes, tilt, other)
+    return (*amplitudes, *phases, axes, tilt, number(orbit["other_m"][0], 1e3))
 
 
 def accelerations_sheet(motion: dict[str, Any]) -> Sheet:

@@ -1,0 +1,109 @@
+"""The files of a run: one reader, a version and a written schema each."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from orchestrator.case import recording_file
+from orchestrator.output import checkpoints
+from orchestrator.output.records.history import COLUMNS, History
+from orchestrator.output.records.run_folder import OtherFormat
+from orchestrator.output.results.run_reader import RunReader
+from tests.results.synthetic import folder_of
+from tests.runs.test_manual import MANUAL
+
+ROOT = Path(__file__).parents[2]
+FILES = {"history.h5", "summary.json"}
+NAMING = "orchestrator/output/records/run_folder.py"
+READER = "orchestrator/output/results/run_reader.py"
+WRITERS = {"orchestrator/output/records/history.py", "orchestrator/output/records/summary.py"}
+RECORDINGS = "orchestrator/case/recording_file.py"
+
+
+def product() -> dict[str, ast.Module]:
+    files = [*ROOT.glob("orchestrator/**/*.py"), *ROOT.glob("adapters/**/*.py")]
+    return {str(file.relative_to(ROOT)): ast.parse(file.read_text()) for file in files}
+
+
+def test_nobody_but_the_reader_opens_a_run() -> None:
+    """HDF5 is used by the reader, the writer and recordings alone, and nobody else reads JSON from
+    what is called as the summary."""
+    for file, tree in product().items():
+        names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        texts = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)}
+        allowed = file in {READER, RECORDINGS, *WRITERS}
+        assert "h5py" not in names or allowed, f"{file} uses HDF5: RunReader reads a run"
+        assert not FILES & texts or file == NAMING, f"{file} names a file that RunReader reads"
+        if "SUMMARY" in names and not allowed:
+            calls = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+            assert "loads" not in calls or file == "orchestrator/cli/resume.py", file
+
+
+def test_the_manual_has_the_schema_of_the_history() -> None:
+    documented: dict[str, set[str]] = {}
+    section = MANUAL.split("## `history.h5`\n", 1)[1].split("\n## ", 1)[0]
+    for kind, names in re.findall(r"^\| `([a-z_]+)[^`]*` \| (.*?) \|", section, flags=re.M):
+        documented[kind] = set(re.findall(r"`([^`]+)`", names)) - {"time_s"}
+    assert {kind: set(names) for kind, names in COLUMNS.items()} == {
+        kind: names for kind, names in documented.items() if kind not in ("energy", "results")
+    }
+
+
+def test_what_is_not_in_the_schema_is_not_written(tmp_path: Path) -> None:
+    history = History(tmp_path / "history.h5")
+    history.add("bed", 0.0, {"mas_kg": 1.0})
+    with pytest.raises(KeyError, match="bed/mas_kg is not in the schema"):
+        history.flush()
+
+
+@pytest.mark.parametrize("version", [None, 1, 99])
+@pytest.mark.parametrize("name", sorted(FILES))
+def test_another_version_of_a_runs_file_is_refused(tmp_path: Path, name: str, version: int | None) -> None:
+    folder = folder_of(tmp_path / "run", particles=False, cycles=2)
+    _set_version(folder / name, version)
+    has = "no version of its format" if version is None else f"format {version}"
+    with RunReader(folder) as run, pytest.raises(OtherFormat, match=f"{name}: has {has}.*run the case again"):
+        getattr(run, "history" if name == "history.h5" else "summary")
+
+
+def _set_version(file: Path, version: int | None) -> None:
+    if file.suffix == ".json":
+        table: dict[str, Any] = json.loads(file.read_text())
+        del table["format_version"]
+        file.write_text(json.dumps(table if version is None else table | {"format_version": version}))
+        return
+    with h5py.File(file, "a") as history:
+        del history.attrs["format_version"]
+        if version is not None:
+            history.attrs["format_version"] = version
+
+
+def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
+    provenance = dict.fromkeys(checkpoints.SAID_OF_ORIGIN, 1)
+    about = {"name": "x", "level": "", "case": {}, "files": {}, "provenance": provenance, "good": 3}
+    about |= {"sync_points": 3, "progress": {"figures": {"simulated_s": 0.1}}}
+    checkpoints.write(tmp_path, {"place_m": np.zeros(3)}, [], about, None)
+    found = checkpoints.newest(tmp_path)
+    assert found is not None
+    assert checkpoints.array_names(found.state(None)) == {"place_m"}
+    _set_version(found.folder / checkpoints.ABOUT, 1)
+    with pytest.raises(OtherFormat, match=r"save\.json: has format 1; this flipflow reads format"):
+        checkpoints.newest(tmp_path)
+
+
+def test_another_version_of_a_recording_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "panels.h5"
+    recording_file.write(file, recording_file.File(78.5, {}))
+    assert recording_file.read(file).speed_rad_per_s == 78.5
+    with h5py.File(file, "a") as opened:
+        opened.attrs["format_version"] = 1
+    with pytest.raises(recording_file.Unreadable, match="has format 1; this flipflow reads"):
+        recording_file.read(file)
