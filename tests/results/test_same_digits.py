@@ -23,9 +23,10 @@ from orchestrator.output.results.compute import results
 from orchestrator.output.results.observed import ObservedMotion
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.studies import sweep_table
+from orchestrator.studies.commands.sweep import sweep_rows, write_sweep
+from orchestrator.studies.criteria import Criterion
+from orchestrator.studies.measures import amplitude
 from orchestrator.studies.points import Vary
-from orchestrator.studies.quantities import Sweep, amplitude
 from tests.results.synthetic import folder_of
 
 PAIR = "driven-driving"
@@ -75,13 +76,13 @@ def test_the_sweep_and_the_paper_have_the_same_bits(
     folder: Path, along: dict[str, Any], tmp_path: Path
 ) -> None:
     point: Any = SimpleNamespace(value="78.5", folder=folder, status=lambda: "done")
-    table = sweep_table.rows(VARY, [point])
-    (row,) = csv.DictReader(sweep_table.write(table, VARY, tmp_path)[0].read_text().splitlines())
+    (row,) = csv.DictReader(write_sweep(VARY, [point], tmp_path)[0].read_text().splitlines())
     assert float(row[f"{PAIR}.x_m"]) == along["value"]
     assert float(row[f"{PAIR}.x_m.half_width"]) == along["half_width"]
     assert float(row[f"motion.relative.{PAIR}.along_m"]) == along["value"]
     assert float(row[f"motion.relative.{PAIR}.amplitude_m.x"]) == along["value"]
-    assert amplitude(Sweep(VARY, [point]), PAIR, "x") == along["value"]
+    asked = Criterion(what="a", run="speed", measure="amplitude", of=PAIR, axis="x")
+    assert amplitude(asked, folder) == along["value"]
 
 
 def test_explain_and_the_accuracy_study_ask_for_the_same(folder: Path, along: dict[str, Any]) -> None:
@@ -118,5 +119,5 @@ def test_another_settled_state_is_the_same_everywhere(folder: Path, tmp_path: Pa
     assert motion["is_settled"]
     assert not headline({"share_of_width": 1.0, "motion": motion})[0].unsteady
     point: Any = SimpleNamespace(value="78.5", folder=folder, status=lambda: "done")
-    (row,) = sweep_table.rows(VARY, [point])
+    (row,) = sweep_rows(VARY, [point])
     assert (row["settled"], row["drift"]) == ("yes", motion["drift"])
