@@ -15,116 +15,63 @@ it is supplied.  Limits and measurements: docs/theory/panel_recorded.md.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.ports import (
-    Account,
-    Array,
-    HermitePath,
-    Known,
-    Load,
-    Motion,
-    Mount,
-    PanelState,
-    Saved,
-    check_point_count,
-)
+from adapters.panel.common.carried import CarriedSurface
+from orchestrator.ports import Account, Array, HermitePath, Motion, Mount
 from orchestrator.ports.adapters import PanelAdapter
-from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
-from orchestrator.ports.state import restore_attributes, save_attributes
-
-_STATE = ("_clamps", "_surface", "_elapsed_s", "_supplied_J", "_received_J")
 
 
 def build(plan: PanelPlan) -> RecordedPanel:
-    """Raises ValueError for a plan without playback."""
+    """Open a panel that plays back the plan's recording.  Raises ValueError for a plan without one."""
     if plan.playback is None:
         raise ValueError(f"panel {plan.name}: nothing is recorded of it")
     return RecordedPanel(plan, plan.playback)
 
 
-class RecordedPanel:
+class RecordedPanel(CarriedSurface):
     """``MeshedPanel``; surface points are the recorded grid's, clamp points the corners of its
     clamps, row by row: y = 0 before y = width."""
 
+    STATE = (*CarriedSurface.STATE, "_supplied_J")
+
     def __init__(self, plan: PanelPlan, playback: Playback) -> None:
-        rectangle = plan.rectangle
-        self._grid, self._played = playback.recording.grid, Played(playback)
+        rectangle, self._grid = plan.rectangle, playback.recording.grid
+        self._played = Played(playback)
         self._axes = np.stack([rectangle.along, rectangle.across, rectangle.normal])
-        self._carried = self._grid.carried(rectangle)
         corners_m = self._grid.corners_m(rectangle)
         ends = rectangle.end(corners_m).astype(int)
-        self.mount = Mount(rectangle.mounted(corners_m), tuple(plan.frames[end] for end in ends))
         # the pull acts at the inner edges, half at each side of the panel
         inner = np.isin(corners_m[:, 0], (0.0, rectangle.length_m))
         self._pulled = np.where(inner, np.where(ends == 0, 0.5, -0.5), 0.0)[:, None]
+        self._edges_m, self._supplied_J = (0.0, rectangle.length_m), 0.0
         share = plan.apertures.material_share(rectangle) if plan.apertures else 1.0
         per_area = plan.material.density_kg_per_m3 * plan.thickness_m
-        self._mass_kg = self._grid.mass_kg(rectangle, per_area, share)[:, None]
-        self._gravity_m_per_s2, self._edges_m = plan.gravity_m_per_s2, (0.0, rectangle.length_m)
-        self._clamps = Motion(self.mount.position_m, np.zeros_like(self.mount.position_m))
-        self._surface = self._rest = self._placed(self._clamps, 0.0)
-        self._elapsed_s, self._supplied_J = 0.0, 0.0
-        self._received_J = {"load": 0.0, "clamps": 0.0}
-
-    def initial(self) -> PanelState:
-        weight_N = self._carried.T @ (self._mass_kg * self._gravity_m_per_s2)
-        return PanelState(self._surface, Load(weight_N + self._pull_N(0.0)))
-
-    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        check_point_count("recorded panel's clamps", clamps, len(self._clamps))
-        check_point_count("recorded panel's load", load, len(self._surface))
-        surface = self._placed(clamps, interval.end_s)
-        acceleration = (surface.velocity_m_per_s - self._surface.velocity_m_per_s) / interval.length_s
-        through_N = load.force_N + self._mass_kg * (self._gravity_m_per_s2 - acceleration)
-        middle_s = (interval.start_s + interval.end_s) / 2
-        reaction_N = self._carried.T @ through_N + self._pull_N(middle_s)
-        self._book(clamps, surface, load.force_N, through_N, reaction_N)
-        self._clamps, self._surface = clamps, surface
-        self._elapsed_s += interval.length_s
-        return PanelState(surface, Load(reaction_N))
-
-    def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Of the points that hang on clamps which are all known."""
-        which = np.abs(self._carried) @ np.where(clamps.which, 0.0, 1.0) == 0.0
-        return Known(self._placed(clamps.motion, interval.end_s), which)
-
-    def account(self) -> Account:
-        mass_kg, now = self._mass_kg, self._surface
-        risen_m = now.position_m - self._rest.position_m
-        return Account(
-            (mass_kg * now.velocity_m_per_s).sum(axis=0),
-            mass_kg.sum() * self._gravity_m_per_s2 * self._elapsed_s,
-            stored_J={
-                "kinetic": float(np.sum(mass_kg * now.velocity_m_per_s**2) / 2),
-                "gravitational": -float(np.sum(mass_kg * risen_m * self._gravity_m_per_s2)),
-            },
-            supplied_J={"recording": self._supplied_J},
-            received_J=dict(self._received_J),
+        super().__init__(
+            f"panel {plan.name}",
+            Mount(rectangle.mounted(corners_m), tuple(plan.frames[end] for end in ends)),
+            self._grid.carried(rectangle),
+            self._grid.mass_kg(rectangle, per_area, share),
+            plan.gravity_m_per_s2,
         )
 
-    def close(self) -> None:
-        pass
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
+    def account(self) -> Account:
+        return replace(super().account(), supplied_J={"recording": self._supplied_J})
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Cubic between the grid's points, linear under the clamps."""
+        """Return shape functions, cubic between the grid's points and linear under the clamps."""
         return csr_array(interpolated(self._grid, self._edges_m, coordinates_m))
 
     def _placed(self, clamps: Motion, time_s: float) -> Motion:
         shape_m, rate_m_per_s = self._played.shape(time_s)
+        flat = super()._placed(clamps, time_s)
         return Motion(
-            self._carried @ clamps.position_m + shape_m @ self._axes,
-            self._carried @ clamps.velocity_m_per_s + rate_m_per_s @ self._axes,
+            flat.position_m + shape_m @ self._axes, flat.velocity_m_per_s + rate_m_per_s @ self._axes
         )
 
     def _pull_N(self, time_s: float) -> Array:
@@ -133,13 +80,11 @@ class RecordedPanel:
     def _book(
         self, clamps: Motion, surface: Motion, load_N: Array, through_N: Array, reaction_N: Array
     ) -> None:
-        """Mean forces times the ways: of the load, of the clamps, and of what keeps the shape,
-        which also feeds the pull and moves the panel against its clamps."""
-        moved_m = surface.position_m - self._surface.position_m
+        """Book mean forces times the ways of the clamps and of what keeps the shape, which also feeds
+        the pull and moves the panel against its clamps."""
         ends_m = clamps.position_m - self._clamps.position_m
-        shaped_m = moved_m - self._carried @ ends_m
+        shaped_m = surface.position_m - self._surface.position_m - self._carried @ ends_m
         pulled_N = reaction_N - self._carried.T @ through_N
-        self._received_J["load"] += float(np.sum(load_N * moved_m))
         self._received_J["clamps"] -= float(np.sum(reaction_N * ends_m))
         self._supplied_J += float(np.sum(pulled_N * ends_m) - np.sum(through_N * shaped_m))
 
@@ -153,7 +98,7 @@ class Played:
         self._step_rad = 2 * math.pi * playback.recording.cycles / self._samples
 
     def shape(self, time_s: float) -> tuple[Array, Array]:
-        """Shape in m and its velocity in m/s, (points, 3) each."""
+        """Return the shape in m and its velocity in m/s, (points, 3) each."""
         found, speed = self._recording, self._playback.speed_rad_per_s
         one, two, fraction = self._between(time_s)
         before = Motion(found.shape_m[one], found.rate_m[one])
@@ -165,7 +110,7 @@ class Played:
         return found.rest_m + grown * away_m, velocity_m_per_s
 
     def pull_N(self, time_s: float) -> Array:
-        """(3,) on the first clamp."""
+        """Return the force (3,) on the first clamp."""
         found, grown = self._recording, self._grown(time_s)[0]
         one, two, fraction = self._between(time_s)
         now = (1 - fraction) * found.pull_N[one] + fraction * found.pull_N[two]
@@ -186,7 +131,7 @@ class Played:
 
 
 def interpolated(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m: Array) -> Array:
-    """H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
+    """Return H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
     s, y = coordinates_m.T
     rows, columns = grid.rows_m, grid.columns_m
     slack = 1e-9 * (rows[-1] - rows[0])
@@ -203,8 +148,8 @@ def interpolated(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m
 
 
 def cubic(places: Array, nodes: Array) -> Array:
-    """(places, nodes): cubic Hermite with slopes by central differences through the nodes (at the
-    ends one-sided): C1, and exact for parabolas."""
+    """Return (places, nodes): cubic Hermite shape functions with slopes by central differences through
+    the nodes (at the ends one-sided).  They are C1, and exact for parabolas."""
     slopes = np.gradient(np.eye(len(nodes)), nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
     cell = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
     length = (nodes[cell + 1] - nodes[cell])[:, None]
