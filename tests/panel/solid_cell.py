@@ -9,8 +9,7 @@ from mpi4py import MPI
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from adapters.panel.common.compiled import function_space
-from adapters.panel.perforation.unit_cell import _matrix
+from adapters.panel.common.compiled import assembled_matrix, function_space
 
 POISSON_RATIO = 0.49
 
@@ -29,7 +28,7 @@ def solid_cell(pattern, thickness_m, pieces=((8, 3), (3, 3), 2)):
 
     isochoric = 2 * mu * ufl.inner(ufl.dev(_strain(u)), ufl.dev(_strain(v))) * full
     volume = bulk * ufl.tr(_strain(u)) * ufl.tr(_strain(v)) * reduced
-    stiffness = _matrix(isochoric + volume)
+    stiffness = assembled_matrix(isochoric + volume)
     points_m = space.tabulate_dof_coordinates()
     modes = np.column_stack([mode.ravel() for mode in _modes(points_m)])
     fold = _periodic(points_m, pattern)

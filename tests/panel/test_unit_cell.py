@@ -83,11 +83,11 @@ def test_long_slots_leave_bars_that_twist_as_saint_venant_says():
 
 def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
     """1 % at twice the triangles per land: corners of the openings converge slowly."""
-    from adapters.panel.perforation import unit_cell, unit_cell_mesh
+    from adapters.panel.perforation import unit_cell
 
     pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006)
     usual = cell(pattern)
-    monkeypatch.setattr(unit_cell_mesh, "TRIANGLES_PER_LAND", 12)
+    monkeypatch.setattr(unit_cell, "TRIANGLES_PER_LAND", 12)
     fine = unit_cell.cell_stiffness.__wrapped__(pattern, 0.004)
     assert usual.membrane == pytest.approx(fine.membrane, rel=0.015, abs=1e-9)
     assert usual.bending == pytest.approx(fine.bending, rel=0.01, abs=1e-9)

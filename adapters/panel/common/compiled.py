@@ -26,10 +26,12 @@ from functools import cache
 from pathlib import Path
 from typing import IO, Any
 
+import dolfinx.fem.petsc as fem_petsc
 from cffi import VerificationError
 from dolfinx import fem
 from ffcx.codegeneration import jit
 from ffcx.parameters import FFCX_DEFAULT_PARAMETERS
+from scipy.sparse import csr_matrix
 
 from orchestrator.ports import Array
 from orchestrator.ports.plans import SolverFailed
@@ -171,3 +173,12 @@ def function_space(mesh: Any, element: Any) -> Any:
     """The finite-element space of a UFL element on a mesh."""
     with _compiling():
         return fem.FunctionSpace(mesh, element, None, CODE, _options())
+
+
+def assembled_matrix(integral: Any) -> csr_matrix:
+    """Assemble a UFL bilinear form."""
+    matrix = fem_petsc.assemble_matrix(form(integral))
+    matrix.assemble()
+    starts, columns, values = matrix.getValuesCSR()
+    matrix.destroy()
+    return csr_matrix((values, columns, starts))

@@ -12,13 +12,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import dolfinx.fem.petsc as fem_petsc
 import numpy as np
 import ufl
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from adapters.panel.common.compiled import form
+from adapters.panel.common.compiled import assembled_matrix
 from adapters.panel.common.maxwell import Branches
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.state import restore_attributes, save_attributes
@@ -72,11 +71,7 @@ def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
 def stiffness_matrix(scalar_space: Any, law: Moment) -> csr_matrix:
     """(nodes, nodes) in N/m for a plate whose moments, in N, follow ``law``."""
     trial, test = ufl.TrialFunction(scalar_space), ufl.TestFunction(scalar_space)
-    matrix = fem_petsc.assemble_matrix(form(_bilinear_form(trial, test, law)))
-    matrix.assemble()
-    starts, columns, values = matrix.getValuesCSR()
-    matrix.destroy()
-    return csr_matrix((values, columns, starts))
+    return assembled_matrix(_bilinear_form(trial, test, law))
 
 
 class Product:

@@ -9,8 +9,6 @@ from typing import Any
 from adapters.panel.common.body import BodyState
 from adapters.panel.finite_element import integrators
 from adapters.panel.finite_element.elastic_panel import ElasticPanel
-from adapters.panel.finite_element.explicit import Explicit
-from adapters.panel.finite_element.generalized_alpha import GeneralizedAlpha
 from adapters.panel.finite_element.grid import Surface
 from adapters.panel.finite_element.resting_shape import first_guess_m, settle
 from adapters.panel.finite_element.structure import Structure
@@ -27,7 +25,7 @@ def explicit(
 ) -> ElasticPanel:
     """Explicit steps in Python, for any structure."""
     state = _at_rest(structure, resting_m)
-    integrator = Explicit(structure, step_s)
+    integrator = integrators.Explicit(structure, step_s)
     return ElasticPanel(plan, structure, integrator, state, surface.grid, surface.nodes)
 
 
@@ -47,7 +45,7 @@ def open_panel(
             panel = explicitly(plan, structure, surface, resting_m, step_s)
             tangent.close()
         else:
-            integrator = GeneralizedAlpha(structure, tangent, step_s, plan.name)
+            integrator = integrators.GeneralizedAlpha(structure, tangent, step_s, plan.name)
             state = _at_rest(structure, resting_m)
             grid, nodes = surface.grid, surface.nodes
             panel = ElasticPanel(plan, structure, integrator, state, grid, nodes)

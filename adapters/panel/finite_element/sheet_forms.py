@@ -17,8 +17,7 @@ from mpi4py import MPI
 from adapters.panel.common.compiled import function_space
 from adapters.panel.finite_element.bending import Bending, plate, stiffness_matrix
 from adapters.panel.finite_element.grid import Grid, Surface
-from adapters.panel.finite_element.material import Law
-from adapters.panel.finite_element.structure import Structure
+from adapters.panel.finite_element.structure import Law, Structure
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Hyperelastic, PanelPlan
 

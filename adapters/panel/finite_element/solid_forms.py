@@ -17,10 +17,8 @@ from mpi4py import MPI
 
 from adapters.panel.common.compiled import function_space
 from adapters.panel.finite_element.grid import Surface
-from adapters.panel.finite_element.material import Law
-from adapters.panel.finite_element.pierced_grid import PiercedGrid
-from adapters.panel.finite_element.solid_grid import bearable_grid
-from adapters.panel.finite_element.structure import Structure
+from adapters.panel.finite_element.solid_grid import PiercedGrid, bearable_grid
+from adapters.panel.finite_element.structure import Law, Structure
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import PanelPlan
 

@@ -1,23 +1,27 @@
-"""A deformable body on a finite-element mesh, as the time integrators see it."""
+"""A deformable body on a finite-element mesh, as the time integrators see it: mass, a hyperelastic
+material with Maxwell branches, and bending."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import ufl
+from basix import make_quadrature  # type: ignore[attr-defined]
+from basix.cell import string_to_type
 from dolfinx import fem
 
-from adapters.panel.common.compiled import form
+from adapters.panel.common.compiled import expression, form, function_space
 from adapters.panel.common.maxwell import Branches
 from adapters.panel.finite_element.bending import Bending
-from adapters.panel.finite_element.material import Law, Material
-from orchestrator.ports import Array, Indices, Restorable, Saved
-from orchestrator.ports.state import save_attributes
+from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
-    """(nodes,): the integral of each shape function.  For quadratic cells on a rectangular grid
+    """Return (nodes,): the integral of each shape function.  For quadratic cells on a rectangular grid
     this is the mass collocated at the Gauss-Lobatto points: positive.  ``mass_per_measure`` is a
     number, or a UFL expression that is constant in each cell."""
     ones = ufl.as_vector([1.0, 1.0, 1.0])
@@ -26,20 +30,76 @@ def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
     return mass
 
 
-class Memory(Restorable, Protocol):
-    """A part whose force depends on its past."""
+@dataclass(frozen=True)
+class Law:
+    """A material law in UFL on the field ``position`` (world position of each material point).
 
-    branches: Branches
+    ``energy`` names integrals of stored energy in J.  The Maxwell branches act on ``strain``, a
+    vector scaled such that  g/2 |overstrain|^2  is their energy per unit of the mesh's measure;
+    ``degree`` is the quadrature degree of that integral.
+    """
 
-    def rest(self, position_m: Array) -> None: ...
+    position: Any
+    energy: Mapping[str, Any]
+    strain: Any
+    degree: int
+    branches: tuple[tuple[float, float], ...]
 
-    def begin_step(self, step_s: float) -> None: ...
 
-    def end_step(self, position_m: Array) -> None: ...
+class ViscousStrain:
+    """Maxwell branches at the quadrature points of a law's strain, whose past decides their force."""
+
+    def __init__(self, law: Law) -> None:
+        mesh = law.position.function_space.mesh
+        cell = mesh.ufl_cell()
+        size = law.strain.ufl_shape[0]
+        points = ufl.VectorElement("Quadrature", cell, degree=law.degree, quad_scheme="default", dim=size)
+        self._measure = ufl.dx(metadata={"quadrature_degree": law.degree, "quadrature_rule": "default"})
+        self._strain = law.strain
+        self._history = fem.Function(function_space(mesh, points))
+        self._share = fem.Constant(mesh, 0.0)
+        reference, weights = make_quadrature(string_to_type(cell.cellname()), law.degree)
+        self._evaluate = expression(law.strain, reference)
+        self._cells = np.arange(mesh.topology.index_map(mesh.topology.dim).size_local, dtype=np.int32)
+        volume = expression(abs(ufl.JacobianDeterminant(mesh)), reference).eval(self._cells)
+        self._weight = np.repeat((volume * weights).reshape(-1), size)
+        self._now = np.zeros((len(self._cells), len(weights) * size))
+        self._before = np.zeros(len(self._weight))
+        self._change = np.zeros(len(self._weight))
+        self.branches = Branches(law.branches, len(self._weight))
+
+    def virtual_work(self, position: Any, test: Any) -> Any:
+        """Return the work of the overstress that follows the trial positions of a step's end."""
+        overstress = self._history + self._share * self._strain
+        return ufl.inner(overstress, ufl.derivative(self._strain, position, test)) * self._measure
+
+    def rest(self, position_m: Array) -> None:
+        """Take ``position_m``, which must stand in the field, as relaxed."""
+        self._before[:] = self._evaluate.eval(self._cells, self._now).reshape(-1)
+
+    def begin_step(self, step_s: float) -> None:
+        self.branches.begin(step_s, self._before)
+        self._history.x.array[:] = self.branches.history
+        self._share.value = self.branches.share
+
+    def end_step(self, position_m: Array) -> None:
+        """Accept ``position_m``, which must stand in the field."""
+        now = self._evaluate.eval(self._cells, self._now).reshape(-1)
+        np.subtract(now, self._before, out=self._change)
+        self._before[:] = now
+        self.branches.end(self._change * self._weight, self._change)
+
+    def save(self) -> Saved:
+        return save_attributes(self, "_before") | {"branches": self.branches.save()}
+
+    def restore(self, saved: Saved) -> None:
+        restore_attributes(self, saved, "_before")
+        self.branches.restore(saved["branches"])
 
 
 class Structure:
-    """Lumped mass, internal force and energy of a body; ``held`` are the prescribed nodes.
+    """Lumped mass, internal force and energy of a body; ``held`` are the prescribed nodes, ``tangent``
+    is the bilinear form of the material's stiffness at the positions now in the law's field.
 
     Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any
     number of ``force_N`` at trial positions of its end, then ``end_step``, which accepts the
@@ -56,9 +116,16 @@ class Structure:
         self.free = np.setdiff1d(np.arange(len(self.mass_kg)), held)
         self.mobility_1_kg = np.zeros((len(self.mass_kg), 1))  # zero where held
         self.mobility_1_kg[self.free, 0] = 1.0 / self.mass_kg[self.free]
-        self.material = Material(law)
         self.bending = bending
-        self._memories: list[Memory] = [part for part in (self.material.viscous, bending) if part is not None]
+        test, trial = ufl.TestFunction(self.space), ufl.TrialFunction(self.space)
+        work = ufl.derivative(sum(law.energy.values()), law.position, test)
+        viscous = ViscousStrain(law) if law.branches else None
+        if viscous:
+            work += viscous.virtual_work(law.position, test)
+        self._energy = {name: form(energy) for name, energy in law.energy.items()}
+        self._force = form(work)
+        self.tangent = ufl.derivative(work, law.position, trial)
+        self._memories = [part for part in (viscous, bending) if part is not None]
         self._position_m = law.position.x.array.reshape(-1, 3)  # a view into the field
 
     def rest(self, position_m: Array) -> None:
@@ -72,10 +139,10 @@ class Structure:
             memory.begin_step(step_s)
 
     def force_N(self, position_m: Array) -> Array:
-        """Internal force at trial positions: the force that the body needs to stay there."""
+        """Return the internal force (nodes, 3), which the body needs to stay at trial positions."""
         self._position_m[:] = position_m
         force = np.zeros_like(position_m)
-        self.material.add_force(force)
+        fem.assemble_vector(force.reshape(-1), self._force)
         if self.bending:
             self.bending.add_force(position_m, force)
         return force
@@ -98,13 +165,13 @@ class Structure:
             self.bending.close()
 
     def stored_J(self) -> dict[str, float]:
-        """Elastic energy by name and that of the Maxwell branches."""
-        stored = self.material.stored_J()
+        """Return the elastic energy by name and that of the Maxwell branches."""
+        stored = {name: float(fem.assemble_scalar(energy)) for name, energy in self._energy.items()}
         if self.bending:
             stored["bending"] = self.bending.stored_J()
         branches = (float(memory.branches.energy_J.sum()) for memory in self._memories)
         return stored | {"maxwell": sum(branches)}
 
     def lost_J(self) -> float:
-        """What the Maxwell branches dissipated since the start."""
+        """Return what the Maxwell branches dissipated since the start."""
         return sum(memory.branches.lost_J for memory in self._memories)

@@ -36,7 +36,7 @@ class Tangent:
         self._structure = structure
         space = structure.space
         held = structure.held.astype(np.int32)
-        self._form = form(structure.material.tangent)
+        self._form = form(structure.tangent)
         self._bcs = [fem.dirichletbc(fem.Function(space), held)]
         self._matrix = fem_petsc.create_matrix(self._form)
         self._constant = None

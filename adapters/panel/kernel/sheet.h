@@ -18,7 +18,7 @@ struct SheetState {
   double *energy_J, *lost_J;
 };
 
-// A thin sheet in velocity Verlet: adapters/panel/finite_element/explicit.py on the structure of sheet_forms.py.
+// A thin sheet in velocity Verlet: Explicit of adapters/panel/finite_element/integrators.py on the structure of sheet_forms.py.
 class Sheet {
  public:
   // `mobility_1_kg` (nodes), zero for the nodes `held`.
