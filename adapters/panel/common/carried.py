@@ -8,7 +8,17 @@ from typing import ClassVar
 import numpy as np
 from scipy.sparse import csr_array, identity
 
-from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState, Saved, check_point_count
+from orchestrator.ports import (
+    Account,
+    Array,
+    Known,
+    Load,
+    Motion,
+    Mount,
+    PanelState,
+    Saved,
+    check_point_count,
+)
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restore_attributes, save_attributes
 
