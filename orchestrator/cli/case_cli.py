@@ -72,9 +72,9 @@ def explain(
 
     loaded = checked(case, level, overrides, table_mistakes)
     with reported_errors():
-        found = stored(loaded, ladder)
+        measured = stored(loaded, ladder)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
-        print_explanation(loaded, found, _tried(loaded, asked, budget), asked)
+        print_explanation(loaded, measured, _tried(loaded, asked, budget), asked)
 
 
 def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:

@@ -26,7 +26,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import TOO_LARGE, find_problems
 from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
-from orchestrator.output.checkpoints import Save
+from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records import run_folder, summary, trust
 from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable, lock
 from orchestrator.output.report.headline import headline
@@ -109,10 +109,10 @@ def execute(
     entries: Mapping[str, Entry],
     folder: Path,
     world: Any,
-    save: Save | None = None,
+    checkpoint: Checkpoint | None = None,
     warned: Sequence[str] = (),
 ) -> int:
-    """Runs the case in its folder, or goes on from ``save``, and returns the exit code.
+    """Runs the case in its folder, or goes on from ``checkpoint``, and returns the exit code.
 
     ``entries`` are the account of its effects, ``warned`` further warnings.  Raises FolderUnusable
     where another process is at work.
@@ -122,7 +122,7 @@ def execute(
     alone = lock(folder / OF_A_RUN) if first else nullcontext()
     with run_folder.logging_to(folder, first), alone:
         LOG.info("case %s, level %s", loaded.folder, loaded.level or "none")
-        doing = "running" if save is None else f"going on from t = {save.simulated_s:g} s with"
+        doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
         _print_and_log(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
         try:
             stability = settled_card(loaded.case)
@@ -134,7 +134,7 @@ def execute(
                 *at_start(entries),
             ]
         except MemoryError as error:  # of panels' meshes; nothing has been computed
-            if first and save is None:
+            if first and checkpoint is None:
                 run_folder.remove_folder(folder)
             return report_refusal(world, error)
         for line in words.lines(stability):
@@ -142,7 +142,7 @@ def execute(
         for line in lines:
             LOG.warning(line)
             console.print(f"warning: {line}")
-        coupled_run = Run(loaded, entries, stability, folder, world, console, save)
+        coupled_run = Run(loaded, entries, stability, folder, world, console, checkpoint)
         return _run_to_the_end(coupled_run, folder, world, console)
 
 
@@ -302,10 +302,10 @@ def resume_lines(folder: Path, world: Any) -> Iterator[str]:
     yield f"to go on from there: {resume_hint(folder, world, good or last)}"
 
 
-def resume_hint(folder: Path, world: Any, save: Save | None = None) -> str:
-    """Returns the command that takes the run up again, from ``save`` or the last one."""
+def resume_hint(folder: Path, world: Any, checkpoint: Checkpoint | None = None) -> str:
+    """Returns the command that takes the run up again, from ``checkpoint`` or the last one."""
     with_ranks = [] if world is None else ["mpirun", *_as_root(), "-n", str(world.size)]
-    point = [] if save is None else ["--save", str(save.sync_points)]
+    point = [] if checkpoint is None else ["--save", str(checkpoint.sync_points)]
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
 
 

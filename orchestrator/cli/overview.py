@@ -88,10 +88,10 @@ def _damping(case: Case) -> Iterator[str]:
             continue
         branches = tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell)
         off = compared(branches, rows(law))
-        _, found = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
-        pairs = zip(found, law.loss_curve, strict=True)
-        said = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)
-        yield f"  damping    {name}: loss factor of {len(branches)} branches (measured): {said} Hz"
+        _, fitted = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
+        pairs = zip(fitted, law.loss_curve, strict=True)
+        factors = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)
+        yield f"  damping    {name}: loss factor of {len(branches)} branches (measured): {factors} Hz"
         yield f"             off by {off.error:.1%} at most, at {off.at_Hz:g} Hz"
 
 

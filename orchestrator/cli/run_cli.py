@@ -33,10 +33,10 @@ def resume(
     run: RunPath,
     overrides: Overrides = None,
     save: Annotated[
-        int | None, typer.Option("--save", min=0, help="sync point of the save [default: the last save]")
+        int | None, typer.Option("--save", min=0, help="sync point of the checkpoint [default: the last]")
     ] = None,
 ) -> None:
-    """Go on with a run from its last save.
+    """Go on with a run from its last checkpoint.
 
     Runs are saved every now and then ([checkpoint] in a case), at their end, and by Ctrl-C.  What goes
     on is, bit for bit, the run that never stopped; on as many processes as it was saved.  It may

@@ -57,12 +57,12 @@ them against tests/runs/checkpoint_names.txt), of their meaning, or of ``save.js
 SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
-class TornSave(Exception):
+class TornCheckpoint(Exception):
     """A save that is not as it was written; the message says what is wrong with it."""
 
 
 @dataclass(frozen=True)
-class Save:
+class Checkpoint:
     """A whole save; ``about``: what ``save.json`` says, ``torn``: what is wrong with later ones."""
 
     folder: Path
@@ -152,13 +152,13 @@ def _complete(
             shutil.rmtree(parent / old)
 
 
-def newest(run: Path) -> Save | None:
+def newest(run: Path) -> Checkpoint | None:
     """The last save that is whole."""
     torn: list[str] = []
     for name in reversed(_names(run / FOLDER)):
         try:
-            return Save(run / FOLDER / name, _checked(run / FOLDER / name), tuple(torn))
-        except TornSave as wrong:
+            return Checkpoint(run / FOLDER / name, _checked(run / FOLDER / name), tuple(torn))
+        except TornCheckpoint as wrong:
             torn.append(f"{wrong}; the one before is taken")
     return None
 
@@ -169,21 +169,21 @@ def find_damage(run: Path) -> list[str]:
     for name in _names(run / FOLDER):
         try:
             _checked(run / FOLDER / name)
-        except TornSave as wrong:
+        except TornCheckpoint as wrong:
             said.append(str(wrong))
     return said
 
 
-def at_sync_point(run: Path, sync_points: int) -> Save | None:
+def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
     """The save of that sync point, if there is one and it is whole."""
     folder = run / FOLDER / _name(sync_points)
     try:
-        return Save(folder, _checked(folder))
-    except TornSave:
+        return Checkpoint(folder, _checked(folder))
+    except TornCheckpoint:
         return None
 
 
-def remove_later(run: Path, save: Save) -> None:
+def remove_later(run: Path, save: Checkpoint) -> None:
     """Removes what came after ``save``, and what was left half written."""
     for folder in (run / FOLDER).iterdir():
         if folder.name.startswith(".") or folder.name > save.folder.name:
@@ -191,21 +191,21 @@ def remove_later(run: Path, save: Save) -> None:
 
 
 def _checked(folder: Path) -> dict[str, Any]:
-    """What ``save.json`` says, if the files are as it says.  Raises TornSave."""
+    """What ``save.json`` says, if the files are as it says.  Raises TornCheckpoint."""
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         check_format(folder / ABOUT, about.get("format_version"), FORMAT)
         _must_say(about)
         for name in about["copies"]:
             if Path(name).name != name:
-                raise TornSave(f"{folder / ABOUT} names a file elsewhere: {name}")
+                raise TornCheckpoint(f"{folder / ABOUT} names a file elsewhere: {name}")
         for name, digest in about["sha256"].items():
             if _digest(folder / name) != digest:
-                raise TornSave(f"{folder / name} is not what was written")
+                raise TornCheckpoint(f"{folder / name} is not what was written")
     except KeyError as error:
-        raise TornSave(f"{folder / ABOUT} does not say {error}") from error
+        raise TornCheckpoint(f"{folder / ABOUT} does not say {error}") from error
     except (OSError, ValueError, AttributeError, TypeError) as error:
-        raise TornSave(f"{folder} cannot be read: {error}") from error
+        raise TornCheckpoint(f"{folder} cannot be read: {error}") from error
     return about
 
 

@@ -1,1 +1,1 @@
-"""A run from its first interval to its last: the loop, the watch over it, its saves, its end."""
+"""A run from its first interval to its last: the loop, its monitor, its checkpoints, its end."""

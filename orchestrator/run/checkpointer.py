@@ -12,7 +12,7 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output import checkpoints
-from orchestrator.output.checkpoints import Save
+from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.ports import Saved
@@ -83,11 +83,11 @@ class Checkpointer:
             saved["scheme"] = self._machine.scheme.memory.save()
         return saved
 
-    def restore(self, save: Save, start: State) -> State:
+    def restore(self, checkpoint: Checkpoint, start: State) -> State:
         """Takes back all that was saved, into a machine freshly opened whose state is ``start``.
         Returns the state at the sync point of the checkpoint.  Raises ValueError where a checkpoint of
         this run has other arrays."""
-        saved, members = save.state(self._world), self._machine.members
+        saved, members = checkpoint.state(self._world), self._machine.members
         members.frames.restore(saved["members"]["frames"])
         members.panel.restore(saved["members"]["panel"])
         if members.particles is not None:
@@ -98,7 +98,7 @@ class Checkpointer:
             self._machine.scheme.memory.restore(saved["scheme"])
         self._recorder.restore(saved["recorder"])
         self._monitor.restore(saved["monitor"])
-        self._last, self._good = save.sync_points, save.good
+        self._last, self._good = checkpoint.sync_points, checkpoint.good
         state: State = like(start, saved["coupling"])
         then, now = (checkpoints.array_names(one) for one in (saved, self._state(state)))
         if differing := sorted(then ^ now):

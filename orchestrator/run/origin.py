@@ -13,7 +13,7 @@ from typing import Any
 
 from orchestrator.case.file.errors import shown
 from orchestrator.case.provenance import provenance
-from orchestrator.output.checkpoints import SAID_OF_ORIGIN, Save
+from orchestrator.output.checkpoints import SAID_OF_ORIGIN, Checkpoint
 from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved_case
 from orchestrator.preflight.levels import LoadedCase
 
@@ -32,14 +32,14 @@ def origin(loaded: LoadedCase, run: Path, world: Any) -> dict[str, Any]:
     }
 
 
-def refuse_another_run(save: Save, now: Mapping[str, Any]) -> None:
+def refuse_another_run(checkpoint: Checkpoint, now: Mapping[str, Any]) -> None:
     """Raises FolderUnusable with all that is different, where ``now`` (of ``origin``) is another run."""
-    about = save.about
+    about = checkpoint.about
     ranks, then = now["provenance"]["ranks"], about["provenance"]["ranks"]
     differing = [
         f"  {key}: {shown(before)} was saved, now it is {shown(after)}"
         for key, before, after in differences(about["case"], now["case"])
-        if not _may_change(key, after, save.simulated_s)
+        if not _may_change(key, after, checkpoint.simulated_s)
     ]
     for name, digest in about["files"].items():
         if now["files"].get(name) != digest:
@@ -49,15 +49,15 @@ def refuse_another_run(save: Save, now: Mapping[str, Any]) -> None:
     if differing:
         free = ", ".join(sorted(FREE))
         raise FolderUnusable(
-            f"{save.folder.parent.parent}: this is not the run that was saved:\n"
+            f"{checkpoint.folder.parent.parent}: this is not the run that was saved:\n"
             + "\n".join(differing)
             + f"\nIt may end later (duration_s) and change in: {free}; all else needs a new run."
         )
 
 
-def warnings(save: Save, now: Mapping[str, Any]) -> list[str]:
+def warnings(checkpoint: Checkpoint, now: Mapping[str, Any]) -> list[str]:
     """Returns a line for each difference that may change the last bits."""
-    then = save.about["provenance"]
+    then = checkpoint.about["provenance"]
     return [
         f"saved with {key} {before}, now it is {after}: the last bits may differ"
         for name in SAME_BITS

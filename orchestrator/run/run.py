@@ -17,7 +17,7 @@ from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State, initial_state
-from orchestrator.output.checkpoints import Save
+from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import LOG
 from orchestrator.ports.clock import Interval, exact, intervals, steps_in
@@ -39,7 +39,7 @@ from orchestrator.run.progress import Progress, ProgressBar
 class Run:
     """A coupled run in its folder; every rank of ``world`` (MPI communicator or None) has one.
 
-    With ``save``, a checkpoint, it goes on from there, in the folder of that run.
+    With a ``checkpoint`` it goes on from there, in the folder of that run.
     """
 
     def __init__(
@@ -50,15 +50,15 @@ class Run:
         folder: Path,
         world: Any,
         console: Console,
-        save: Save | None = None,
+        checkpoint: Checkpoint | None = None,
     ) -> None:
         self._loaded, self._folder, self._world, self._console = loaded, folder, world, console
-        self._case, self._stability, self.resumes = loaded.case, stability, save
+        self._case, self._stability, self.resumes = loaded.case, stability, checkpoint
         self._coupled_as = replace(loaded, case=with_scheme(loaded.case, stability.scheme))
         self._ending = Ending(loaded, effects, stability, folder, console)
         self._progress = Progress()
-        if save is not None:
-            self._progress.restore(save.about["progress"])
+        if checkpoint is not None:
+            self._progress.restore(checkpoint.about["progress"])
         self._interval_s = self._case.coupling.sync_interval_s
         self._intervals = steps_in(self._case.duration_s, self._interval_s)
         self._every = steps_in(self._case.output.interval_s, self._interval_s)

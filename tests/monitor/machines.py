@@ -52,7 +52,7 @@ def on_a_line(sphere: Sphere, plate: HungPlate, frame: FreeFrame, scheme: str) -
     return Machine(
         solvers=Solvers(meters.frames, meters.panel, meters.particles),
         members=meters,
-        scheme=schemes.scheme(scheme),
+        scheme=schemes.create_scheme(scheme),
         stopwatch=Stopwatch(),
         surface=TriangleSurface(NOWHERE, np.empty((0, 3), dtype=np.int64), NOBODY),
         panel_of_triangle=NOBODY,

@@ -160,7 +160,7 @@ def test_a_save_that_does_not_say_all_of_itself_is_torn(
         assert (left == 0) == (checkpoints.newest(folder) is not None)
     assert resume(folder, []) == launch.WRONG
     said = capsys.readouterr().err
-    assert "no save that is whole:\n" in said
+    assert "no checkpoint that is whole:\n" in said
     assert f"save.json does not say '{key}'\n" in said
 
 

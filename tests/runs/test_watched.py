@@ -97,7 +97,7 @@ def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
 def test_a_save_that_is_not_there_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = run(tmp_path / "run", QUICKSTART, ["duration_s=0.003"])
     assert resume(folder, [], 7) == launch.WRONG
-    assert "has no whole save of sync point 7" in capsys.readouterr().err
+    assert "has no whole checkpoint of sync point 7" in capsys.readouterr().err
 
 
 def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 Parts are halves of halves, so that their lengths are again exact decimal numbers.  Every solver
 takes whole steps in each, as long as its own or, where a part is shorter than that, as the part.
-Nobody else knows of parts: records, saves and counts go by whole sync intervals.
+Nobody else knows of parts: records, checkpoints and counts go by whole sync intervals.
 """
 
 from __future__ import annotations
@@ -40,9 +40,8 @@ class Pace:
     def advance(
         self, scheme: Scheme, solvers: Solvers, interval: Interval, state: State, look: Look
     ) -> tuple[State, State]:
-        """The state after a sync interval to go on from, and the one to be recorded: the same, with
-        the mean loads of the whole interval.  ``look`` is shown each part when it
-        has ended."""
+        """Returns the state after a sync interval to go on from, and the one to be recorded: the same with
+        the mean loads of the whole interval.  ``look`` is called with each part when it has ended."""
         ends = []
         for part in interval.divided(self.parts):
             state = scheme.advance(solvers, part, self._handed_on(scheme, state, part))
