@@ -100,7 +100,8 @@ class Checkpointer:
         self._monitor.restore(saved["monitor"])
         self._last, self._good = checkpoint.sync_points, checkpoint.good
         state: State = like(start, saved["coupling"])
-        then, now = (checkpoints.array_names(one) for one in (saved, self._state(state)))
+        # the monitor may be another one: what it observes does not decide how the run goes on
+        then, now = (checkpoints.array_names(each | {"monitor": {}}) for each in (saved, self._state(state)))
         if differing := sorted(then ^ now):
             raise ValueError(f"only one of them has the arrays {', '.join(differing)}")
         return state
