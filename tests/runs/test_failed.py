@@ -171,10 +171,10 @@ def test_a_folder_that_vanishes(tmp_path: Path) -> None:
         assert len(history["energy/time_s"]) > 0
 
 
-def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:
+def test_an_internal_error_is_called_one(tmp_path: Path) -> None:
     """Exit code 1; the traceback is for the log."""
     folder = tmp_path / "run"
-    before = "from orchestrator.run import run\nrun.check_stable = lambda *_: {}['absent']"
+    before = "from orchestrator.run import run\nrun.check_speeds = lambda *_: {}['absent']"
     done = flipflow(*run_words("panel-cycle", folder), before=before)
     assert done.returncode == 1
     said_plainly(done)
@@ -183,7 +183,7 @@ def test_a_mistake_in_flipflow_is_called_one(tmp_path: Path) -> None:
     left_usable(folder, "failed")
 
 
-def test_a_mistake_inside_a_member_names_it(tmp_path: Path) -> None:
+def test_an_internal_error_inside_a_member_names_it(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     before = IN_PANEL.format(what="{}['absent']")
     done = flipflow(*run_words("quickstart", folder), before=before)

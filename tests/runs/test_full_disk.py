@@ -93,7 +93,7 @@ def test_a_summary_that_cannot_be_written(tmp_path: Path) -> None:
     before = (
         "from orchestrator.run import ending\n"
         "def full(path, value): raise OSError(28, 'No space left on device')\n"
-        "ending.write_json = full"
+        "ending.summary.write_summary = full"
     )
     done = flipflow(*run_words("panel-cycle", folder, [*QUICK, "duration_s=0.01"]), before=before)
     assert done.returncode == 4, done.stderr
