@@ -1,4 +1,4 @@
-"""Figures of the bed: mass balance, partition curve, and what is along the deck."""
+"""Pictures of the bed and of wear: mass balance, partition curve, and what is along the deck."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.output.report.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, embedded, figure
+from orchestrator.output.report.tables import MM_IN_1000_H
 
 FEW = 3  # sections that look well side by side
 
@@ -112,3 +113,23 @@ def along_the_deck(results: dict[str, Any]) -> str:
         last.bar(passing["along_m"], whole * np.array(passing["rate_kg_per_s_m"]), 0.85 * step, color=UNDER)
         last.set(ylabel="passing rate / (kg/(s m))", xlabel="distance along the deck / m")
     return embedded(drawn)
+
+
+def wear_map(wear: dict[str, Any]) -> str:
+    """Depth in 1000 h of all panels' patches, one panel beside the other."""
+    maps = {name: MM_IN_1000_H * _known(panel) for name, panel in wear["panels"].items()}
+    drawn, ((axes,),) = figure(1, 1, WIDE, 2.6)
+    deepest = max(float(np.nanmax(values)) for values in maps.values())
+    for place, values in enumerate(maps.values()):
+        edges = place + np.linspace(0.02, 0.98, len(values) + 1)
+        across = np.linspace(0.0, 1.0, values.shape[1] + 1)
+        shown = axes.pcolormesh(edges, across, values.T, vmin=0.0, vmax=deepest, cmap="magma_r")
+    drawn.colorbar(shown, ax=axes, label="mm in 1000 h")
+    axes.set_xticks(np.arange(len(maps)) + 0.5, list(maps))
+    axes.set(ylabel="share of the width", title="wear, each panel from its first clamp")
+    axes.grid(visible=False)
+    return embedded(drawn)
+
+
+def _known(panel: dict[str, Any]) -> Any:
+    return np.array(panel["depth_m_per_h"], dtype=float)

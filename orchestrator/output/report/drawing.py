@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from pathlib import Path
 from typing import Any
 
 import matplotlib
@@ -38,13 +39,20 @@ STYLE = {
 plt.rcParams.update(STYLE)
 
 
-def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float = TALL) -> Any:
-    """A figure and its axes (rows, columns), in the page's style."""
-    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False)
+def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float = TALL, **more: Any) -> Any:
+    """Returns a figure and its axes (rows, columns), in the page's style; ``more`` as for
+    ``matplotlib.pyplot.subplots``."""
+    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, **more)
+
+
+def save(drawn: Any, file: Path) -> None:
+    """Writes the figure into a file, and closes it."""
+    drawn.savefig(file, dpi=110)
+    plt.close(drawn)
 
 
 def embedded(drawn: Any) -> str:
-    """The figure as a data URI; closes it."""
+    """Returns the figure as a data URI, and closes it."""
     made = io.BytesIO()
     drawn.savefig(made, format="svg", metadata={"Date": None})
     plt.close(drawn)
@@ -52,5 +60,5 @@ def embedded(drawn: Any) -> str:
 
 
 def data_uri(content: bytes, kind: str) -> str:
-    """A file's content, for an ``src`` that asks nobody for anything."""
+    """Returns a file's content, for an ``src`` that asks nobody for anything."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"

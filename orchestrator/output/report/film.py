@@ -25,7 +25,7 @@ def film(folder: Path, lasting_s: float) -> Film:
     """Of the last ``lasting_s`` seconds of the run."""
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / "film.webp"
-        module = "orchestrator.output.report.animation"
+        module = "orchestrator.output.report.rendering"
         words = ["-m", module, str(folder), str(lasting_s), str(made)]
         done = python(*words, capture_output=True)
         if done.returncode or not made.is_file():

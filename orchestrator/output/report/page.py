@@ -6,15 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from orchestrator.output.report import bed_pictures, machine_pictures, tables
-from orchestrator.output.report.drawing import data_uri
+from orchestrator.output.report import bed_pictures, tables
+from orchestrator.output.report.drawing import data_uri, embedded
 from orchestrator.output.report.filled import filled
 from orchestrator.output.report.film import Film
 from orchestrator.output.report.formatting import duration, interval, number
 from orchestrator.output.report.headline import NOT_STEADY, headline
+from orchestrator.output.report.pictures import draw_cost, draw_machine
 from orchestrator.output.report.quality import quality, warnings
 from orchestrator.output.report.tables import left_out_rows
-from orchestrator.output.report.wear_pictures import wear_map, wear_sheet
 from orchestrator.output.results.run_reader import RunReader
 
 NAME = "report.html"
@@ -23,22 +23,22 @@ FILM_CYCLES = 3
 
 def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
     """The HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
-    with RunReader(folder) as data:
-        summary, provenance = data.summary, data.provenance
-        shown = film(folder, FILM_CYCLES * data.cycle_s if data.is_driven else data.end_s)
+    with RunReader(folder) as run:
+        summary, provenance = run.summary, run.provenance
+        shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         return filled(
             "output/report/template.html",
-            case=data.case,
+            case=run.case,
             summary=summary,
             provenance=provenance,
             results=found,
-            facts=_facts(data, summary["stability"]["scheme"]),
+            facts=_facts(run, summary["stability"]["scheme"]),
             headline=headline(found),
             not_steady=NOT_STEADY,
-            driven=data.is_driven,
+            driven=run.is_driven,
             warnings=warnings(folder, summary, found),
             sheets=_sheets(found),
-            pictures=_pictures(data, found, summary),
+            pictures=_pictures(run, found, summary),
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
             left_out=list(left_out_rows(summary)),
@@ -49,11 +49,11 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
         )
 
 
-def _facts(data: RunReader, scheme: str) -> dict[str, list[tuple[str, str]]]:
+def _facts(run: RunReader, scheme: str) -> dict[str, list[tuple[str, str]]]:
     return {
-        "machine": list(tables.machine_facts(data)),
-        "bed": list(tables.bed_facts(data.case)),
-        "how it was computed": list(tables.solver_facts(data.case, scheme)),
+        "machine": list(tables.machine_facts(run)),
+        "bed": list(tables.bed_facts(run.case)),
+        "how it was computed": list(tables.solver_facts(run.case, scheme)),
     }
 
 
@@ -66,7 +66,7 @@ def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
     if "bed" in found:
         sheets["bed"] = tables.bed_sheet(found, whole)
     if "wear" in found:
-        sheets["wear"] = wear_sheet(found["wear"])
+        sheets["wear"] = tables.wear_sheet(found["wear"])
     motion = found.get("motion", {})
     if motion.get("frames"):
         sheets["frames"] = tables.frames_sheet(motion)
@@ -77,8 +77,8 @@ def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
     return sheets
 
 
-def _pictures(data: RunReader, found: dict[str, Any], summary: dict[str, Any]) -> dict[str, str]:
-    drawn = {"cost": machine_pictures.cost(summary["wall_by_part_s"])}
+def _pictures(run: RunReader, found: dict[str, Any], summary: dict[str, Any]) -> dict[str, str]:
+    drawn = {"cost": embedded(draw_cost(summary["wall_by_part_s"]))}
     if "screening" in found:
         drawn["balance"] = bed_pictures.mass_balance(found)
         if found["screening"]["partition"]:
@@ -88,13 +88,5 @@ def _pictures(data: RunReader, found: dict[str, Any], summary: dict[str, Any]) -
     if "bed" in found:
         drawn["along"] = bed_pictures.along_the_deck(found)
     if "wear" in found:
-        drawn["wear"] = wear_map(found["wear"])
-    if found.get("motion", {}).get("frames"):
-        drawn["orbits"] = machine_pictures.orbits(data, found["motion"]["start_s"], found["motion"]["end_s"])
-    if data.names("frames"):
-        drawn["motion"] = machine_pictures.motion(data)
-    if data.names("panels"):
-        drawn["shapes"] = machine_pictures.shapes(data)
-    if data.names("energy"):
-        drawn["energy"] = machine_pictures.energy(data)
-    return drawn
+        drawn["wear"] = bed_pictures.wear_map(found["wear"])
+    return drawn | {name: embedded(one) for name, one in draw_machine(run)}

@@ -1,70 +1,199 @@
-"""The deck seen from the side and above, with the particles on it."""
+"""The deck with its particles, rendered from the snapshots of a run: a picture and a short film.
+
+``python -m orchestrator.output.report.rendering RUN SECONDS FILE`` writes the film as animated WebP.
+"""
 
 from __future__ import annotations
 
+import io
+import json
+import sys
+import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyvista
+from PIL import Image
 
-VIEW = (0.45, -1.0, 0.75)  # from the side and above
 PANELS, WALLS = ("#d8b64a", "#b98f2f"), "#8090a0"  # neighbouring panels can be told apart
+PICTURE_VIEW = (0.45, -1.0, 0.75)  # from the side and above
+FILM_VIEW = (0.12, -1.0, 0.28)  # nearly from the side, a little from above
+FRAMES = 32
+WIDTH, SMALLEST, LARGEST, TEXT = 1120, 300, 620, 70  # pixels
+MARGIN = 1.06
+FRAME_MS = 90
+QUALITY = 65
 
 
-def deck(folder: Path, time_s: float, path: Path) -> None:
-    """The last surface with the particles as spheres, coloured by speed."""
+def render_deck(folder: Path, time_s: float, file: Path) -> None:
+    """Writes a picture of the last surface, with the particles as spheres coloured by speed."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(1280, 720))
     plotter.enable_anti_aliasing("ssaa")
-    surface = pyvista.read(_last(folder / "surface"))
+    surface = pyvista.read(snapshots(folder, "surface")[-1][1])
+    _add_deck(plotter, surface, show_edges=True, edge_opacity=0.25)
+    if particles := snapshots(folder, "particles"):
+        _add_spheres(plotter, pyvista.read(particles[-1][1]))
+    plotter.add_text(f"t = {time_s:.4g} s", position="upper_left", color="black", font_size=12)
+    plotter.add_axes(color="black")
+    plotter.set_background("white")
+    plotter.view_vector(PICTURE_VIEW, viewup=(0, 0, 1))
+    plotter.reset_camera(bounds=surface.bounds)
+    plotter.camera.zoom(1.2)
+    plotter.screenshot(file)
+    plotter.close()
+
+
+def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
+    """Returns the WebP of the run's last ``lasting_s`` seconds, in at most ``FRAMES`` frames, and
+    their times.  Raises FileNotFoundError without snapshots."""
+    shown = _last(snapshots(folder, "surface"), lasting_s)
+    if not shown:
+        raise FileNotFoundError("the run has no snapshots of the surface")
+    particles = dict(snapshots(folder, "particles"))
+    ends = np.vstack([_touched_m(pyvista.read(file)) for _, file in (shown[0], shown[-1])])
+    middle = _read(particles.get(shown[len(shown) // 2][0]))
+    fast_m_per_s = _fast_m_per_s(middle) if middle is not None else 1.0
+    plotter = pyvista.Plotter(off_screen=True)
+    plotter.set_background("white")
+    pictures = []
+    for time_s, surface in shown:
+        plotter.clear()
+        _add_deck(plotter, pyvista.read(surface), ambient=0.3)
+        _add_splats(plotter, _read(particles.get(time_s)), fast_m_per_s)
+        plotter.add_text(f"t = {time_s:.3f} s", color="black", font_size=10)
+        _look(plotter, ends)
+        pictures.append(Image.fromarray(plotter.screenshot(return_img=True)))
+    plotter.close()
+    return _webp(pictures), [time_s for time_s, _ in shown]
+
+
+def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
+    """Returns times and files of a ParaView series; none if there is no such series."""
+    index = folder / f"{series}.pvd"
+    if not index.is_file():
+        return []
+    entries = ElementTree.parse(index).getroot().iter("DataSet")
+    pairs = [(float(e.get("timestep", "nan")), folder / e.get("file", "")) for e in entries]
+    return [(time_s, file) for time_s, file in pairs if file.is_file()]
+
+
+def _last(pairs: list[tuple[float, Path]], lasting_s: float) -> list[tuple[float, Path]]:
+    if not pairs:
+        return []
+    last = [pair for pair in pairs if pair[0] > pairs[-1][0] - lasting_s]
+    stride = -(-len(last) // FRAMES)
+    return last[::-stride][::-1]
+
+
+def _read(file: Path | None) -> Any:
+    return pyvista.read(file) if file is not None else None
+
+
+def _fast_m_per_s(particles: Any) -> float:
+    """Where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
+    if particles.n_points == 0:
+        return 1.0
+    return float(np.percentile(particles["speed_m_per_s"], 97)) or 1.0
+
+
+def _touched_m(surface: Any) -> Any:
+    """(n, 3) points of triangles; others are only looked at, and may be anywhere."""
+    return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
+
+
+def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
+    """Panels in two colours, walls as their edges."""
     panel = surface.cell_data["panel"]
     for number in (0, 1):
         cells = np.flatnonzero((panel >= 0) & (panel % 2 == number))
         if len(cells):
-            part = surface.extract_cells(cells)
-            plotter.add_mesh(part, color=PANELS[number], show_edges=True, edge_opacity=0.25)
+            plotter.add_mesh(surface.extract_cells(cells), color=PANELS[number], **panels)
     if (panel < 0).any():
         walls = surface.extract_cells(np.flatnonzero(panel < 0))
-        plotter.add_mesh(walls, color=WALLS, opacity=0.12)
-        plotter.add_mesh(walls.extract_feature_edges(20), color=WALLS, line_width=2)
-    if (folder / "particles").is_dir():
-        _add_particles(plotter, pyvista.read(_last(folder / "particles")))
-    plotter.add_text(f"t = {time_s:.4g} s", position="upper_left", color="black", font_size=12)
-    plotter.add_axes(color="black")
-    plotter.set_background("white")
-    plotter.view_vector(VIEW, viewup=(0, 0, 1))
-    plotter.reset_camera(bounds=surface.bounds)
-    plotter.camera.zoom(1.2)
-    plotter.screenshot(path)
-    plotter.close()
+        plotter.add_mesh(walls.extract_feature_edges(20), color=WALLS, line_width=1)
 
 
-def _add_particles(plotter: Any, particles: Any) -> None:
-    """The colour bar stands uphill, where the fewest particles are in the way."""
+def _add_spheres(plotter: Any, particles: Any) -> None:
+    """As meshes; the colour bar stands uphill, where the fewest particles are in the way."""
     if particles.n_points == 0:
         return
     sphere = pyvista.Sphere(radius=0.5, theta_resolution=16, phi_resolution=16)
-    fast = float(np.percentile(particles["speed_m_per_s"], 98))  # a few that fall do not dim the rest
+    bar = {"vertical": True, "position_x": 0.06, "position_y": 0.3, "height": 0.5, "n_labels": 5}
     plotter.add_mesh(
         particles.glyph(scale="diameter_m", orient=False, geom=sphere),
-        scalars="speed_m_per_s",
-        cmap="viridis",
-        clim=(0.0, fast or 1.0),
         smooth_shading=True,
-        scalar_bar_args={
-            "title": "speed / (m/s)\n",
-            "color": "black",
-            "vertical": True,
-            "position_x": 0.06,
-            "position_y": 0.3,
-            "height": 0.5,
-            "n_labels": 5,
-            "fmt": "%.2g",
-            "title_font_size": 18,
-            "label_font_size": 16,
-        },
+        **_by_speed(_fast_m_per_s(particles), title_font_size=18, label_font_size=16, **bar),
     )
 
 
-def _last(series: Path) -> Path:
-    return sorted(series.glob("*.vtu"))[-1]
+def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
+    """As splats, which cost a fraction of meshed spheres."""
+    if particles is None or particles.n_points == 0:
+        return
+    spheres = pyvista.PolyData(np.asarray(particles.points))
+    for name in ("speed_m_per_s", "diameter_m"):
+        spheres[name] = particles[name]
+    bar = {"position_x": 0.73, "position_y": 0.86, "width": 0.26, "height": 0.12, "n_labels": 2}
+    actor = plotter.add_mesh(
+        spheres,
+        style="points_gaussian",
+        render_points_as_spheres=True,
+        emissive=False,
+        **_by_speed(fast_m_per_s, title_font_size=15, label_font_size=14, **bar),
+    )
+    actor.mapper.scale_array = "diameter_m"
+    actor.mapper.scale_factor = 0.5
+
+
+def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
+    """How speeds are coloured, with the place of the colour bar."""
+    return {
+        "scalars": "speed_m_per_s",
+        "cmap": "viridis",
+        "clim": (0.0, fast_m_per_s),
+        "show_scalar_bar": True,
+        "scalar_bar_args": {"title": "speed / (m/s)", "color": "black", "fmt": "%.2g", **bar},
+    }
+
+
+def _look(plotter: Any, points_m: Any) -> None:
+    """The points (n, 3) fill the view, with some room above them for what is thrown."""
+    toward = np.array(FILM_VIEW) / np.linalg.norm(FILM_VIEW)
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    right /= np.linalg.norm(right)
+    axes = np.stack([right, np.cross(toward, right), toward])
+    seen = points_m @ axes.T
+    wide, tall, _ = MARGIN * np.ptp(seen, axis=0)
+    height = min(max(WIDTH * tall / wide + TEXT, SMALLEST), LARGEST)
+    scale = max(wide / WIDTH, tall / (height - TEXT))  # m to a pixel
+    middle = (seen.max(axis=0) + seen.min(axis=0)) / 2 + [0.0, scale * TEXT / 2, 0.0]
+    plotter.window_size = [WIDTH, int(height) // 2 * 2]
+    plotter.enable_parallel_projection()
+    plotter.camera.focal_point = middle @ axes
+    plotter.camera.position = middle @ axes + 10.0 * wide * toward
+    plotter.camera.up = (0.0, 0.0, 1.0)
+    plotter.camera.parallel_scale = scale * height / 2
+    plotter.reset_camera_clipping_range()
+
+
+def _webp(pictures: list[Image.Image]) -> bytes:
+    made = io.BytesIO()
+    pictures[0].save(
+        made,
+        "WEBP",
+        save_all=True,
+        append_images=pictures[1:],
+        duration=FRAME_MS,
+        loop=0,
+        quality=QUALITY,
+        method=4,
+    )
+    return made.getvalue()
+
+
+if __name__ == "__main__":
+    webp, times_s = render_film(Path(sys.argv[1]), float(sys.argv[2]))
+    Path(sys.argv[3]).write_bytes(webp)
+    said = {"frames": len(times_s), "start_s": times_s[0], "end_s": times_s[-1]}
+    sys.stdout.write(json.dumps(said))

@@ -13,6 +13,12 @@ from orchestrator.output.report.formatting import interval, number
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.preflight.scene.effect import in_words
 
+MM_IN_1000_H = 1e6  # 1 m/h
+WEAR_NOTE = (
+    "As deep as this after 1000 hours if they all went on like the averaged part of the run; "
+    "the specific wear that the case gives is nearly all of its uncertainty."
+)
+
 
 @dataclass(frozen=True)
 class Sheet:
@@ -170,6 +176,28 @@ def panels_sheet(motion: dict[str, Any], whole: float) -> Sheet:
 
 
 NO_CYCLE = "none: nothing drives the machine"
+
+
+def wear_sheet(wear: dict[str, Any]) -> Sheet:
+    """Every panel."""
+    columns = (
+        "panel",
+        "mean / (mm in 1000 h)",
+        "deepest patch / (mm in 1000 h)",
+        "there: share of length, of width",
+        "worn through after / h",
+    )
+    rows = tuple(
+        (
+            name,
+            interval(panel["mean_m_per_h"], MM_IN_1000_H),
+            number(panel["largest_m_per_h"], MM_IN_1000_H),
+            ", ".join(number(share, digits=2) for share in panel["largest_at"]),
+            number(panel["worn_through_h"]),
+        )
+        for name, panel in wear["panels"].items()
+    )
+    return Sheet("Wear", columns, rows, WEAR_NOTE)
 
 
 def machine_facts(data: RunReader) -> Iterator[tuple[str, str]]:
