@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from adapters.particles.surface.triangle_spin import TriangleSpin
+from adapters.particles.spheres.triangle_spin import TriangleSpin
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import MACHINE
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from adapters.particles.spheres.adhesion import JkrLaw
+from adapters.particles.spheres.laws import NormalLaw
 from orchestrator.ports import HermitePath, Motion
 from orchestrator.preflight.stability.contact_limits import HELD, late_contact_s, light_point_s
 from orchestrator.preflight.stability.frame_limits import extrapolated_clamps_s
@@ -26,8 +27,9 @@ def spectral_radius(*coefficients: float) -> float:
 def jkr(overlap_m: float) -> float:
     """Force over pull-off force at an overlap, with w = E* = R* = 1."""
     one = np.zeros(1, dtype=int)
-    law = JkrLaw(np.ones((1, 1)), np.ones((1, 1)), 10.0)
-    at = law.at((one, one), (np.full(1, 2.0), np.full(1, 2.0)), np.array([overlap_m]))
+    law = NormalLaw(np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)), 10.0)
+    pair = SimpleNamespace(materials=(one, one), reduced_radius_m=np.ones(1))
+    at = law.at(pair, np.array([overlap_m]))
     return float(at.force_N[0]) / PULL_OFF_N
 
 

@@ -9,10 +9,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 
-from adapters.particles.spheres.contacts import laws
-from adapters.particles.spheres.forces import System, forces_at
-from adapters.particles.spheres.neighbours import neighbours
-from adapters.particles.spheres.state import spheres as rows
+from adapters.particles.spheres.contacts import Neighbours
+from adapters.particles.spheres.forces import compute_forces
+from adapters.particles.spheres.laws import Laws
+from adapters.particles.spheres.spheres import Spheres
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan
@@ -59,7 +59,8 @@ def pit(slope: float, sides: int) -> TriangleSurface:
 
 def single_N(overlap_m: float) -> float:
     """Hertz for a single contact of the sphere with ``make_plan``'s surface."""
-    hertz = laws(make_plan(fold(0.0, RIDGE), spheres([0.0, 0.0, 0.05]))).youngs_modulus_Pa
+    plan = make_plan(fold(0.0, RIDGE), spheres([0.0, 0.0, 0.05]))
+    hertz = Laws.of(plan).normal.youngs_modulus_Pa
     return float(4 / 3 * hertz[0, 1] * np.sqrt(RADIUS_M) * overlap_m**1.5)
 
 
@@ -72,16 +73,16 @@ def held(code: str, surface: TriangleSurface, place_m: Array) -> Held:
 
 
 def _in_spheres(plan: ParticlesPlan) -> Held:
-    some, surface_m = rows(plan.particles, 1), plan.surface.position_m
+    some, surface_m = Spheres.of(plan.particles, 1), plan.surface.position_m
     none = np.zeros(0, dtype=np.int64)  # the spheres do not know each other
-    near = replace(neighbours(some, plan.surface, surface_m), i=none, j=none)
+    near = replace(Neighbours.of(some, plan.surface, surface_m), i=none, j=none)
     still = Motion(surface_m, np.zeros_like(surface_m))
-    now = forces_at(System(plan.surface, laws(plan), None, None), some, still, near, None, 0.0)
-    given_N = np.zeros((len(some), 3))
+    now = compute_forces(Laws.of(plan), plan.surface, some, still, near, None, 0.0)
+    contacts, acting, given_N = now.contacts, now.acting, np.zeros((len(some), 3))
     # the barycentric weights hand on all of a contact's force
-    shares = now.touching.barycentric.sum(axis=1)[:, None] * (now.contact_N + now.turning_N)
-    np.subtract.at(given_N, now.touching.first, shares)
-    elastic_J = np.bincount(now.touching.first, now.elastic_J, len(some))
+    shares = contacts.barycentric.sum(axis=1)[:, None] * (acting.force_N + acting.turning_N)
+    np.subtract.at(given_N, contacts.first, shares)
+    elastic_J = np.bincount(contacts.first, acting.elastic_J, len(some))
     np.testing.assert_allclose(now.on_points_N.sum(axis=0), given_N.sum(axis=0), atol=1e-9)
     return Held(now.force_N, given_N, elastic_J)
 

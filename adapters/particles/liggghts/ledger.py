@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from adapters.particles.solid_spheres import SolidSpheres
 from orchestrator.ports import Account, AngularAccount, Array, Saved
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
@@ -19,17 +21,14 @@ _SUMS = ("_mass_kg", "_impulse_N_s", "_came_kg_m2_per_s", "_fed_J", "_removed_J"
 
 
 class Ledger:
-    """Sums over the ranks of the communicator.  Potential energy is zero at the origin.
-
-    Particles are given by LIGGGHTS's arrays: rmass, x, v, omega, radius.
-    """
+    """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
 
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
         self._comm = communicator
         self._gravity_m_per_s2 = plan.gravity_m_per_s2
         self._adhesive = plan.adhesion is not None
         self._periodic = plan.periodic_y
-        self._mass_kg = float(_arrays(plan.particles)["rmass"].sum())
+        self._mass_kg = float(_listed(plan.particles).mass_kg.sum())
         self._impulse_N_s, self._came_kg_m2_per_s = np.zeros((2, 3))
         self._fed_J = self._removed_J = self._first_J = 0.0
         self.removed_count = 0
@@ -44,21 +43,22 @@ class Ledger:
 
     def add_fed(self, particles: ParticleList) -> None:
         """Book particles that came, alike on all ranks."""
-        new = _arrays(particles)
-        self._mass_kg += float(new["rmass"].sum())
-        self._impulse_N_s += new["rmass"] @ new["v"]
-        self._came_kg_m2_per_s += _angular_momentum_kg_m2_per_s(new, new["v"])
-        self._fed_J += sum(self._motion_J(new))
+        new = _listed(particles)
+        self._mass_kg += float(new.mass_kg.sum())
+        self._impulse_N_s += new.momentum_kg_m_per_s()
+        self._came_kg_m2_per_s += new.angular_momentum_kg_m2_per_s()
+        self._fed_J += new.mechanical_J(self._gravity_m_per_s2)
 
-    def subtract_removed(self, gone: dict[str, Any], before_end_s: Array, step_s: float) -> None:
+    def subtract_removed(self, arrays: dict[str, Any], before_end_s: Array, step_s: float) -> None:
         """Book particles of this rank taken out, ``before_end_s`` (n,) before the interval's end."""
-        mass_kg, velocity_m_per_s = gone["rmass"], gone["v"]
+        gone, gravity_m_per_s2 = _owned(arrays), self._gravity_m_per_s2
         # `add_gravity` lets gravity act on them to the interval's end
-        taken_N_s = mass_kg @ velocity_m_per_s + (mass_kg @ before_end_s) * self._gravity_m_per_s2
+        taken_N_s = gone.momentum_kg_m_per_s() + (gone.mass_kg @ before_end_s) * gravity_m_per_s2
         # the sum of gravity's moments knows them up to the step before
-        half_a_step_before_m_per_s = velocity_m_per_s - step_s / 2.0 * self._gravity_m_per_s2
-        angular = _angular_momentum_kg_m2_per_s(gone, half_a_step_before_m_per_s)
-        sums = np.array([len(mass_kg), mass_kg.sum(), sum(self._motion_J(gone)), *taken_N_s, *angular])
+        earlier_m_per_s = gone.velocity_m_per_s - step_s / 2.0 * gravity_m_per_s2
+        angular = replace(gone, velocity_m_per_s=earlier_m_per_s).angular_momentum_kg_m2_per_s()
+        removed_J = gone.mechanical_J(gravity_m_per_s2)
+        sums = np.array([len(gone), gone.mass_kg.sum(), removed_J, *taken_N_s, *angular])
         sums = self._comm.allreduce(sums)
         self.removed_count += round(sums[0])
         self._mass_kg -= sums[1]
@@ -68,12 +68,12 @@ class Ledger:
 
     def account(self, engine: Engine) -> Account:
         """The books of now."""
-        mine = engine.particles()
+        mine = _owned(engine.particles())
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))
         gained_J = sum(stored_J.values()) - self._first_J
         return Account(
-            momentum_kg_m_per_s=self._comm.allreduce(mine["rmass"] @ mine["v"]),
+            momentum_kg_m_per_s=self._comm.allreduce(mine.momentum_kg_m_per_s()),
             outside_impulse_N_s=self._impulse_N_s.copy(),
             stored_J=stored_J,
             lost_J={"contact_dissipation": work_J + self._fed_J - self._removed_J - gained_J},
@@ -84,8 +84,7 @@ class Ledger:
 
     def _angular(self, engine: Engine) -> AngularAccount:
         """Angular momentum; of particles that are moved across periodic sides it would jump."""
-        mine = engine.particles()
-        momentum = _angular_momentum_kg_m2_per_s(mine, mine["v"])
+        momentum = _owned(engine.particles()).angular_momentum_kg_m2_per_s()
         given, moment = engine.angular_impulse_N_m_s(), engine.mass_moment_time_kg_m_s()
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))
         fell = np.cross(moment, self._gravity_m_per_s2)
@@ -98,40 +97,34 @@ class Ledger:
         restore_attributes(self, saved, *_SUMS)
 
     def _stored_J(self, engine: Engine) -> dict[str, float]:
-        kinetic_J, potential_J = self._motion_J(engine.particles())
+        mine = _owned(engine.particles())
         surface, pairs = engine.surface_energy_J(), engine.pair_energy_J()
         contacts_J = [surface[part] + pairs[part] for part in ("elastic_J", "adhesion_J")]
-        sums = self._comm.allreduce(np.array([kinetic_J, potential_J, *contacts_J]))
+        motion_J = (mine.kinetic_J(), mine.gravitational_J(self._gravity_m_per_s2))
+        sums = self._comm.allreduce(np.array([*motion_J, *contacts_J]))
         names = ("kinetic", "gravitational", "contact_elastic", "adhesion")
         stored_J = dict(zip(names, map(float, sums), strict=True))
         if not self._adhesive:
             del stored_J["adhesion"]
         return stored_J
 
-    def _motion_J(self, some: dict[str, Any]) -> tuple[float, float]:
-        """Kinetic (with rotation, solid spheres) and gravitational energy."""
-        turning = _inertia_kg_m2(some) @ (some["omega"] ** 2).sum(axis=1)
-        kinetic_J = 0.5 * float(some["rmass"] @ (some["v"] ** 2).sum(axis=1) + turning)
-        return kinetic_J, -float(some["rmass"] @ (some["x"] @ self._gravity_m_per_s2))
+
+def _listed(particles: ParticleList) -> SolidSpheres:
+    return SolidSpheres(
+        mass_kg=sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3),
+        radius_m=0.5 * particles.diameter_m,
+        position_m=particles.position_m,
+        velocity_m_per_s=particles.velocity_m_per_s,
+        spin_rad_per_s=particles.spin_rad_per_s,
+    )
 
 
-def _arrays(particles: ParticleList) -> dict[str, Array]:
-    """Particles from memory under LIGGGHTS's names."""
-    return {
-        "rmass": sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3),
-        "x": particles.position_m,
-        "v": particles.velocity_m_per_s,
-        "omega": particles.spin_rad_per_s,
-        "radius": 0.5 * particles.diameter_m,
-    }
-
-
-def _inertia_kg_m2(some: dict[str, Any]) -> Array:
-    """The moments of inertia (n,) of solid spheres."""
-    return np.asarray(0.4 * some["rmass"] * some["radius"] ** 2)
-
-
-def _angular_momentum_kg_m2_per_s(some: dict[str, Any], velocity_m_per_s: Array) -> Array:
-    """The angular momentum (3,) about the origin."""
-    orbital = some["rmass"] @ np.cross(some["x"], velocity_m_per_s)
-    return np.asarray(orbital + _inertia_kg_m2(some) @ some["omega"])
+def _owned(arrays: dict[str, Any]) -> SolidSpheres:
+    """The particles of LIGGGHTS's arrays."""
+    return SolidSpheres(
+        mass_kg=arrays["rmass"],
+        radius_m=arrays["radius"],
+        position_m=arrays["x"],
+        velocity_m_per_s=arrays["v"],
+        spin_rad_per_s=arrays["omega"],
+    )

@@ -1,108 +1,334 @@
-"""The contact law: normal force, viscous damping, and a tangential spring that friction limits.
-
-The same law as LIGGGHTS 3.8.0's ``tangential history`` with ``model hertz`` or our ``model jkr``
-(normal force: sphere_adhesion.py).  Sources: damping that gives the restitution set at every
-speed: Tsuji, Y., Tanaka, T. and Ishida, T., Powder Technology 71, 1992, 239-250, in the closed
-form of Antypov, D. and Elliott, J. A., EPL 94, 2011, 50004, doi 10.1209/0295-5075/94/50004;
-tangential stiffness 8 G* a of Mindlin, R. D., Journal of Applied Mechanics 16, 1949, 259-268.
-Equations: docs/theory/spheres.md.
-"""
+"""Who touches whom at one instant, where, and which contact of the instant before goes on."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
+from scipy.spatial import cKDTree
 
-from adapters.particles.spheres.adhesion import Materials, Normal, NormalLaw, normal_law
-from orchestrator.ports import Array
-from orchestrator.ports.plans import ParticlesPlan
+from adapters.particles.spheres.rows import Rows
+from adapters.particles.spheres.smooth_patches import Places, find_minima, share_force
+from adapters.particles.spheres.spheres import Spheres
+from adapters.particles.spheres.triangle_spin import TriangleSpin, cross
+from orchestrator.ports import Array, Indices, Overlaps
+from orchestrator.ports.geometry import TriangleSurface, closest_on_triangle
 
-
-@dataclass(frozen=True)
-class Laws:
-    """Coefficients by pair of materials: arrays (k, k)."""
-
-    normal: NormalLaw
-    youngs_modulus_Pa: Array  # E*
-    shear_modulus_Pa: Array  # G*
-    damping_ratio: Array  # of the linear oscillator with the same restitution
-    sliding_friction: Array
-
-
-def laws(plan: ParticlesPlan) -> Laws:
-    """Raises ValueError for a restitution outside (0, 1]."""
-    if not ((plan.restitution > 0.0) & (plan.restitution <= 1.0)).all():
-        raise ValueError(f"restitution must be in (0, 1], got {plan.restitution.tolist()}")
-    E = np.array([material.youngs_modulus_Pa for material in plan.materials])
-    nu = np.array([material.poisson_ratio for material in plan.materials])
-    normal, shear = (1.0 - nu**2) / E, 2.0 * (2.0 - nu) * (1.0 + nu) / E
-    youngs_modulus_Pa = 1.0 / np.add.outer(normal, normal)
-    log_e = np.log(plan.restitution)
-    return Laws(
-        normal_law(plan, youngs_modulus_Pa),
-        youngs_modulus_Pa,
-        1.0 / np.add.outer(shear, shear),
-        -log_e / np.hypot(log_e, np.pi),
-        plan.sliding_friction,
-    )
+SKIN = 0.2  # of the largest radius, of the lists of neighbours
+SAME_CONTACT = 0.5  # cosine between a contact's normals at two instants
+SAME_PATCH = math.cos(math.radians(30.0))  # a new contact takes over the spring of a present one
 
 
 @dataclass(frozen=True)
-class Springs:
-    """Forces, stiffness and damping of n contacts at their present overlap: (n,).
+class Neighbours:
+    """Candidates for contacts: pairs of spheres (rows i < j), and a sphere and a triangle."""
 
-    ``pull_N`` is what the limits of friction and rolling resistance add to the normal force.
+    i: Indices
+    j: Indices
+    sphere: Indices
+    triangle: Indices
+    sphere_m: Array  # positions when the lists were made
+    surface_m: Array
+    skin_m: float
+
+    @staticmethod
+    def of(spheres: Spheres, surface: TriangleSurface, surface_m: Array) -> Neighbours:
+        """The lists for spheres and surface points where they are now."""
+        largest_m = float(np.max(spheres.radius_m, initial=0.0))
+        skin_m, center_m, radius_m = SKIN * largest_m, spheres.position_m, spheres.radius_m
+        i, j = np.empty((2, 0), dtype=np.int64)
+        if len(spheres) > 1:
+            pairs = cKDTree(center_m).query_pairs(2.0 * largest_m + skin_m, output_type="ndarray")
+            i, j = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))].astype(np.int64).T
+        near = np.linalg.norm(center_m[i] - center_m[j], axis=1) < radius_m[i] + radius_m[j] + skin_m
+        sphere, triangle = find_near_surface(spheres, skin_m, surface_m[surface.triangles])
+        return Neighbours(i[near], j[near], sphere, triangle, center_m.copy(), surface_m.copy(), skin_m)
+
+    def outdated(self, sphere_m: Array, surface_m: Array) -> bool:
+        """Whether a pair outside the lists could touch by now."""
+        moved_m = _farthest_m(sphere_m, self.sphere_m)
+        return moved_m + max(moved_m, _farthest_m(surface_m, self.surface_m)) >= self.skin_m
+
+
+def _farthest_m(now_m: Array, then_m: Array) -> float:
+    return float(np.sqrt(np.max(np.sum((now_m - then_m) ** 2, axis=1), initial=0.0)))
+
+
+def find_near_surface(spheres: Spheres, skin_m: float, corners_m: Array) -> tuple[Indices, Indices]:
+    """The spheres and triangles (corners (m, 3, 3)) with a gap below ``skin_m``."""
+    reach_m = spheres.radius_m + skin_m
+    apart_m = np.zeros((len(spheres), len(corners_m)))  # between bounding boxes
+    for axis in range(3):
+        x, low_m, high_m = (
+            spheres.position_m[:, axis, None],
+            corners_m[:, :, axis].min(axis=1),
+            corners_m[:, :, axis].max(axis=1),
+        )
+        apart_m = np.maximum(apart_m, np.maximum(low_m - x, x - high_m))
+    sphere, triangle = np.nonzero(apart_m <= reach_m[:, None])
+    center_m, corners_m = spheres.position_m[sphere], corners_m[triangle]
+    nearest_m = np.einsum("ij,ijk->ik", closest_on_triangle(center_m, corners_m), corners_m)
+    near = np.linalg.norm(center_m - nearest_m, axis=1) < reach_m[sphere]
+    return sphere[near], triangle[near]
+
+
+@dataclass(frozen=True)
+class Contacts(Rows):
+    """n contacts, first those between two spheres, then those of a sphere and the surface.
+
+    What a contact of the other kind has not is zero; the surface's radius is infinite.
     """
 
-    normal_N: Array
-    pull_N: Array
-    tangential_N_per_m: Array
-    normal_N_s_per_m: Array
-    tangential_N_s_per_m: Array
-    friction: Array
+    first: Indices  # (n,) row of the first sphere
+    second: Indices  # (n,) row of the second, -1: the surface
+    material: Indices  # (n,) of the first partner
+    second_material: Indices
+    radius_m: Array  # (n,) of the first partner
+    second_radius_m: Array
+    mass_kg: Array  # (n,) reduced
+    normal: Array  # (n, 3) to the first sphere
+    overlap_m: Array  # (n,)
+    weight: Array  # (n,) share of the force that acts, see smooth_patches.share_force
+    turning: Array  # (n, 3) m^(3/2), of the surface, see there
+    points: Indices  # (n, 3) corners of the triangle
+    barycentric: Array  # (n, 3) of the closest point
+    triangle: TriangleSpin
+
+    @property
+    def materials(self) -> tuple[Indices, Indices]:
+        return self.material, self.second_material
+
+    @property
+    def reduced_radius_m(self) -> Array:
+        return np.asarray(1.0 / (1.0 / self.radius_m + 1.0 / self.second_radius_m))
+
+    @property
+    def distance_m(self) -> Array:
+        """(n,) of the first sphere's centre from the surface."""
+        return self.radius_m - self.overlap_m
+
+    @property
+    def lever_m(self) -> Array:
+        """(n,) from the first sphere's centre to the contact plane, which lies half the overlap
+        inside (as LIGGGHTS has it, on the surface, too)."""
+        return self.radius_m - self.overlap_m / 2.0
+
+    @property
+    def second_lever_m(self) -> Array:
+        """(n,) from the second sphere's centre to the contact plane; 0 on the surface."""
+        return np.where(self.second < 0, 0.0, self.second_radius_m - self.overlap_m / 2.0)
+
+    def compute_slip(self, velocity_m_per_s: Array, spin_rad_per_s: Array, surface_m_per_s: Array) -> Array:
+        """Velocity (n, 3) of the first partner relative to the second at the contact, of the
+        spheres' velocities and spins, and the surface's velocity (n, 3) at the contacts."""
+        rolled = self.lever_m[:, None] * spin_rad_per_s[self.first]
+        rolled += self.second_lever_m[:, None] * spin_rad_per_s[self.second]
+        other = np.where(self.second[:, None] < 0, surface_m_per_s, velocity_m_per_s[self.second])
+        return np.asarray(velocity_m_per_s[self.first] - cross(rolled, self.normal) - other)
+
+    def compute_spin(self, spin_rad_per_s: Array, surface_rad_per_s: Array) -> Array:
+        """Spin (n, 3) of the first partner relative to the second."""
+        other = np.where(self.second[:, None] < 0, surface_rad_per_s, spin_rad_per_s[self.second])
+        return np.asarray(spin_rad_per_s[self.first] - other)
+
+    def at_contacts(self, point_values: Array) -> tuple[Array, Array]:
+        """Velocity of what a sphere touches and spin of its triangle, (n, 3) each, of velocities (or
+        small displacements) of all points.  A contact's plane is half the overlap below the
+        surface."""
+        corners = point_values[self.points]
+        spin = self.triangle.spin(corners)
+        closest = np.einsum("ij,ijk->ik", self.barycentric, corners)
+        return closest - self.overlap_m[:, None] / 2.0 * cross(spin, self.normal), spin
+
+    def renumbered(self, row: Indices) -> tuple[npt.NDArray[np.bool_], Contacts]:
+        """Which contacts stay (n,), and these, if sphere i is now ``row[i]``, gone if negative."""
+        stays = (row[self.first] >= 0) & ((self.second < 0) | (row[self.second] >= 0))
+        left = self.part(stays)
+        second = np.where(left.second < 0, -1, row[left.second])
+        return stays, replace(left, first=row[left.first], second=second)
+
+    def deepest(self) -> Overlaps:
+        """The deepest of them."""
+        share = self.overlap_m / (2.0 * np.minimum(self.radius_m, self.second_radius_m))
+        kinds = (self.second >= 0, self.second < 0)
+        sizes = [values[kind] for kind in kinds for values in (self.overlap_m, share)]
+        return Overlaps(*(float(size.max(initial=0.0)) for size in sizes))
+
+    def sum_on_spheres(
+        self, force_N: Array, turning_N: Array, couple_N_m: Array, spheres: int
+    ) -> tuple[Array, Array]:
+        """Force and torque, (spheres, 3) each, of forces and couples (n, 3) on the first partners
+        (the second gets the opposite), and of forces (n, 3) of the surface through the sphere's
+        centre."""
+        force, torque = np.zeros((spheres, 3)), np.zeros((spheres, 3))
+        pair = self.second >= 0
+        second, turn = self.second[pair], cross(self.normal, force_N)
+        np.add.at(force, self.first, force_N + turning_N)
+        np.subtract.at(force, second, force_N[pair])
+        np.add.at(torque, self.first, couple_N_m - self.lever_m[:, None] * turn)
+        on_second_N_m = couple_N_m + self.second_lever_m[:, None] * turn
+        np.subtract.at(torque, second, on_second_N_m[pair])
+        return force, torque
+
+    def sum_on_points(self, force_N: Array, turning_N: Array, couple_N_m: Array, points: int) -> Array:
+        """Force (points, 3) on the surface, of the same forces and couples: the force acts at the
+        closest point, by barycentric weights, and the couple that is left about it on the corners
+        of the triangle (of resistance to rolling, and as friction acts below the surface)."""
+        given, from_surface_N = np.zeros((points, 3)), force_N + turning_N
+        moment_N_m = couple_N_m - self.lever_m[:, None] * cross(self.normal, force_N)
+        moment_N_m += self.distance_m[:, None] * cross(self.normal, from_surface_N)
+        shares = self.barycentric[:, :, None] * from_surface_N[:, None, :]
+        np.subtract.at(given, self.points, shares + self.triangle.forces(moment_N_m))
+        return given
 
 
-def springs(laws: Laws, materials: Materials, normal: Normal, mass_kg: Array) -> Springs:
-    """``mass_kg`` is the reduced mass; all (n,)."""
-    S_n = 2.0 * laws.youngs_modulus_Pa[materials] * normal.contact_radius_m
-    S_t = 8.0 * laws.shear_modulus_Pa[materials] * normal.contact_radius_m
-    damping = 2.0 * np.sqrt(5.0 / 6.0) * laws.damping_ratio[materials]
-    return Springs(
-        normal.force_N,
-        normal.pull_N,
-        S_t,
-        damping * np.sqrt(S_n * mass_kg),
-        damping * np.sqrt(S_t * mass_kg),
-        laws.sliding_friction[materials],
+class Adhesive(Protocol):
+    """What the search asks of the normal law."""
+
+    @property
+    def reach_m(self) -> float: ...
+
+    def separation_m(self, contacts: Contacts) -> Array: ...
+
+
+def find_contacts(
+    spheres: Spheres,
+    surface: TriangleSurface,
+    surface_m: Array,
+    near: Neighbours,
+    law: Adhesive,
+    before: Contacts | None,
+) -> Contacts:
+    """All contacts with the surface points at ``surface_m``; ``law`` and the contacts ``before``
+    decide which hold beyond zero overlap."""
+    on_surface = _find_on_surface(spheres, surface, surface_m, near, law, before)
+    pairs = _find_between_spheres(spheres, near, law, before)
+    return pairs.followed_by(on_surface) if len(pairs.first) else on_surface
+
+
+def _find_between_spheres(
+    spheres: Spheres, near: Neighbours, law: Adhesive, before: Contacts | None
+) -> Contacts:
+    between_m = spheres.position_m[near.i] - spheres.position_m[near.j]
+    distance_m = np.sqrt(np.einsum("ij,ij->i", between_m, between_m))
+    overlap_m = spheres.radius_m[near.i] + spheres.radius_m[near.j] - distance_m
+    hit = np.flatnonzero(overlap_m > -law.reach_m)
+    i, j, n = near.i[hit], near.j[hit], len(hit)
+    contacts = Contacts(
+        first=i,
+        second=j,
+        material=spheres.material[i],
+        second_material=spheres.material[j],
+        radius_m=spheres.radius_m[i],
+        second_radius_m=spheres.radius_m[j],
+        mass_kg=1.0 / (1.0 / spheres.mass_kg[i] + 1.0 / spheres.mass_kg[j]),
+        normal=between_m[hit] / distance_m[hit, None],
+        overlap_m=overlap_m[hit],
+        weight=np.ones(n),
+        turning=np.zeros((n, 3)),
+        points=np.zeros((n, 3), dtype=np.int64),
+        barycentric=np.zeros((n, 3)),
+        triangle=TriangleSpin(np.zeros((n, 3, 3)), np.zeros((n, 3, 3))),
     )
+    if law.reach_m == 0.0:
+        return contacts
+    necked = _find_pairs(i, j, before, len(spheres)) >= 0
+    overlap_m = contacts.overlap_m
+    return contacts.part((overlap_m > 0.0) | (necked & (overlap_m >= law.separation_m(contacts))))
 
 
-@dataclass(frozen=True)
-class ContactForces:
-    """Forces on the first partner of each contact, (n, 3), and the shear that is left, (n, 3)."""
+def _find_on_surface(
+    spheres: Spheres,
+    surface: TriangleSurface,
+    surface_m: Array,
+    near: Neighbours,
+    law: Adhesive,
+    before: Contacts | None,
+) -> Contacts:
+    """The contacts among the candidates, but those without weight."""
+    sphere, triangles = near.sphere, surface.triangles[near.triangle]
+    corners_m, center_m = surface_m[triangles], spheres.position_m[sphere]
+    barycentric = closest_on_triangle(center_m, corners_m)
+    out_m = center_m - np.einsum("ij,ijk->ik", barycentric, corners_m)
+    distance_m = np.sqrt(np.einsum("ij,ij->i", out_m, out_m))
+    overlap_m = spheres.radius_m[sphere] - distance_m
+    hit = np.flatnonzero(overlap_m > -law.reach_m)
+    hit = hit[find_minima(sphere[hit], triangles[hit], barycentric[hit], overlap_m[hit])]
+    sphere, n = sphere[hit], len(hit)
+    contacts = Contacts(
+        first=sphere,
+        second=np.full(n, -1),
+        material=spheres.material[sphere],
+        second_material=surface.material[near.triangle[hit]],
+        radius_m=spheres.radius_m[sphere],
+        second_radius_m=np.full(n, np.inf),
+        mass_kg=spheres.mass_kg[sphere],
+        normal=out_m[hit] / distance_m[hit, None],
+        overlap_m=overlap_m[hit],
+        weight=np.ones(n),
+        turning=np.zeros((n, 3)),
+        points=triangles[hit],
+        barycentric=barycentric[hit],
+        triangle=TriangleSpin.of(corners_m[hit]),
+    )
+    depth_m, corners_m = contacts.overlap_m, corners_m[hit]
+    if law.reach_m > 0.0:
+        necked = np.zeros(n, dtype=bool)
+        if before is not None:
+            necked = _match_by_normal(contacts, before)[1] >= 0
+        depth_m = depth_m - law.separation_m(contacts)
+        holds = (contacts.overlap_m > 0.0) | (necked & (depth_m >= 0.0))
+        contacts, depth_m, corners_m = contacts.part(holds), depth_m[holds], corners_m[holds]
+    places = Places(
+        contacts.first, depth_m, contacts.distance_m, contacts.normal, corners_m, contacts.barycentric > 0.0
+    )
+    weight, turning = share_force(places)
+    contacts = replace(contacts, weight=weight, turning=turning)
+    return contacts if weight.all() else contacts.part(weight > 0.0)
 
-    force_N: Array
-    damping_N: Array  # the part of it that the dampers give
-    shear_m: Array
-    grip_N: Array  # (n,) what friction and rolling resistance go by
+
+def match_contacts(now: Contacts, before: Contacts, spheres: int) -> tuple[Indices, Indices]:
+    """For each contact now its row in ``before`` or -1 if it is new, and the row whose spring it
+    takes over: its own, or of a contact of the same smooth patch, or -1."""
+    same, parent = _match_by_normal(now, before)
+    pair = now.second >= 0
+    same[pair] = _find_pairs(now.first[pair], now.second[pair], before, spheres)
+    parent[pair] = same[pair]
+    return same, parent
 
 
-def contact_forces(law: Springs, normal: Array, slip_m_per_s: Array, shear_m: Array) -> ContactForces:
-    """``normal`` points from the second partner to the first; ``slip_m_per_s`` (n, 3) is the velocity
-    of the first relative to the second at the contact; ``shear_m`` the spring's elongation with
-    this step's slip in it.  A sliding contact has no tangential damping.
+def _find_pairs(i: Indices, j: Indices, before: Contacts | None, spheres: int) -> Indices:
+    """The row in ``before`` of each pair of spheres, or -1; both ascend, as the lists do."""
+    pairs = 0 if before is None else int(np.count_nonzero(before.second >= 0))
+    if before is None or pairs == 0:
+        return np.full(len(i), -1)
+    old, new = before.first[:pairs] * spheres + before.second[:pairs], i * spheres + j
+    place = np.minimum(np.searchsorted(old, new), pairs - 1)
+    return np.asarray(np.where(old[place] == new, place, -1))
+
+
+def _match_by_normal(now: Contacts, before: Contacts) -> tuple[Indices, Indices]:
+    """For each contact of the surface the row of the contact before that it continues, or -1, and
+    the row of the one that it continues or comes from, or -1.
+
+    Contacts of one sphere are paired by nearest normal, nearest first, each once, and only closer
+    than 60 degrees.  One that is left over comes from the contact with the nearest normal closer
+    than 30 degrees.
     """
-    closing_m_per_s = np.einsum("ij,ij->i", slip_m_per_s, normal)
-    damping_n = -law.normal_N_s_per_m * closing_m_per_s
-    grip_N = np.abs(law.normal_N + damping_n + law.pull_N)
-    stretched_N = law.tangential_N_per_m * np.linalg.norm(shear_m, axis=1)
-    limit_N = law.friction * grip_N
-    sliding = stretched_N > limit_N
-    shrink = np.where(sliding, limit_N / np.where(sliding, stretched_N, 1.0), 1.0)
-    shear_m = shear_m * shrink[:, None]
-    tangential_N_s_per_m = np.where(sliding, 0.0, law.tangential_N_s_per_m)
-    tangential_m_per_s = slip_m_per_s - closing_m_per_s[:, None] * normal
-    damping_N = damping_n[:, None] * normal - tangential_N_s_per_m[:, None] * tangential_m_per_s
-    elastic_N = law.normal_N[:, None] * normal - law.tangential_N_per_m[:, None] * shear_m
-    return ContactForces(elastic_N + damping_N, damping_N, shear_m, grip_N)
+    present, past = np.flatnonzero(now.second < 0), np.flatnonzero(before.second < 0)
+    new, old = np.nonzero(now.first[present, None] == before.first[past])
+    new, old = present[new], past[old]
+    cosine = np.einsum("ij,ij->i", now.normal[new], before.normal[old])
+    order = np.argsort(-cosine, kind="stable")
+    order = order[cosine[order] > SAME_CONTACT]
+    same, parent, taken = np.full(len(now.first), -1), np.full(len(now.first), -1), set()
+    for n, o, c in zip(*(each[order].tolist() for each in (new, old, cosine)), strict=True):
+        if parent[n] < 0 and c > SAME_PATCH:
+            parent[n] = o
+        if same[n] < 0 and o not in taken:
+            same[n] = parent[n] = o
+            taken.add(o)
+    return same, parent

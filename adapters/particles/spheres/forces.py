@@ -1,4 +1,4 @@
-"""All contact forces at one instant, what they store and what they dissipate."""
+"""All contact forces at one instant, what they store and dissipate, and how they answer to motion."""
 
 from __future__ import annotations
 
@@ -6,214 +6,164 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adapters.particles.spheres.adhesion import reduced
-from adapters.particles.spheres.contacts import Laws, contact_forces, springs
-from adapters.particles.spheres.neighbours import Neighbours
-from adapters.particles.spheres.partners import Partners, partners
-from adapters.particles.spheres.rolling import Rolling, across
-from adapters.particles.spheres.search import continued, touching
-from adapters.particles.spheres.state import Spheres
-from adapters.particles.spheres.touch import Touching
-from adapters.particles.spheres.wear import Wear
-from orchestrator.ports import Array, Indices, Motion
+from adapters.particles.spheres.contacts import Contacts, Neighbours, find_contacts, match_contacts
+from adapters.particles.spheres.laws import ContactForces, Laws, across
+from adapters.particles.spheres.spheres import Spheres
+from orchestrator.ports import Array, ContactTangent, Indices, Motion
 from orchestrator.ports.geometry import TriangleSurface
 
 
 @dataclass(frozen=True)
 class Forces:
-    """Arrays have one row per contact unless they say otherwise; (n, 3) are world vectors.  The
-    weights of contacts are in all but ``shear_m`` and ``couple_N_m``.
+    """The contacts and their forces, and the sums over spheres and surface points.
 
     ``lost_J``: lost since the instant before by tangential springs (their work less the change of
     what they store), by resistance to rolling (its work) and by necks that formed or snapped.
     ``damping_W``: power of the dampers now.
     """
 
-    touching: Touching
-    surface_m_per_s: Array  # velocity of the surface at its contacts
-    contact_N: Array  # (n, 3) on the first partner
-    turning_N: Array  # (surface contacts, 3) on the sphere, through its centre
-    damping_N: Array  # (n, 3) part of contact_N
-    shear_m: Array  # (n, 3)
-    tangential_N_per_m: Array  # (n,)
-    couple_N_m: Array  # (n, 3) on the first partner, against rolling
-    elastic_J: Array
-    tangential_J: Array  # part of elastic_J
-    adhesion_J: Array
+    contacts: Contacts
+    acting: ContactForces
+    surface_m_per_s: Array  # (contacts, 3) velocity of the surface
     force_N: Array  # (spheres, 3)
     torque_N_m: Array  # (spheres, 3)
     on_points_N: Array  # (points, 3)
     lost_J: float
     damping_W: float
 
-    def carried(self, velocity_m_per_s: Array) -> Forces:
-        """With the surface points at ``velocity_m_per_s`` (points, 3) from now on; the forces, which
-        the next half step takes, stay."""
-        return replace(self, surface_m_per_s=self.touching.at_contacts(velocity_m_per_s)[0])
+    @staticmethod
+    def sum_up(
+        contacts: Contacts,
+        acting: ContactForces,
+        surface_m_per_s: Array,
+        spheres: int,
+        points: int,
+        lost_J: float,
+    ) -> Forces:
+        """The sums over so many spheres and points."""
+        given = (acting.force_N, acting.turning_N, contacts.weight[:, None] * acting.couple_N_m)
+        force_N, torque_N_m = contacts.sum_on_spheres(*given, spheres)
+        on_points_N = contacts.sum_on_points(*given, points)
+        return Forces(contacts, acting, surface_m_per_s, force_N, torque_N_m, on_points_N, lost_J, 0.0)
 
-    def damped(self, velocity_m_per_s: Array, spin_rad_per_s: Array) -> Forces:
-        """With the dampers' power at the velocities of the full step."""
-        slip_m_per_s = self.touching.slip_m_per_s(velocity_m_per_s, spin_rad_per_s, self.surface_m_per_s)
-        return replace(self, damping_W=-float(np.vdot(self.damping_N, slip_m_per_s)))
+    def at_velocities(self, spheres: Spheres, surface_m_per_s: Array) -> Forces:
+        """With the surface points at these velocities (points, 3) from now on, and the dampers' power
+        at those of the full step; the forces, which the next half step takes, stay."""
+        at_contacts = self.contacts.at_contacts(surface_m_per_s)[0]
+        slip = self.contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, at_contacts)
+        damping_W = -float(np.vdot(self.acting.damping_N, slip))
+        return replace(self, surface_m_per_s=at_contacts, damping_W=damping_W)
 
-    def spent_J(self, jump_m: Array) -> float:
-        """Work that dampers, tangential springs and resistance to rolling do when the surface
-        points jump by ``jump_m`` (points, 3): none of them notices, so it is stored nowhere."""
-        pairs = self.touching.pairs
-        unaware_N = self.damping_N - self.tangential_N_per_m[:, None] * self.shear_m
-        moved_m, turned_rad = self.touching.at_contacts(jump_m)
-        couple_N_m = self.touching.weighted(self.couple_N_m)[pairs:]
-        return float(np.vdot(unaware_N[pairs:], moved_m) + np.vdot(couple_N_m, turned_rad))
+    def compute_spent_J(self, jump_m: Array) -> float:
+        """Work that dampers, tangential springs and resistance to rolling do when the surface points
+        jump by ``jump_m`` (points, 3): none of them notices, so it is stored nowhere."""
+        acting = self.acting
+        unaware_N = acting.damping_N - acting.tangential_N_per_m[:, None] * acting.shear_m
+        moved_m, turned_rad = self.contacts.at_contacts(jump_m)
+        couple_N_m = self.contacts.weight[:, None] * acting.couple_N_m
+        return float(np.vdot(unaware_N, moved_m) + np.vdot(couple_N_m, turned_rad))
+
+    def stored_J(self) -> float:
+        """The energy of all contacts."""
+        return float(self.acting.elastic_J.sum() + self.acting.adhesion_J.sum())
 
     def renumbered(self, row: Indices, spheres: int) -> Forces:
         """With sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
-        kept, contacts = self.touching.renumbered(row)
-        of_surface = kept[self.touching.pairs :]
-        contact_N, turning_N = self.contact_N[kept], self.turning_N[of_surface]
-        couple_N_m = self.couple_N_m[kept]
-        weighted_N_m = contacts.weighted(couple_N_m)
-        force_N, torque_N_m = contacts.on_spheres(contact_N, turning_N, weighted_N_m, spheres)
-        return Forces(
-            contacts,
-            self.surface_m_per_s[of_surface],
-            contact_N,
-            turning_N,
-            self.damping_N[kept],
-            self.shear_m[kept],
-            self.tangential_N_per_m[kept],
-            couple_N_m,
-            self.elastic_J[kept],
-            self.tangential_J[kept],
-            self.adhesion_J[kept],
-            force_N,
-            torque_N_m,
-            contacts.on_points(contact_N, turning_N, weighted_N_m, len(self.on_points_N)),
-            self.lost_J,
-            self.damping_W,
-        )
+        stays, contacts = self.contacts.renumbered(row)
+        acting, surface_m_per_s = self.acting.part(stays), self.surface_m_per_s[stays]
+        points = len(self.on_points_N)
+        left = Forces.sum_up(contacts, acting, surface_m_per_s, spheres, points, self.lost_J)
+        return replace(left, damping_W=self.damping_W)
 
 
-@dataclass(frozen=True)
-class History:
-    """What contacts remember of the instant before: their springs and couples, in the rows of now
-    and zero where a contact is new, and which contact each was (``same``, ``parent``: see
-    ``continued``)."""
-
-    same: Indices
-    parent: Indices
-    shear_m: Array
-    tension_N: Array
-    couple_N_m: Array
-    tangential_J: float  # in all, contacts that have ended included
-
-
-def history(now: Touching, before: Forces | None, spheres: int) -> History:
-    """Of the contacts ``now``, of so many spheres."""
-    shear_m, tension_N, couple_N_m = np.zeros((3, len(now.first), 3))
-    if before is None:
-        nothing = np.full(len(now.first), -1)
-        return History(nothing, nothing, shear_m, tension_N, couple_N_m, 0.0)
-    same, parent = continued(now, before.touching, spheres)
-    heir, old = np.flatnonzero(parent >= 0), np.flatnonzero(same >= 0)
-    shear_m[heir] = before.shear_m[parent[heir]]
-    couple_N_m[heir] = before.couple_N_m[parent[heir]]
-    tension_N[old] = before.tangential_N_per_m[same[old], None] * shear_m[old]
-    stored_J = float(before.tangential_J.sum())
-    return History(same, parent, shear_m, tension_N, couple_N_m, stored_J)
-
-
-@dataclass(frozen=True)
-class System:
-    """What stays the same during a run."""
-
-    surface: TriangleSurface
-    laws: Laws
-    rolling: Rolling | None
-    wear: Wear | None
-
-
-def forces_at(
-    system: System, spheres: Spheres, motion: Motion, near: Neighbours, before: Forces | None, step_s: float
+def compute_forces(
+    laws: Laws,
+    surface: TriangleSurface,
+    spheres: Spheres,
+    motion: Motion,
+    near: Neighbours,
+    before: Forces | None,
+    step_s: float,
 ) -> Forces:
-    """Forces with the surface points at ``motion``, ``step_s`` after ``before``."""
-    contacts = touching(
-        spheres,
-        system.surface,
-        motion.position_m,
-        near,
-        system.laws.normal,
-        before.touching if before is not None else None,
+    """The forces with the surface points at ``motion``, ``step_s`` after ``before``."""
+    contacts = find_contacts(
+        spheres, surface, motion.position_m, near, laws.normal, None if before is None else before.contacts
     )
     surface_m_per_s, surface_rad_per_s = contacts.at_contacts(motion.velocity_m_per_s)
-    slip_m_per_s = contacts.slip_m_per_s(spheres.velocity_m_per_s, spheres.spin_rad_per_s, surface_m_per_s)
-    two, weight = partners(contacts, spheres, surface_rad_per_s), contacts.weight
-    normal = system.laws.normal.at(two.materials, two.radii_m, contacts.overlap_m)
-    law = springs(system.laws, two.materials, normal, two.mass_kg)
-    earlier = history(contacts, before, len(spheres))
+    slip_m_per_s = contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, surface_m_per_s)
+    spin_rad_per_s = contacts.compute_spin(spheres.spin_rad_per_s, surface_rad_per_s)
+    # what springs and couples were, zero where a contact is new; lost until now: all they stored
+    shear_m, tension_N, couple_N_m = np.zeros((3, len(contacts.first), 3))
+    lost_J = 0.0
+    if before is not None:
+        same, parent = match_contacts(contacts, before.contacts, len(spheres))
+        heir, old = np.flatnonzero(parent >= 0), np.flatnonzero(same >= 0)
+        shear_m[heir] = before.acting.shear_m[parent[heir]]
+        couple_N_m[heir] = before.acting.couple_N_m[parent[heir]]
+        tension_N[old] = before.acting.tangential_N_per_m[same[old], None] * shear_m[old]
+        lost_J = float(before.acting.tangential_J.sum())
+        if laws.normal.reach_m > 0.0:
+            lost_J += _compute_necks_J(laws, contacts, before.contacts, same, parent)
     stretch_m = step_s * slip_m_per_s
-    shear_m = across(earlier.shear_m + stretch_m, contacts.normal)
-    at = contact_forces(law, contacts.normal, slip_m_per_s, shear_m)
-    if system.wear is not None:
-        system.wear.rub(contacts, two.materials, at.grip_N, shear_m - at.shear_m)
-    couple_N_m = earlier.couple_N_m
-    if system.rolling is not None:
-        couple_N_m = system.rolling.couple_N_m(two, law, at, contacts.normal, step_s, earlier.couple_N_m)
-    tangential_N_per_m = weight * law.tangential_N_per_m
-    tension_N = tangential_N_per_m[:, None] * at.shear_m
-    tangential_J = 0.5 * np.einsum("ij,ij->i", tension_N, at.shear_m)
-    lost_J = 0.5 * float(np.vdot(tension_N + earlier.tension_N, stretch_m))
-    lost_J += earlier.tangential_J - float(tangential_J.sum())
-    if system.rolling is not None:
-        mean_N_m = 0.5 * contacts.weighted(couple_N_m + earlier.couple_N_m)
-        lost_J -= step_s * float(np.vdot(mean_N_m, two.spin_rad_per_s))
-    if before is not None and system.laws.normal.reach_m > 0.0:
-        lost_J += _necks_J(system, spheres, contacts, earlier, before.touching)
-    contact_N, turning_N = contacts.weighted(at.force_N), _turning_N(system.laws, two, contacts)
-    weighted_N_m = contacts.weighted(couple_N_m)
-    force_N, torque_N_m = contacts.on_spheres(contact_N, turning_N, weighted_N_m, len(spheres))
-    return Forces(
-        contacts,
-        surface_m_per_s,
-        contact_N,
-        turning_N,
-        contacts.weighted(at.damping_N),
-        at.shear_m,
-        tangential_N_per_m,
-        couple_N_m,
-        weight * normal.elastic_J + tangential_J,
-        tangential_J,
-        weight * normal.adhesion_J,
-        force_N,
-        torque_N_m,
-        contacts.on_points(contact_N, turning_N, weighted_N_m, len(motion)),
-        lost_J,
-        0.0,
-    )
+    elongation_m = across(shear_m + stretch_m, contacts.normal)
+    acting = laws.at(contacts, slip_m_per_s, spin_rad_per_s, elongation_m, couple_N_m, step_s)
+    now_N = acting.tangential_N_per_m[:, None] * acting.shear_m
+    lost_J += 0.5 * float(np.vdot(now_N + tension_N, stretch_m)) - float(acting.tangential_J.sum())
+    mean_N_m = 0.5 * contacts.weight[:, None] * (acting.couple_N_m + couple_N_m)
+    lost_J -= step_s * float(np.vdot(mean_N_m, spin_rad_per_s))
+    return Forces.sum_up(contacts, acting, surface_m_per_s, len(spheres), len(motion), lost_J)
 
 
-def _turning_N(laws: Laws, two: Partners, contacts: Touching) -> Array:
-    """Hertz's energy is 8/15 E* sqrt(r) overlap^(5/2)."""
-    stiffness_N_per_m1_5 = 8.0 / 15.0 * laws.youngs_modulus_Pa[two.materials] * np.sqrt(reduced(two.radii_m))
-    return np.asarray(stiffness_N_per_m1_5[contacts.pairs :, None] * contacts.turning)
+def _compute_necks_J(laws: Laws, now: Contacts, before: Contacts, same: Indices, parent: Indices) -> float:
+    """Lost by necks that formed at zero overlap and by those that snapped: on either occasion the
+    pair changes its energy while it stays where it is."""
+    law, ended = laws.normal, np.ones(len(before.first), dtype=bool)
+    ended[same[same >= 0]] = False
+    formed, snapped = now.part(parent < 0), before.part(ended)
+    begun = law.at(formed, np.zeros(len(formed.first)))
+    gone = law.at(snapped, law.separation_m(snapped))
+    begun_J = np.vdot(formed.weight, begun.elastic_J + begun.adhesion_J)
+    return float(np.vdot(snapped.weight, gone.elastic_J + gone.adhesion_J) - begun_J)
 
 
-def _necks_J(system: System, spheres: Spheres, now: Touching, earlier: History, before: Touching) -> float:
-    """Lost by necks that formed at zero overlap and by those that snapped: on either occasion
-    the pair changes its energy while it stays where it is."""
-    formed, ended = earlier.parent < 0, np.ones(len(before.first), dtype=bool)
-    ended[earlier.same[earlier.same >= 0]] = False
-    law, lost_J = system.laws.normal, 0.0
-    for changed, sign in ((now.only(formed), -1.0), (before.only(ended), 1.0)):
-        if len(changed.first):
-            two = partners(changed, spheres, _still(changed))
-            place_m = np.zeros(len(changed.first))
-            if sign > 0.0:
-                place_m = law.separation_m(two.materials, two.radii_m)
-            at = law.at(two.materials, two.radii_m, place_m)
-            lost_J += sign * float(np.vdot(changed.weight, at.elastic_J + at.adhesion_J))
-    return lost_J
+def compute_contact_tangent(
+    spheres: Spheres, now: Forces, gravity_m_per_s2: Array, length_s: float
+) -> ContactTangent:
+    """How the load on the surface answers to the surface's motion over the next ``length_s``.
 
+    Each contact is linear about its present place.  Springs and dampers by the implicit midpoint
+    rule: the mean force on the sphere is  elastic - z (u - surface velocity), z = k H / 2 + g,  with
+    the mean velocity u of the point of the sphere that touches, which that force itself changes by
+    H / 2 times what it gives (docs/theory/coupling.md).
+    """
+    on_surface, half_s = now.contacts.second < 0, length_s / 2
+    contacts, acting = now.contacts.part(on_surface), now.acting.part(on_surface)
+    first, normal, still = contacts.first, contacts.normal, np.zeros((len(contacts.first), 3))
+    inertia_kg_m2 = spheres.inertia_kg_m2
+    # velocity that an impulse gives the point that touches, along the normal and across
+    light_1_kg = np.column_stack([1 / spheres.mass_kg, 1 / spheres.mass_kg])[first]
+    light_1_kg[:, 1] += contacts.lever_m**2 / inertia_kg_m2[first]
+    acceleration = now.force_N / spheres.mass_kg[:, None] + gravity_m_per_s2
+    turning = now.torque_N_m / inertia_kg_m2[:, None]
+    along_N = np.einsum("ij,ij->i", acting.force_N, normal)[:, None] * normal
+    own = light_1_kg[:, :1] * along_N + light_1_kg[:, 1:] * (acting.force_N - along_N)
+    # the point's mean velocity, were the contact's force not there
+    free_m_per_s = contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, still)
+    free_m_per_s += half_s * (contacts.compute_slip(acceleration, turning, still) - own)
 
-def _still(contacts: Touching) -> Array:
-    """Of a surface that does not turn: only radii and materials are asked for."""
-    return np.zeros((len(contacts.first) - contacts.pairs, 3))
+    impedance = acting.stiffness_N_per_m * half_s + acting.damping_N_s_per_m
+    share = 1.0 / (1.0 + impedance * half_s * light_1_kg)
+    along = normal[:, :, None] * normal[:, None, :]
+
+    def split(values: Array) -> Array:
+        return values[:, 0, None, None] * along + values[:, 1, None, None] * (np.eye(3) - along)
+
+    Z = split(share * impedance)
+    elastic_N = acting.force_N - acting.damping_N + acting.turning_N
+    push_N = np.einsum("nij,nj->ni", Z, free_m_per_s) - np.einsum("nij,nj->ni", split(share), elastic_N)
+    points, weight = len(now.on_points_N), contacts.barycentric
+    tangent = ContactTangent(np.zeros((points, 3)), np.zeros((points, 3, 3)))
+    np.add.at(tangent.push_N, contacts.points, weight[:, :, None] * push_N[:, None, :])
+    shares = weight[:, :, None, None] * Z[:, None, :, :]
+    np.add.at(tangent.impedance_N_s_per_m, contacts.points, shares)
+    return tangent

@@ -11,24 +11,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from orchestrator.ports import Array, Indices
+from adapters.particles.spheres.rows import Rows
+from orchestrator.ports import Array
 
 THINNEST = 1e-12  # of a triangle that takes up couples: some millionth as wide as it is long
 
 
 @dataclass(frozen=True)
-class TriangleSpin:
-    """Of n triangles: ``arms_m`` (n, 3, 3) of the corners about the centroid, ``inverse`` (n, 3, 3)
-    of J; zero for a triangle without area, which takes up no couple and counts as not turning."""
+class TriangleSpin(Rows):
+    """The arms (n, 3, 3) of the corners of n triangles about their centroids, and the inverse
+    (n, 3, 3) of J; it is zero for a triangle without area, which takes up no couple and counts as not
+    turning."""
 
     arms_m: Array
-    inverse_1_m2: Array
+    inverse_per_m2: Array
 
     @staticmethod
     def of(corners_m: Array) -> TriangleSpin:
-        """Of triangles with these corners, (n, 3, 3)."""
+        """The triangles with these corners (n, 3, 3)."""
         arms_m = corners_m - corners_m.sum(axis=1, keepdims=True) / 3.0
         xx, yy, zz = np.sum(arms_m**2, axis=1).T
         x, y, z = arms_m[:, :, 0], arms_m[:, :, 1], arms_m[:, :, 2]
@@ -47,23 +48,20 @@ class TriangleSpin:
         return TriangleSpin(arms_m, np.moveaxis(inverse, 2, 0))
 
     def spin(self, corners_m_per_s: Array) -> Array:
-        """(n, 3) of the corners' velocities (n, 3, 3)."""
+        """The spin (n, 3), of the corners' velocities (n, 3, 3)."""
         arms_m = self.arms_m.reshape(-1, 3)
         turning = cross(arms_m, corners_m_per_s.reshape(-1, 3)).reshape(-1, 3, 3).sum(axis=1)
-        return np.asarray(np.einsum("nij,nj->ni", self.inverse_1_m2, turning))
+        return np.asarray(np.einsum("nij,nj->ni", self.inverse_per_m2, turning))
 
     def forces(self, couple_N_m: Array) -> Array:
-        """On the corners, (n, 3, 3), of couples (n, 3)."""
-        turning = np.einsum("nij,nj->ni", self.inverse_1_m2, couple_N_m)
+        """The forces (n, 3, 3) on the corners, of couples (n, 3)."""
+        turning = np.einsum("nij,nj->ni", self.inverse_per_m2, couple_N_m)
         arms_m = self.arms_m.reshape(-1, 3)
         return cross(np.repeat(turning, 3, axis=0), arms_m).reshape(-1, 3, 3)
 
-    def only(self, some: npt.NDArray[np.bool_] | Indices) -> TriangleSpin:
-        return TriangleSpin(self.arms_m[some], self.inverse_1_m2[some])
-
 
 def cross(a: Array, b: Array) -> Array:
-    """Row by row, (n, 3); a third of the time of np.cross on short arrays."""
+    """The cross product row by row, (n, 3), in a third of the time of np.cross on short arrays."""
     product = np.empty(a.shape)
     (ax, ay, az), (bx, by, bz) = a.T, b.T
     np.subtract(ay * bz, az * by, out=product[:, 0])

@@ -1,13 +1,20 @@
-"""How the contacts of a sphere share its force where the surface is smooth.
+"""Which places of a triangulated surface a sphere touches, and how they share its force.
 
-Two contacts i, j whose normals differ by little are one contact, seen twice; at a sharp fold they
-are two.  Their elastic energies U_i ~ overlap^(5/2) are therefore joined by a p-norm,
+Every triangle near a sphere offers its closest point (on its face, an edge or a corner).  On a
+smooth surface neighbouring triangles offer nearly the same contact, so counting all of them would
+make the surface stiffer at each edge.  Therefore an edge or a corner counts only where none of its
+triangles comes nearer (``find_minima``).
+
+Of those that are left, two contacts i, j whose normals differ by little are one contact, seen twice;
+at a sharp fold they are two.  Their elastic energies U_i ~ overlap^(5/2) are therefore joined by a
+p-norm,
 
     U = (U_i^(1/s) + U_j^(1/s))^s,     s = 0 (one contact) ... 1 (two contacts),
 
 and the weight of a contact is dU/dU_i, so that the force has a potential and turns without a jump
-from one contact to the other.  Where normals turn (on edges and corners) s changes along the way;
--dU/ds grad s is then a force, too.  Theory and limits: docs/theory/particle_surface_contact.md.
+from one contact to the other (``share_force``).  Where normals turn (on edges and corners) s changes
+along the way; -dU/ds grad s is then a force, too.  Theory and limits:
+docs/theory/particle_surface_contact.md.
 """
 
 from __future__ import annotations
@@ -24,6 +31,27 @@ SMOOTH = math.cos(math.radians(15.0))
 SHARP = math.cos(math.radians(45.0))
 SHARPEST = 1e7  # power in the p-norm: on folds below 0.04 degrees rounding would set weights
 NEGLIGIBLE = 1e-12  # a weight that rounding would swallow
+
+
+def find_minima(sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Array) -> Indices:
+    """Rows of the candidates that are minima of the distance to the surface, deepest first.
+
+    ``sphere`` (n,) whose candidate it is, ``corners`` (n, 3) points of the triangle, ``barycentric``
+    (n, 3) where on it, ``overlap_m`` (n,).  A triangle is convex, so the distance grows from its
+    closest point in every direction.  A place on an edge or a corner is no minimum if a triangle that
+    has that edge or corner comes nearer; if it comes as near, it is the same place.
+    """
+    order = np.lexsort((-overlap_m, sphere))
+    sphere, corners, on_corner = sphere[order], corners[order], barycentric[order] > 0.0
+    minimum = np.ones(len(sphere), dtype=bool)
+    for shift in range(1, len(sphere)):
+        same = np.flatnonzero(sphere[shift:] == sphere[:-shift])
+        if not len(same):
+            break
+        later = same + shift
+        shared = np.any(corners[later, :, None] == corners[same, None, :], axis=2)
+        minimum[later[np.all(shared | ~on_corner[later], axis=1)]] = False
+    return np.asarray(order[minimum])
 
 
 @dataclass(frozen=True)
@@ -43,7 +71,7 @@ class Places:
     inside: npt.NDArray[np.bool_]
 
 
-def shared(places: Places) -> tuple[Array, Array]:
+def share_force(places: Places) -> tuple[Array, Array]:
     """Weight (n,), 0 ... 1, of each place, and the force (n, 3) of its turning normal.
 
     That force goes through the sphere's centre and is meant for an energy of overlap^(5/2): its
@@ -56,14 +84,14 @@ def shared(places: Places) -> tuple[Array, Array]:
     slot, crowded = np.arange(count.max()), np.flatnonzero(count > 1)
     filled = slot < count[crowded, None]
     row = np.where(filled, first[crowded, None] + slot, first[crowded, None])
-    some_weight, toward = _shared(places.overlap_m[row], places.normal[row], filled)
+    some_weight, toward = _share(places.overlap_m[row], places.normal[row], filled)
     weight[row[filled]] = some_weight[filled]
     turning[row[filled]] = toward[filled]
     weight[weight < NEGLIGIBLE] = 0.0
     return weight, _turning(places, turning)
 
 
-def _shared(overlap_m: Array, normal: Array, filled: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
+def _share(overlap_m: Array, normal: Array, filled: npt.NDArray[np.bool_]) -> tuple[Array, Array]:
     """Weights (m, c) of c places of m spheres, and dU/d(normal) of the energy by s, (m, c, 3).
 
     ``overlap_m`` (m, c), deepest first, ``normal`` (m, c, 3), ``filled`` (m, c): is there a place?

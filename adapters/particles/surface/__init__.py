@@ -1,1 +1,0 @@
-"""The surface of triangles as spheres meet it: nearest features, smooth patches, its turning."""
