@@ -3,4 +3,4 @@
 ``bridge`` is the C++ between LIGGGHTS and its adapter.
 """
 
-SHARED = frozenset({"surface"})
+SHARED = frozenset({"solid_spheres"})
