@@ -31,21 +31,10 @@ class TriangleSpin(Rows):
     def of(corners_m: Array) -> TriangleSpin:
         """The triangles with these corners (n, 3, 3)."""
         arms_m = corners_m - corners_m.sum(axis=1, keepdims=True) / 3.0
-        xx, yy, zz = np.sum(arms_m**2, axis=1).T
-        x, y, z = arms_m[:, :, 0], arms_m[:, :, 1], arms_m[:, :, 2]
-        xy, yz, zx = -np.sum(x * y, axis=1), -np.sum(y * z, axis=1), -np.sum(z * x, axis=1)
-        xx, yy, zz = yy + zz, zz + xx, xx + yy  # of J
-        rows = np.array(
-            [
-                [yy * zz - yz * yz, yz * zx - xy * zz, xy * yz - yy * zx],
-                [yz * zx - xy * zz, xx * zz - zx * zx, zx * xy - xx * yz],
-                [xy * yz - yy * zx, zx * xy - xx * yz, xx * yy - xy * xy],
-            ]
-        )
-        determinant = xx * rows[0, 0] + xy * rows[0, 1] + zx * rows[0, 2]
-        takes = determinant > THINNEST * (xx + yy + zz) ** 3
-        inverse = rows * (takes / np.where(takes, determinant, 1.0))
-        return TriangleSpin(arms_m, np.moveaxis(inverse, 2, 0))
+        size_m2 = np.einsum("nki,nki->n", arms_m, arms_m)[:, None, None]
+        J_m2 = size_m2 * np.eye(3) - np.einsum("nki,nkj->nij", arms_m, arms_m)
+        takes = np.linalg.det(J_m2)[:, None, None] > THINNEST * (2.0 * size_m2) ** 3
+        return TriangleSpin(arms_m, takes * np.linalg.inv(np.where(takes, J_m2, np.eye(3))))
 
     def spin(self, corners_m_per_s: Array) -> Array:
         """The spin (n, 3), of the corners' velocities (n, 3, 3)."""
