@@ -16,15 +16,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from adapters.panel.common.carried import CarriedSurface
 from orchestrator.ports import Account, Array, HermitePath, Motion, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 from orchestrator.ports.recording import Playback, RecordedGrid, both_ways, hats
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 def build(plan: PanelPlan) -> RecordedPanel:
@@ -65,6 +68,8 @@ class RecordedPanel(CarriedSurface):
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
         """Return shape functions, cubic between the grid's points and linear under the clamps."""
+        from scipy.sparse import csr_array
+
         return csr_array(interpolated(self._grid, self._edges_m, coordinates_m))
 
     def _placed(self, clamps: Motion, time_s: float) -> Motion:

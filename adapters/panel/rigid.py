@@ -13,14 +13,18 @@ the panel's own centre is not (edges too heavy by a factor of up to 3).
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
 from adapters.panel.common.carried import CarriedSurface
 from orchestrator.ports import Array, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 def build(plan: PanelPlan) -> RigidPanel:

@@ -12,7 +12,6 @@ from typing import Any
 import typer
 from typer.core import TyperGroup
 
-from orchestrator.case.file.errors import did_you_mean
 from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 from orchestrator.studies import commands
 from orchestrator.studies.options import Told
@@ -30,6 +29,8 @@ class Studies(TyperGroup):
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Returns a study as a command.  Raises BadParameter where there is none of this name."""
         if cmd_name not in (names := self.list_commands(ctx)):
+            from orchestrator.case.file.errors import did_you_mean
+
             raise typer.BadParameter(f'no study "{cmd_name}"; {did_you_mean(cmd_name, names)}')
         module = import_module(f"{commands.__name__}.{cmd_name.replace('-', '_')}")
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)

@@ -11,7 +11,6 @@ Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, 2nd ed. 2006, s
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import roots_sh_legendre
 
 from adapters.frames.common.linear import LinearMachine
 from orchestrator.ports import Array
@@ -72,6 +71,8 @@ def onward() -> Array:
 
 def _tableau() -> tuple[Array, Array, Array]:
     """Return nodes and weights on (0, 1), and a_ij = the integral of basis polynomial j up to node i."""
+    from scipy.special import roots_sh_legendre
+
     node, weight = roots_sh_legendre(STAGES)
     integral = np.array([end * (weight @ _basis(node, end * node)) for end in node])
     return node, weight, integral

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from adapters.frames.common.poses import cross
 from orchestrator.ports import Array, Known, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Drive, FramesPlan
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,8 @@ class Driving:
 
 def driving(drive: Drive, time_s: float) -> Driving:
     """The motion that the drive prescribes."""
+    from scipy.spatial.transform import Rotation
+
     when_s = np.array([time_s])
     shift_m, shift_m_per_s = shifted(drive, when_s)
     turn_rad, turn_rad_per_s = turned(drive, when_s)

@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import Body, Drive, Exciter, FramesPlan
@@ -44,6 +43,8 @@ class LinearMachine:
 
     def fastest_rad_per_s(self) -> float:
         """Highest undamped natural frequency, 0 without bushings or without free bodies."""
+        import scipy.linalg
+
         if not len(self.mass):
             return 0.0
         highest = scipy.linalg.eigh(self.stiffness, self.mass, eigvals_only=True)[-1]
@@ -73,6 +74,8 @@ class LinearMachine:
 
 def linearised(plan: FramesPlan, coordinates: tuple[int, ...]) -> LinearMachine:
     """The bodies that no drive moves, with these of their six coordinates in this order."""
+    import scipy.linalg
+
     each = len(coordinates)
     stretch = np.zeros((len(plan.bushings), 3, each * len(plan.bodies)))
     for row, bushing in zip(stretch, plan.bushings, strict=True):
@@ -175,4 +178,6 @@ def largest_step_s(plan: FramesPlan, machine: LinearMachine, largest_rad: float)
 
 
 def _mass(body: Body) -> Array:
+    import scipy.linalg
+
     return np.asarray(scipy.linalg.block_diag(body.mass_kg * np.eye(3), body.inertia_kg_m2))

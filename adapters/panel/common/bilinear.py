@@ -5,10 +5,14 @@ The points are numbered row by row along the panel: y = 0 first, then y = width.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.sparse import csr_array
 
 from orchestrator.ports import Array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 def points_m(rows_m: Array, width_m: float) -> Array:
@@ -21,6 +25,8 @@ def interpolation(rows_m: Array, width_m: float, coordinates_m: Array) -> csr_ar
 
     Raises ValueError for coordinates off the panel.
     """
+    from scipy.sparse import csr_array
+
     s, y = coordinates_m.T
     slack = 1e-9 * (rows_m[-1] - rows_m[0])
     off = (s < rows_m[0] - slack) | (s > rows_m[-1] + slack) | (y < -slack) | (y > width_m + slack)

@@ -3,10 +3,9 @@ what rigid and recorded panels share."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from scipy.sparse import csr_array, identity
 
 from orchestrator.ports import (
     Account,
@@ -21,6 +20,9 @@ from orchestrator.ports import (
 )
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restore_attributes, save_attributes
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 def build(points_m: Array, frame: str) -> CarriedSurface:
@@ -50,6 +52,8 @@ class CarriedSurface:
         mass_kg: Array | None = None,
         gravity_m_per_s2: Array | None = None,
     ) -> None:
+        from scipy.sparse import identity
+
         self.mount, self._name, clamps = mount, name, len(mount.position_m)
         self._carried = identity(clamps, format="csr") if carried is None else carried
         points = self._carried.shape[0]

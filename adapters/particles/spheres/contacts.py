@@ -8,7 +8,6 @@ from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from adapters.particles.spheres.rows import Rows
 from adapters.particles.spheres.smooth_patches import Places, find_minima, share_force
@@ -37,6 +36,8 @@ class Neighbours:
     @staticmethod
     def of(spheres: Spheres, surface: TriangleSurface, surface_m: Array) -> Neighbours:
         """The lists for spheres and surface points where they are now."""
+        from scipy.spatial import cKDTree
+
         largest_m = float(np.max(spheres.radius_m, initial=0.0))
         skin_m, center_m, radius_m = SKIN * largest_m, spheres.position_m, spheres.radius_m
         i, j = np.empty((2, 0), dtype=np.int64)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial.distance import cdist
 
 from adapters.particles.spheres.contacts import Neighbours, find_near_surface
 from adapters.particles.spheres.crossing import find_crossings
@@ -224,6 +223,8 @@ class SpheresSolver:
         self._replace(self._spheres.followed_by(new), np.arange(len(self._spheres)))
 
     def _find_room(self, offered: Spheres) -> npt.NDArray[np.bool_]:
+        from scipy.spatial.distance import cdist
+
         now, triangles = self._spheres, self._plan.surface.triangles
         reach_m = np.add.outer(offered.radius_m, now.radius_m)
         free = np.all(cdist(offered.position_m, now.position_m) >= reach_m, axis=1)
