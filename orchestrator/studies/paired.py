@@ -19,6 +19,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
@@ -46,6 +47,7 @@ RUNS_IN_BUDGET = 4
 FEWEST_CYCLES = 6
 """Of the machine, after its run-up: half of the cycles are looked at."""
 STRIP_CELLS = 16
+ACROSS = "variation-across"
 MIDDLE = "flipflow-middle-of"
 AUTO = "effects=auto"
 
@@ -226,9 +228,10 @@ def _watched(case: Case) -> Iterator[str]:
 
 
 def _cheaper_panels(case: Case, effect: str) -> Iterator[str]:
-    if case.panel.solver in ("sheet", "solid") and effect != "variation-across":
+    if effect != ACROSS and solvers.panel(case).varies_across:
+        narrow = solvers.without("panel", ACROSS)
         cells = f"panel.cells=[{min(STRIP_CELLS, max(2, case.panel.cells[0]))}, 1]"
-        yield from ("panel.solver=strip", "panel.integrator=explicit", "panel.step_s=0.0", cells)
+        yield from (f"panel.solver={narrow}", "panel.integrator=explicit", "panel.step_s=0.0", cells)
 
 
 @lru_cache(maxsize=256)

@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.overlays import changed
 from orchestrator.case.tables.case import Case
@@ -243,7 +244,7 @@ def seeded(case: Case, number: int) -> tuple[str, ...]:
 
 def is_random(case: Case) -> bool:
     """Returns whether seeds change anything."""
-    return bool(seeded(case, 1)) and case.particles.solver != "none"
+    return bool(seeded(case, 1)) and solvers.particles(case) is not None
 
 
 def sample_s(interval_s: float) -> Fraction:
