@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from orchestrator.preflight.cost import particles_at_start, predicted_range_s
 from orchestrator.preflight.levels import load
-from orchestrator.studies.accuracy.calibration import meter_panel
 from orchestrator.studies.accuracy.measured import parts_s
+from orchestrator.studies.accuracy.plan import timed
 from tests.runs.outside import ROOT
 
 CASES = {
@@ -79,7 +79,7 @@ def compared(name: str) -> Compared:
     path = ROOT / "cases" / folder
     case = load(path, level, sets).case
     thin_s, thick_s = predicted_range_s(case, particles_at_start(case))
-    return Compared(name, thin_s, thick_s, parts_s(meter_panel(path, level, sets)))
+    return Compared(name, thin_s, thick_s, parts_s(timed(path, level, sets)))
 
 
 def main(names: list[str]) -> None:

@@ -14,8 +14,7 @@ from pathlib import Path
 from statistics import median
 
 from orchestrator.preflight.levels import load
-from orchestrator.studies.accuracy.calibration import by_study, meter_panel
-from orchestrator.studies.accuracy.stored import Candidate, Stored, stored
+from orchestrator.studies.accuracy.plan import Candidate, Stored, by_study, stored, timed
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02)
 OF_THE_STUDY = (0.5, 1.0, 1.5)
@@ -41,7 +40,7 @@ def series(case: Path, level: str, study: Stored) -> Iterator[tuple[str, float, 
         duration_s = share * study.found["base"]["simulated_s"]
         for one in candidates(study):
             timing = by_study(study, case, level)
-            run = meter_panel(case, level, [*given, *one.sets, f"duration_s={duration_s:.6g}"])
+            run = timed(case, level, [*given, *one.sets, f"duration_s={duration_s:.6g}"])
             taken_s = sum(run["wall_by_part_s"].values())
             yield one.label, duration_s, timing.wall_s(one.processor_s, duration_s), taken_s
 

@@ -13,6 +13,7 @@ from orchestrator.cli.options import CasePath, Level, Overrides
 
 if TYPE_CHECKING:
     from orchestrator.preflight.levels import LoadedCase
+    from orchestrator.studies.accuracy.plan import Stored
     from orchestrator.studies.trials import Asked
 
 
@@ -39,8 +40,9 @@ def check(
 def explain(
     case: CasePath,
     level: Level = None,
-    ladder: Annotated[
-        Path | None, typer.Option(help="ladder.json of flipflow ladder [default: the one beside case.toml]")
+    study: Annotated[
+        Path | None,
+        typer.Option(help="accuracy.json of flipflow study accuracy [default: the one beside case.toml]"),
     ] = None,
     results: Annotated[
         str | None,
@@ -57,8 +59,8 @@ def explain(
 
     For each effect: whether the case has it at this level, the dimensionless number that decides,
     the threshold, what follows, and which key changes it.  At the end: what matters and is
-    lacking, and what could be left out.  No solver is started or needed.  Where flipflow ladder has
-    measured what an effect amounts to, its figures take the estimate's place.
+    lacking, and what could be left out.  No solver is started or needed.  Where flipflow study accuracy
+    has measured what an effect amounts to, its figures take the estimate's place.
 
     With --for, a verdict is the change of these results in short runs with and without the effect
     at a cheap level, except where an estimate surely says that it may be left out.  The runs are
@@ -68,13 +70,21 @@ def explain(
     """
     from orchestrator.cli.explain import print_explanation
     from orchestrator.preflight.check import table_mistakes
-    from orchestrator.studies.ladder.stored import stored
 
     loaded = checked(case, level, overrides, table_mistakes)
     with reported_errors():
-        measured = stored(loaded, ladder)
+        measured = _stored(loaded, study)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
         print_explanation(loaded, measured, _tried(loaded, asked, budget), asked)
+
+
+def _stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
+    """The study of accuracy that is given, or lies beside the case; None where there is none."""
+    if given is None and not (loaded.folder / "accuracy.json").is_file():
+        return None
+    from orchestrator.studies.accuracy.plan import stored
+
+    return stored(loaded, given)
 
 
 def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:

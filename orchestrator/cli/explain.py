@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Console
@@ -17,8 +17,10 @@ from orchestrator.preflight.judgement.weighing import doubted, weighed
 from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.scene.effect import Part, in_words
 from orchestrator.preflight.stability.choice import AUTO
-from orchestrator.studies.ladder.stored import measured
 from orchestrator.studies.trials import Asked
+
+if TYPE_CHECKING:
+    from orchestrator.studies.accuracy.plan import Stored
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
@@ -28,22 +30,19 @@ NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels:
 
 
 def print_explanation(
-    loaded: LoadedCase,
-    ladder: Mapping[str, Any] | None = None,
-    tried: Asked | None = None,
-    asked: Sequence[str] = (),
+    loaded: LoadedCase, study: Stored | None = None, tried: Asked | None = None, asked: Sequence[str] = ()
 ) -> None:
     """Prints the verdicts on all effects of a case whose tables have no problems.
 
-    What a ``ladder`` measured of it, or what runs that were ``tried`` say of the results ``asked``
-    for, takes the place of estimates.
+    What a ``study`` of accuracy measured of it, or what runs that were ``tried`` say of the results
+    ``asked`` for, takes the place of estimates.
     """
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
     parts = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
-    if ladder is not None:
-        parts = {part: [_measured(one, ladder) for one in rows] for part, rows in parts.items()}
+    if study is not None:
+        parts = {part: [_measured(one, study) for one in rows] for part, rows in parts.items()}
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
@@ -56,8 +55,10 @@ def print_explanation(
         console.print(line, soft_wrap=True)
 
 
-def _measured(one: Judged, ladder: Mapping[str, Any]) -> Judged:
-    return replace(one, verdict=measured(one.effect, one.verdict, ladder))
+def _measured(one: Judged, study: Stored) -> Judged:
+    from orchestrator.studies.accuracy.plan import measured_verdict
+
+    return replace(one, verdict=measured_verdict(one.effect, one.verdict, study))
 
 
 def judge_effects(

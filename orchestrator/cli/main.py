@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from orchestrator.cli import case_cli, run_cli
-from orchestrator.cli.ladder_cli import ladder
 from orchestrator.cli.plan_cli import plan
 from orchestrator.cli.study_cli import study
 
@@ -34,8 +33,6 @@ Examples:
   flipflow resume runs/quickstart-1                    go on with it, if it was interrupted
 
   flipflow report runs/quickstart-1                    one HTML page about a run
-
-  flipflow ladder cases/empty-machine --duration 0.6   every model of its parts: cost, error
 
   flipflow study sweep cases/empty-machine --vary screen.exciters.shaft.speed_rad_per_s=58:110:4
 
@@ -89,9 +86,17 @@ for command in (
 ):
     app.command()(command)
 app.command(name="list")(case_cli.list_cases)
-app.command()(ladder)
 app.command()(plan)
 app.add_typer(study, name="study")
+
+
+@app.command(hidden=True, context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+def ladder() -> None:
+    """Say which command compares models now."""
+    raise typer.BadParameter(
+        "flipflow ladder is a part of study accuracy now: flipflow study accuracy CASE "
+        "--knobs panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
+    )
 
 
 def main() -> None:

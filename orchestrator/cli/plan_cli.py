@@ -65,9 +65,7 @@ def _planned(
     budget_s: float,
     overrides: list[str],
 ) -> Plan:
-    from orchestrator.studies.accuracy.calibration import as_it_is_s, by_study
-    from orchestrator.studies.accuracy.plan import planned
-    from orchestrator.studies.accuracy.stored import stored
+    from orchestrator.studies.accuracy.plan import as_it_is_s, by_study, planned, stored
 
     with reported_errors():
         found = stored(loaded, given)

@@ -37,6 +37,18 @@ QUANTITIES = {
     "efficiency_percent": "screening efficiency / %",
     "velocity_m_per_s": "bed: mean velocity / (m/s)",
 }
+SHORT = {
+    "deflection_m": "deflection",
+    "shape": "shape",
+    "clamp_peak_N": "clamp peak",
+    "clamp_rms_N": "clamp rms",
+    "peak_g": "acc. peak",
+    "rms_g": "acc. rms",
+    "frame_m": "frame",
+    "passing_kg_per_s": "passing",
+    "efficiency_percent": "efficiency",
+    "velocity_m_per_s": "velocity",
+}
 DECISIVE = (
     "deflection_m",
     "clamp_rms_N",

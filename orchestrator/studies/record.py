@@ -1,4 +1,6 @@
-"""From a run's folder to a recording of its panels: the last whole cycles, made periodic.
+"""From a run to what plays its motion back: a recording of its panels, and drives of its frames.
+
+A recording is of the last whole cycles, made periodic.
 
 What a run leaves of its panels (``shapes`` in history.h5) is looked at from between the clamps,
 faded over a quarter of a cycle into what was one window earlier, so that it closes on itself
@@ -8,6 +10,7 @@ with its velocity, and sampled at equal angles of the machine.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,10 +19,11 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from orchestrator.case import recording_file
-from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.deck.panels import SinglePanel, axes, single_panels
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.playback import Turning, shape_of, turning
 from orchestrator.case.tables.case import Case
+from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.recording import RecordedGrid, Recording
@@ -195,3 +199,49 @@ def _pull(
 
 def _refused(run: Path, why: str) -> CaseError:
     return CaseError([CaseProblem((), why, file=str(run))])
+
+
+def drives(folder: Path) -> Iterator[str]:
+    """Returns ``--set`` overlays of drives that move frames alike, one for each frame: the first
+    harmonics of a run in deck axes.  Raises CaseError for a run too short."""
+    with RunReader(folder) as run:
+        yield from _drives(run)
+
+
+def _drives(run: RunReader) -> Iterator[str]:
+    case = run.case
+    machine = turning(case)
+    if machine is None:
+        raise CaseError([CaseProblem((), "nothing turns this machine", file=str(run.folder))])
+    speed, turn = machine.speed_rad_per_s, axes(case)
+    cycle_s = 2 * math.pi / speed
+    start_s, end_s = run.second_half_s
+    if end_s - start_s < 1.5 * cycle_s:
+        what = "too short to find the frames' steady motion in its second half"
+        raise CaseError([CaseProblem((), what, file=str(run.folder))])
+    for name, frame in case.screen.frames.items():
+        time_s = run.read(f"frames/{name}/time_s")
+        moved, turned = (
+            first_harmonic(time_s, run.read(f"frames/{name}/{what}") @ turn, cycle_s, start_s, end_s).phasor
+            for what in ("displacement_m", "rotation_rad")
+        )
+        values = {
+            "speed_rad_per_s": repr(speed),
+            "center_m": _list(np.array(frame.center_of_mass_m)),
+            "amplitude_m": _list(np.abs(moved)),
+            "phase_rad": _list(_sine(moved)),
+            "rotation_rad": _list(np.abs(turned)),
+            "rotation_phase_rad": _list(_sine(turned)),
+            "run_up_s": repr(max(machine.run_up_s, 2 * math.pi / speed)),
+        }
+        table = ", ".join(f"{key} = {value}" for key, value in values.items())
+        yield f"screen.frames.{name}.drive={{{table}}}"
+
+
+def _sine(phasor: Array) -> Array:
+    """Phases of sines; ``first_harmonic``'s are those of cosines."""
+    return np.asarray(np.angle(phasor) + np.pi / 2)
+
+
+def _list(values: Array) -> str:
+    return str([float(value) for value in values])

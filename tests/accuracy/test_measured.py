@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from orchestrator.studies.accuracy.combinations import KNOB, Combination
 from orchestrator.studies.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
-from orchestrator.studies.accuracy.points import KNOB, Point
 from orchestrator.studies.figures import Figures
 
 GENERATOR = np.random.default_rng(4)
@@ -28,7 +28,7 @@ def point(*values: float) -> Measured:
         )
         for value in values
     )
-    return Measured(Point(KNOB, "one"), every)
+    return Measured(Combination(KNOB, "one"), every)
 
 
 def test_nothing_random_has_no_interval() -> None:

@@ -7,7 +7,7 @@ from itertools import product
 import pytest
 
 from orchestrator.studies.accuracy.model import Model, Option, Ties
-from orchestrator.studies.accuracy.setting import Setting
+from orchestrator.studies.accuracy.refinement import Setting
 
 PARTS_S = {"particles": 8.0, "panel": 2.0}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.studies.accuracy.order import observed
+from orchestrator.studies.accuracy.convergence import observed
 
 H = [8e-5, 4e-5, 2e-5, 1e-5]
 

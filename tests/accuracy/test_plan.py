@@ -13,10 +13,8 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.run_folder import write_json
 from orchestrator.preflight.level_file import write_level
 from orchestrator.preflight.levels import load
-from orchestrator.studies.accuracy.calibration import Clock, Timing, part_s
-from orchestrator.studies.accuracy.filling import filling
-from orchestrator.studies.accuracy.plan import Plan, planned
-from orchestrator.studies.accuracy.stored import Stored, stored
+from orchestrator.studies.accuracy.combinations import part_s
+from orchestrator.studies.accuracy.plan import Clock, Plan, Stored, Timing, filling, planned, stored
 from tests.case.cases import written
 from tests.runs.outside import ROOT
 

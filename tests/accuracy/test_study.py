@@ -12,12 +12,11 @@ from pyarrow import parquet
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.levels import load
 from orchestrator.studies.accuracy import tables
-from orchestrator.studies.accuracy.calibration import by_study
-from orchestrator.studies.accuracy.families import Converged
-from orchestrator.studies.accuracy.points import Asked
-from orchestrator.studies.accuracy.rows import pareto, recommended, rows
-from orchestrator.studies.accuracy.stored import stored
+from orchestrator.studies.accuracy.combinations import Asked
+from orchestrator.studies.accuracy.convergence import Converged
+from orchestrator.studies.accuracy.plan import by_study, stored
 from orchestrator.studies.accuracy.study import Study, studied
+from orchestrator.studies.accuracy.tables import pareto, recommended, rows
 from orchestrator.studies.figures import DECISIVE
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow
@@ -63,14 +62,14 @@ def study(out: Path) -> Study:
 
 
 def family(study: Study, knob: str) -> Converged:
-    return next(one for one in study.families if one.family.knob == knob)
+    return next(one for one in study.families if one.series.parameter == knob)
 
 
 def test_particles_first_is_of_second_order(study: Study) -> None:
     """In motion and in the energy that it creates, as theory has it (docs/theory/coupling.md)."""
     found = family(study, "sync")
     for name in ("deflection_m", "shape", "energy_defect"):
-        assert found.orders[name].order == pytest.approx(found.family.expected, abs=0.25)
+        assert found.orders[name].order == pytest.approx(found.series.expected, abs=0.25)
         assert found.orders[name].clean
 
 
@@ -93,7 +92,7 @@ def test_serial_staggered_is_of_first_order(out: Path) -> None:
     """Not the largest deflection, off by 0.02 % only: the ball leaves before it comes."""
     sets = ("coupling.scheme=serial-staggered",)
     found = family(made(asked(out.with_name("serial"), ("sync",), *sets)), "sync")
-    assert found.family.expected == 1.0
+    assert found.series.expected == 1.0
     for name in ("shape", "energy_defect"):
         assert found.orders[name].order == pytest.approx(1.0, abs=0.25)
     assert found.observed == pytest.approx(1.0, abs=0.25)
@@ -114,7 +113,7 @@ def test_the_particles_step_is_of_the_order_expected(
     """2 where a contact loses nothing, but 1 where the surface jumps at sync points."""
     name = "-".join(("step", *sets)).replace("/", "")
     found = family(made(asked(out.with_name(name), ("particle-step",), *sets)), "particle-step")
-    assert found.family.expected == order
+    assert found.series.expected == order
     assert found.orders[quantity].order == pytest.approx(order, abs=0.3)
 
 
@@ -185,6 +184,7 @@ def test_answers_known_from_elsewhere_stand_beside_every_point(tmp_path: Path) -
     """A plate is driven: what is recorded misses its top by at most (w H)^2 / 8 between two sync
     points, H = 0.8 ms at most.  All are alike, so that the finest is the reference."""
     words = ["study", "accuracy", str(ROOT / "cases/bushing-hysteresis"), "--quick"]
+    words += ["--knobs", "sync,particle-step"]
     done = flipflow(*words, "--out", str(tmp_path / "x"))
     assert done.returncode == 0, done.stdout + done.stderr
     table = list(csv.DictReader((tmp_path / "x/accuracy.csv").read_text().splitlines()))

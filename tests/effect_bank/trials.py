@@ -12,13 +12,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from orchestrator.studies.accuracy.points import seeded
+
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
 from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.studies import points as sweep
-from orchestrator.studies.accuracy.points import seeded
 from orchestrator.studies.points import sample_s
 from tests.effect_bank.bank import Scene
 

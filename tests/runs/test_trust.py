@@ -13,11 +13,9 @@ from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.levels import load
 from orchestrator.studies import points as sweep
-from orchestrator.studies.accuracy import points as study_points
+from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.accuracy.measured import read
 from orchestrator.studies.criteria import Criterion
-from orchestrator.studies.ladder.climb import Step, source_of
-from orchestrator.studies.ladder.rungs import Rung
 from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
 from tests.runs.outside import ROOT, summary
 
@@ -165,10 +163,7 @@ def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
         evaluate(row, {"one": Runs((doubtful,))})
-    point = study_points.Point("knob", "one", runs=(doubtful,))
+    point = Combination("knob", "one", runs=(doubtful,))
     assert point.ended
     assert read([point]) == {}
-    step = Step(Rung("panel", "strip", ()), doubtful)
-    assert not step.done
-    assert source_of([step]) is None
     assert outcome(doubtful.folder) == "warned"

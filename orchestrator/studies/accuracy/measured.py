@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from orchestrator.output.results.estimate import CONFIDENCE
-from orchestrator.studies.accuracy.points import Point
+from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, answer_error
 from orchestrator.studies.figures import QUANTITIES, Figures, figures, relative
 
@@ -20,7 +20,7 @@ from orchestrator.studies.figures import QUANTITIES, Figures, figures, relative
 class Measured:
     """A point with what its runs were measured by, one for each seed."""
 
-    point: Point
+    point: Combination
     figures: tuple[Figures, ...]
 
     def values(self, name: str) -> list[float]:
@@ -111,7 +111,7 @@ EXACT = Scatter(False, {}, 0)
 """No chance: every difference counts."""
 
 
-def read(points: Sequence[Point]) -> dict[str, Measured]:
+def read(points: Sequence[Combination]) -> dict[str, Measured]:
     """By name, of those that are done."""
     return {
         one.name: Measured(one, tuple(figures(run.folder) for run in one.runs)) for one in points if one.done

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from orchestrator.ports import Array
-from orchestrator.studies.accuracy.setting import Setting
+from orchestrator.studies.accuracy.refinement import Setting
 
 Ties = Literal["cheapest", "finest"]
 

@@ -1,20 +1,308 @@
-"""Which settings to take for a tolerance and a time, and what to give up where both do not fit."""
+"""``flipflow plan``: which settings to take for a tolerance and a time, and what to give up where both
+do not fit.
+
+A run takes its start (importing, and part "rest" of its time: opening the solvers), and then the
+same for each simulated second, but for what feeds add to the particles' share.  The study's short
+run, made again here, tells the start here, and how much faster or slower this machine steps, with
+whatever else it is busy with.
+"""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+import shlex
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
-from orchestrator.case.bed.sources import largest_diameter_m
+from scipy.optimize import brentq
+
+from orchestrator.case import solvers
+from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
 from orchestrator.case.file.contents import has_particles
-from orchestrator.case.file.errors import CaseError
+from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
+from orchestrator.case.planning import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.output.cycles import cycle_s
+from orchestrator.output.records import trust
+from orchestrator.output.results.run_reader import RunReader
+from orchestrator.ports.plans import SolverFailed
+from orchestrator.preflight.bed_cost import THICK, THIN, bed_cost
 from orchestrator.preflight.cost import in_words
-from orchestrator.studies.accuracy.calibration import Timing
-from orchestrator.studies.accuracy.stored import Candidate, Stored
+from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.scene.effect import TENTH, Verdict
+from orchestrator.studies.accuracy.combinations import BASE, part_s
+from orchestrator.studies.accuracy.measured import parts_s
+from orchestrator.studies.accuracy.model import Model, Option, Proposal
+from orchestrator.studies.accuracy.refinement import Setting
+from orchestrator.studies.figures import DECISIVE, happens
+from orchestrator.studies.points import point, run_points
+from orchestrator.studies.workers import Crew
+
+NAME = "accuracy.json"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Settings, their error, and the processor time of a run as long as the study's, on its
+    machine; ``measured`` or predicted."""
+
+    label: str
+    sets: tuple[str, ...]
+    error: float
+    processor_s: float
+    measured: bool
+
+
+@dataclass(frozen=True)
+class Stored:
+    """``found``: as ``tables.as_json`` wrote it."""
+
+    file: Path
+    found: dict[str, Any]
+
+    def model(self) -> Model:
+        axes = {
+            axis: [
+                Option(axis, Setting(one["label"], tuple(one["sets"])), one["error"], one["ratio"])
+                for one in options
+            ]
+            for axis, options in self.found["options"].items()
+        }
+        parts_s = self.found["base"]["processor_by_part_s"]
+        return Model(axes, parts_s, self.found["remaining"], self.found["judged_by"])
+
+    @property
+    def of_nothing(self) -> bool:
+        """Whether nothing happened in it: errors of what cannot be resolved promise nothing."""
+        base = [one for one in self.found["points"] if one.get("point") == BASE]
+        return bool(base) and not any(happens(one) for one in base)
+
+    @property
+    def chance(self) -> float:
+        """By which a prediction may be off although all adds up."""
+        return float(self.found["chance"] or 0.0)
+
+    def measured(self) -> list[Candidate]:
+        """Points with their errors at the upper end of their confidence intervals."""
+        return [
+            Candidate(
+                one["settings"],
+                tuple(shlex.split(one["sets"])),
+                one["error"] + (one["error_half_width"] or 0.0),
+                one["processor_s"],
+                True,
+            )
+            for one in self.found["points"]
+            if one["error"] is not None
+        ]
+
+    def cheapest(self, tolerance: float) -> Candidate | None:
+        """Measured, or predicted where nothing measured is so cheap."""
+        within = [one for one in self.measured() if one.error <= tolerance]
+        proposal = self.model().cheapest(tolerance - self.chance)
+        if proposal is not None:
+            within.append(_candidate(proposal, self.chance))
+        return min(within, key=lambda one: one.processor_s, default=None)
+
+    def best(self, budget_s: float) -> Candidate | None:
+        """With the least error for so much processor time."""
+        within = [one for one in self.measured() if one.processor_s <= budget_s]
+        proposal = self.model().best(budget_s, "cheapest")
+        if proposal is not None:
+            within.append(_candidate(proposal, self.chance))
+        return min(within, key=lambda one: one.error, default=None)
+
+
+def _candidate(proposal: Proposal, chance: float) -> Candidate:
+    settings = proposal.settings
+    label = "; ".join(f"{axis}: {one.label}" for axis, one in settings.items())
+    sets = tuple(each for one in settings.values() for each in one.sets)
+    return Candidate(label or "the case as it is", sets, proposal.error + chance, proposal.processor_s, False)
+
+
+def measured_verdict(effect: str, verdict: Verdict, study: Stored) -> Verdict:
+    """Returns the verdict on an effect with the error and cost of the model that does without it;
+    as it was where no such model was run."""
+    model = _model_without(effect, study.found.get("models", []))
+    decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
+    if model is None or not decisive:
+        return verdict
+    told = ", ".join(f"{name} {100 * value:.2g} %" for name, value in decisive.items())
+    return replace(
+        verdict,
+        number=f"largest error of {model['label']}",
+        value=max(decisive.values()),
+        threshold=f"0.1 (measured against {model['reference']})",
+        matters=max(decisive.values()) > TENTH,
+        why=f"measured: {told}",
+        cost=f"{model['reference_processor_s']:.3g} s instead of {model['processor_s']:.3g} s of processor",
+    )
+
+
+def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
+    """Returns the measured model that does without an effect: as the case has it, else the finest;
+    of softened contacts the case itself, of single particles coarser ones."""
+    wanted = {"contact-stiffness": ("stiffness", ""), "single-particles": ("number", "")}
+    ports: tuple[solvers.Port, ...] = ("panel", "frames")
+    for port in ports:
+        if name := solvers.without(port, effect):
+            wanted[effect] = (port, name)
+    if effect not in wanted:
+        return None
+    found = [
+        m for m in models if (m["axis"], m["variant"]) == wanted[effect] and m["label"] != m["reference"]
+    ]
+    return next((model for model in found if not model["sets"]), found[-1] if found else None)
+
+
+def stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
+    """The study in the file given, or beside the case, or in its usual folder, if it is of this
+    case and level; None where there is none.  Raises CaseError for a file that is none."""
+    usual = (loaded.folder / NAME, Path("runs") / f"{loaded.name}-accuracy" / NAME)
+    for file in (given,) if given else usual:
+        if not file.is_file():
+            continue
+        try:
+            found = json.loads(file.read_text(encoding="utf-8"))
+            same = (found["case"], found["level"]) == (loaded.name, loaded.level)
+        except (ValueError, KeyError, TypeError):
+            raise CaseError([CaseProblem((), "is no study of accuracy", file=str(file))]) from None
+        if same:
+            return Stored(file, found)
+        if given:
+            what = f'is of case "{found["case"]}", level "{found["level"]}"'
+            raise CaseError([CaseProblem((), what, file=str(file))])
+    if given and not given.is_file():
+        raise CaseError([CaseProblem((), "no such file", file=str(given))])
+    return None
+
+
+def filling(case: Case, study_s: float) -> Callable[[float], float]:
+    """For a run of so many seconds: its particles, in the mean over the run, relative to those of a
+    run of ``study_s``."""
+    if not case.bed.feeds:
+        return lambda duration_s: 1.0
+    bed = THIN if case.particles.adhesion == "none" else THICK
+    at_start = len(initial_particles(case, material_numbers(case)).diameter_m)
+
+    def mean(duration_s: float) -> float:
+        return bed_cost(case.model_copy(update={"duration_s": duration_s}), at_start, bed).mean
+
+    of_study = mean(study_s)
+    return lambda duration_s: mean(duration_s) / of_study if of_study else 1.0
+
+
+START = ("start", "rest")
+PART = 8  # of a run that has no study: of so many parts, one is made
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Of one kind of time: what a start takes here, and what one second of the study's processor
+    time in stepping takes here."""
+
+    start_s: float
+    factor: float
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``;
+    ``particles`` is their share of its stepping, ``filling`` how many there are in runs of other
+    lengths (filling.py)."""
+
+    study_start_s: float
+    simulated_s: float
+    wall: Clock
+    processor: Clock
+    particles: float = 0.0
+    filling: Callable[[float], float] = lambda duration_s: 1.0
+
+    def wall_s(self, processor_s: float, duration_s: float) -> float:
+        """Wall time here of a run of ``duration_s`` with settings that took ``processor_s`` in the
+        study."""
+        return self._on(self.wall, processor_s, duration_s)
+
+    def processor_s(self, processor_s: float, duration_s: float) -> float:
+        """Processor time of it."""
+        return self._on(self.processor, processor_s, duration_s)
+
+    def _on(self, clock: Clock, processor_s: float, duration_s: float) -> float:
+        study_s = max(processor_s - self.study_start_s, 0.0)
+        return clock.start_s + clock.factor * study_s * self._lasts(duration_s)
+
+    def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
+        """How long a run may last, at most ``longest_s``, to take so much wall time; 0 if not even
+        its start fits."""
+        if self.wall_s(processor_s, longest_s) <= wall_s:
+            return longest_s
+        if wall_s <= self.wall.start_s:
+            return 0.0
+        return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
+
+    def affordable_s(self, wall_s: float, duration_s: float) -> float:
+        """The study's processor time of settings that take so much wall time here."""
+        stepping_s = max(wall_s - self.wall.start_s, 0.0) / self.wall.factor
+        return self.study_start_s + stepping_s / self._lasts(duration_s)
+
+    def _lasts(self, duration_s: float) -> float:
+        """The stepping of a run of ``duration_s``, relative to the study's."""
+        more = 1.0 + self.particles * (self.filling(duration_s) - 1.0)
+        return more * duration_s / self.simulated_s
+
+
+def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
+    """The summary of a run that nobody keeps; only its times are asked for, so that it may be a
+    doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
+    with tempfile.TemporaryDirectory(prefix="flipflow-plan-") as scratch:
+        one = point(case, level, sets, "short", Path(scratch) / "short")
+        list(run_points([one], Crew(1)))
+        if not trust.came_to_its_end(one.status()):
+            said = (Path(scratch) / "short.log").read_text(encoding="utf-8").strip()
+            raise SolverFailed(f"the calibration run failed: {said.splitlines()[-1:]}")
+        return RunReader(one.folder).summary
+
+
+def by_study(study: Stored, case: Path, level: str | None) -> Timing:
+    """From the study's short run, made again here."""
+    base = study.found["base"]
+    (short,) = study.found["short"].values()
+    here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
+    study_s = _stepping_s(short["processor_by_part_s"])
+    wall, processor = (
+        Clock(_start_s(each), _stepping_s(each) / study_s) for each in (here["wall_by_part_s"], parts_s(here))
+    )
+    simulated_s, in_parts_s = base["simulated_s"], base["processor_by_part_s"]
+    return Timing(
+        _start_s(in_parts_s),
+        simulated_s,
+        wall,
+        processor,
+        in_parts_s.get("particles", 0.0) / _stepping_s(in_parts_s),
+        filling(load(case, level, study.found["sets"]).case, simulated_s),
+    )
+
+
+def as_it_is_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
+    """Wall time here of a case without a study, from a short run."""
+    duration_s = part_s(case, PART)
+    short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
+    wall_s = timed(path, level, short)["wall_by_part_s"]
+    return _start_s(wall_s) + case.duration_s / duration_s * _stepping_s(wall_s)
+
+
+def _start_s(time_s: Mapping[str, float]) -> float:
+    return sum(time_s.get(part, 0.0) for part in START)
+
+
+def _stepping_s(time_s: Mapping[str, float]) -> float:
+    return sum(part_s for part, part_s in time_s.items() if part not in START)
+
 
 SHARED = ("particles", "panel")  # parts that ranks divide among them
 MOST_RANKS = 1024

@@ -10,35 +10,37 @@ from __future__ import annotations
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil
+from pathlib import Path
 
+from orchestrator.case import recording_file
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.levels import NUMERICS, LoadedCase
-from orchestrator.studies import points as sweep
-from orchestrator.studies.accuracy.calibration import part_s
-from orchestrator.studies.accuracy.families import Converged, all_converged, options, remaining
-from orchestrator.studies.accuracy.knobs import Offer, offer
-from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, read, scatter
-from orchestrator.studies.accuracy.model import Model, Option, Proposal
-from orchestrator.studies.accuracy.points import (
+from orchestrator.studies.accuracy.combinations import (
     BASE,
     CALIBRATION,
     KNOB,
     REFERENCE,
     TOGETHER,
     Asked,
-    Point,
-    checked,
+    Combination,
+    combination,
     common,
-    point,
+    named,
+    part_s,
     scale,
 )
-from orchestrator.studies.accuracy.setting import Setting
+from orchestrator.studies.accuracy.convergence import Converged, all_converged, options, remaining
+from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, read, scatter
+from orchestrator.studies.accuracy.model import Model, Option, Proposal
+from orchestrator.studies.accuracy.refinement import Offer, Setting, offer
 from orchestrator.studies.criteria import Criterion, known_answers
 from orchestrator.studies.figures import QUANTITIES, happens
-from orchestrator.studies.points import is_random
+from orchestrator.studies.points import Point, check_case, is_random, run_points
+from orchestrator.studies.record import drives, record
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+RECORDING = "panels.h5"
 SHORT = 5  # the short part is one of so many of the run
 
 
@@ -50,7 +52,7 @@ class Listed:
     loaded: LoadedCase
     offer: Offer
     shared: tuple[str, ...]
-    points: list[Point]
+    points: list[Combination]
     known: tuple[Criterion, ...]
 
     @property
@@ -64,7 +66,7 @@ class Study:
     points, by name."""
 
     listed: Listed
-    points: list[Point]
+    points: list[Combination]
     measured: dict[str, Measured]
     spread: Scatter
     families: list[Converged]
@@ -84,16 +86,16 @@ class Study:
 
 def listed(asked: Asked) -> Listed:
     """Raises CaseError."""
-    loaded = checked(asked)
-    there = offer(loaded.case, asked.knobs, asked.values)
-    lengths_s = [one.h or 0.0 for family in there.of("coupling") for one in family.settings]
+    loaded = check_case(asked.case, asked.level, asked.sets)
+    there = offer(loaded.case, asked.parameters, asked.values)
+    lengths_s = [one.h or 0.0 for series in there.of("coupling") for one in series.settings]
     shared = common(loaded.case, max([loaded.case.coupling.sync_interval_s, *lengths_s]))
-    base = point(asked, loaded.case, shared, BASE, {})
-    points = [base, point(replace(asked, seeds=1), loaded.case, shared, CALIBRATION, _short(base))]
-    for family in there.families:
-        for one in family.settings:
-            if one.sets:
-                points.append(point(asked, loaded.case, shared, KNOB, {family.axis: one}))
+    base = combination(asked, loaded.case, shared, BASE, {})
+    points = [base, combination(replace(asked, seeds=1), loaded.case, shared, CALIBRATION, _short(base))]
+    for series in there.series:
+        for setting in series.settings:
+            if setting.sets and not setting.made_from_run:
+                points.append(combination(asked, loaded.case, shared, KNOB, {series.axis: setting}))
     return Listed(asked, loaded, there, shared, points, _known(asked))
 
 
@@ -103,7 +105,7 @@ def _known(asked: Asked) -> tuple[Criterion, ...]:
     return known_answers(asked.case) if numerics else ()
 
 
-def _short(base: Point) -> dict[str, Setting]:
+def _short(base: Combination) -> dict[str, Setting]:
     """A whole number of samples."""
     case = base.runs[0].loaded.case
     sample_s = exact(case.output.series_s)
@@ -133,7 +135,7 @@ def studied(asked: Asked) -> Generator[str, None, Study]:
             "to compare",
             "let it last until something does",
         )
-    points = afford(there.points, asked, first)
+    points = afford([*there.points, *_made_points(there, start[0].runs[0].folder)], asked, first)
     yield from _run(points[2:], asked)
     before = _evaluated(there, points, {}, BASE)
     proposed = _proposed(before)
@@ -145,11 +147,36 @@ def studied(asked: Asked) -> Generator[str, None, Study]:
     return _evaluated(there, [*points, *new], proposals, reference)
 
 
-def _unmeasured(run: sweep.Point, why: str, hint: str) -> CaseError:
+def _made_points(there: Listed, run: Path) -> list[Combination]:
+    """Returns the points whose settings are made from the run of the case as it is."""
+    points = []
+    for series in there.offer.series:
+        for setting in series.settings:
+            if not setting.made_from_run:
+                continue
+            try:
+                if setting.made_from_run == "recording":
+                    file = there.asked.out / RECORDING
+                    recording_file.write(file, record(run, None).file)
+                    sets = [f"panel.recording={file.resolve()}"]
+                else:
+                    sets = list(drives(run))
+                made = replace(setting, sets=(*setting.sets, *sets))
+                point = combination(there.asked, there.loaded.case, there.shared, KNOB, {series.axis: made})
+            except CaseError as error:
+                name = named(KNOB, {series.axis: setting})
+                point = Combination(KNOB, name, {series.axis: setting}, omitted=str(error.mistakes[0]))
+            points.append(point)
+    return points
+
+
+def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
     return CaseError([CaseProblem((), why, hint, str(run.folder))])
 
 
-def _evaluated(there: Listed, points: list[Point], proposals: dict[str, Proposal], reference: str) -> Study:
+def _evaluated(
+    there: Listed, points: list[Combination], proposals: dict[str, Proposal], reference: str
+) -> Study:
     measured = read(points)
     spread = scatter([*measured.values()], there.random)
     families = all_converged(there.offer, measured, spread, there.known)
@@ -168,7 +195,7 @@ def _evaluated(there: Listed, points: list[Point], proposals: dict[str, Proposal
     )
 
 
-def _proposed(before: Study) -> list[tuple[Point, Proposal]]:
+def _proposed(before: Study) -> list[tuple[Combination, Proposal]]:
     """The reference first, then the diagonal; a point that is there already stands for itself."""
     asked, model = before.listed.asked, before.model()
     # chance is no reason to take less than the best for what all are compared with
@@ -184,26 +211,26 @@ def _proposed(before: Study) -> list[tuple[Point, Proposal]]:
         sets = tuple(x for one in proposal.settings.values() for x in one.sets)
         if sets not in known:
             case, shared = before.listed.loaded.case, before.listed.shared
-            known[sets] = point(asked, case, shared, kind, proposal.settings)
+            known[sets] = combination(asked, case, shared, kind, proposal.settings)
             known[sets] = replace(known[sets], predicted_s=proposal.processor_s)
         found.append((known[sets], proposal))
     return found
 
 
-def afford(points: Sequence[Point], asked: Asked, measured: dict[str, Measured]) -> list[Point]:
+def afford(points: Sequence[Combination], asked: Asked, measured: dict[str, Measured]) -> list[Combination]:
     """Those predicted to take more than the budget are left out, if they have not been run."""
     factor = scale(points, {name: one.processor_s for name, one in measured.items()})
     return [_affordable(one, factor * one.predicted_s, asked.budget_s) for one in points]
 
 
-def _affordable(one: Point, cost_s: float, budget_s: float) -> Point:
+def _affordable(one: Combination, cost_s: float, budget_s: float) -> Combination:
     if one.ended or one.omitted or one.kind in (BASE, CALIBRATION) or cost_s <= budget_s:
         return replace(one, predicted_s=cost_s)
     why = f"predicted {cost_s:.0f} s of processor time, more than --budget {budget_s:g}"
     return replace(one, runs=(), predicted_s=cost_s, omitted=why)
 
 
-def _run(points: Sequence[Point], asked: Asked) -> Iterator[str]:
+def _run(points: Sequence[Combination], asked: Asked) -> Iterator[str]:
     """Runs that have failed are results, too, and not run again."""
     todo = [run for one in points for run in one.runs if run.status() != "failed"]
-    yield from sweep.run_points(todo, asked.crew)
+    yield from run_points(todo, asked.crew)

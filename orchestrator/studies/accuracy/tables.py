@@ -1,10 +1,12 @@
-"""A study in files: ``accuracy.csv``, ``accuracy.parquet`` and ``accuracy.json``."""
+"""A study as rows, one for each point, what they recommend, and the files for other programs."""
 
 from __future__ import annotations
 
 import csv
 import shlex
 from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +16,103 @@ from rich import box
 from rich.table import Table
 
 from orchestrator.output.records.run_folder import write_json
-from orchestrator.studies.accuracy.measured import Measured
-from orchestrator.studies.accuracy.points import CALIBRATION
-from orchestrator.studies.accuracy.rows import RECOMMENDED, Row, recommended
+from orchestrator.studies.accuracy.combinations import CALIBRATION, Combination
+from orchestrator.studies.accuracy.convergence import Compared, compare_axis
+from orchestrator.studies.accuracy.measured import Error, Measured, against, errors, worst
+from orchestrator.studies.accuracy.model import Proposal
 from orchestrator.studies.accuracy.study import Study
 from orchestrator.studies.figures import DEFECTS, QUANTITIES
-from orchestrator.studies.ladder.tables import percent
+from orchestrator.studies.tables import percent
+
+AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
+RECOMMENDED = (0.01, 0.05, 0.1)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A point: its errors against the reference by quantity, the ``worst`` of those that decide,
+    and those against known answers."""
+
+    point: Combination
+    measured: Measured | None
+    errors: dict[str, Error]
+    worst: tuple[str, Error] | None
+    answers: dict[str, float]
+    proposal: Proposal | None
+
+    @property
+    def error(self) -> Error | None:
+        return self.worst[1] if self.worst else None
+
+    @property
+    def why(self) -> str:
+        """Why nothing was measured."""
+        if self.measured is not None:
+            return ""
+        states = {run.status() for run in self.point.runs}
+        return self.point.omitted or f"{', '.join(sorted(states))}: {self.point.runs[0].folder}"
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """The cheapest row within a tolerance, None where there is none; ``proven``: also at the upper
+    end of its confidence interval."""
+
+    tolerance: float
+    row: Row | None
+    proven: bool = False
+
+
+def rows(study: Study) -> list[Row]:
+    """In the order in which they were run; the short part is not among them."""
+    best = study.measured[study.reference]
+    found = []
+    for one in study.points:
+        if one.kind == CALIBRATION:
+            continue
+        there = study.measured.get(one.name)
+        wrong = errors(there, best, study.spread) if there and there is not best else {}
+        found.append(
+            Row(
+                one,
+                there,
+                wrong,
+                worst(wrong, study.judged_by),
+                against(there, study.listed.known) if there else {},
+                study.proposals.get(one.name),
+            )
+        )
+    return found
+
+
+def pareto(table: Sequence[Row]) -> list[Row]:
+    """From cheap to dear, those that no other beats in both error and processor time."""
+    front: list[Row] = []
+    least = inf
+    for row in sorted((r for r in table if r.error), key=_cost_s):
+        if row.error is not None and row.error.value < least:
+            front.append(row)
+            least = row.error.value
+    return front
+
+
+def recommended(table: Sequence[Row], tolerance: float) -> Recommendation:
+    """Of all points that were measured; where chance leaves none proven, the one of which most is
+    sure.  The reference is no candidate: nobody knows its error."""
+    within = [r for r in table if r.error and r.error.value <= tolerance]
+    sure = [r for r in within if r.error and r.error.known and r.error.at_most <= tolerance]
+    best = min(sure, key=_cost_s) if sure else min(within, key=_at_most, default=None)
+    return Recommendation(tolerance, best, bool(sure))
+
+
+def _cost_s(row: Row) -> float:
+    assert row.measured is not None
+    return row.measured.processor_s
+
+
+def _at_most(row: Row) -> float:
+    return row.error.at_most if row.error else inf
+
 
 Cell = str | float | int | None
 
@@ -110,7 +203,31 @@ def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
             ]
             for axis, options in study.options.items()
         },
+        "models": [
+            _model(each, every)
+            for axis in AXES_OF_MODELS
+            for every in [_compared(study, axis)]
+            for each in every
+        ],
         "points": entries(table, study.reference),
+    }
+
+
+def _compared(study: Study, axis: str) -> list[Compared]:
+    return compare_axis(axis, study.families, study.spread)
+
+
+def _model(one: Compared, every: Sequence[Compared]) -> dict[str, Any]:
+    best = next(each for each in every if each.is_best)
+    return {
+        "axis": one.series.axis,
+        "variant": one.series.variant,
+        "label": one.setting.label,
+        "sets": list(one.setting.sets),
+        "error": {name: error.value for name, error in one.errors.items()},
+        "processor_s": one.measured.processor_s,
+        "reference": best.setting.label,
+        "reference_processor_s": best.measured.processor_s,
     }
 
 

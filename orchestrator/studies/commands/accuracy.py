@@ -12,11 +12,11 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import study_folder
 from orchestrator.studies.accuracy import page, tables
-from orchestrator.studies.accuracy.knobs import KNOBS
+from orchestrator.studies.accuracy.combinations import Asked
 from orchestrator.studies.accuracy.measured import read
-from orchestrator.studies.accuracy.points import Asked
-from orchestrator.studies.accuracy.rows import rows
+from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import afford, listed, studied
+from orchestrator.studies.accuracy.tables import rows
 from orchestrator.studies.figures import DECISIVE, QUANTITIES
 from orchestrator.studies.options import CasePath, Level, Overrides, Scheduler, Told, Workers, crew, folder_of
 
@@ -61,7 +61,7 @@ def command(
         case,
         level,
         (*(overrides or []), *([f"duration_s={duration!r}"] if duration else [])),
-        _names("--knobs", knobs, [*KNOBS], [*KNOBS]),
+        _names("--knobs", knobs, [*PARAMETERS], [*PARAMETERS]),
         QUICK_VALUES if quick else values,
         QUICK_SEEDS if quick else seeds,
         budget,

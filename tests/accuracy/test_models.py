@@ -1,18 +1,18 @@
-"""What a ladder measures, on figures and rungs that are known without any run."""
+"""What models are compared by, and which models a case has, without any run."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from orchestrator.studies.sampling import sampled_at
 
 from orchestrator.ports import Array
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy.refinement import offer
 from orchestrator.studies.figures import Figures, errors, relative
-from orchestrator.studies.ladder.rungs import rungs
+from orchestrator.studies.points import sampled_at
 from tests.runs.outside import ROOT
 
 
@@ -34,37 +34,50 @@ def test_shapes_of_other_grids_are_not_compared() -> None:
     assert "shape" not in found
 
 
+MODELS = ("panel-mesh", "panel-model", "frames-model", "particles-model")
+
+
 @pytest.mark.parametrize("name", ["empty-machine", "quickstart", "panel-cycle"])
-def test_each_rung_is_one_key_away_and_the_last_is_the_dearest(name: str) -> None:
-    """Every rung that can be run at once is a right case, or says what is wrong; among panels the
-    prediction grows from sheet to sheet to solid."""
+def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> None:
+    """Every model that can be run at once is a right case, or says what is wrong; among panels the
+    prediction grows from a model to a better one."""
     base = load(ROOT / "cases" / name, "default").case
-    for ladder in ("panel", "frames", "particles"):
-        costs = []
-        for rung in rungs(base, ladder):
-            assert all(key.startswith(f"{ladder}.") for key in rung.sets)
-            if not rung.needs:
-                loaded = load(ROOT / "cases" / name, "default", rung.sets)
+    there = offer(base, MODELS, 3)
+    costs = {}
+    for series in there.series:
+        for setting in series.settings:
+            assert all(key.startswith(f"{series.axis}.") for key in setting.sets)
+            if not setting.made_from_run:
+                loaded = load(ROOT / "cases" / name, "default", setting.sets)
                 found = mistakes(loaded)
-                refused = {"two-mass", "planar", "coarser"}  # drives, turned parts, openings
-                assert not found or rung.name in refused, found
-                costs.append(predicted_s(loaded.case, 0))
-        if ladder == "panel":
-            assert costs[-4:] == sorted(costs[-4:])
+                assert not found or series.variant in ("two-mass", "planar"), found  # drives, turned parts
+                if series.axis == "panel":
+                    costs[series.rank, series.settings.index(setting)] = predicted_s(loaded.case, 0)
+    best = {rank: cost_s for (rank, place), cost_s in sorted(costs.items())}
+    assert list(best.values()) == sorted(best.values())
+
+
+def test_a_recording_and_drives_are_made_from_the_run_as_it_is() -> None:
+    base = load(ROOT / "cases/empty-machine", "default").case
+    there = offer(base, MODELS, 3)
+    made = {s.label: s.made_from_run for one in there.series for s in one.settings if s.made_from_run}
+    assert made == {"recorded": "recording", "prescribed": "motion"}
+    assert not any(one.is_choice for one in there.series if one.variant in ("recorded", "prescribed", "none"))
 
 
 @pytest.mark.solver
-def test_the_solid_is_a_rung_where_openings_have_square_corners() -> None:
+def test_the_solid_is_a_model_where_openings_have_square_corners() -> None:
     """Dearer than without openings, as its cells are more; refused for round ends."""
     folder = ROOT / "cases/panel-cycle"
-    solid = rungs(load(folder, "default").case, "panel")[-1]
+    there = offer(load(folder, "default").case, ("panel-model",), 3)
+    (solid,) = (one.settings[-1] for one in there.series if one.variant == "solid")
     pattern = "length_m=0.02, width_m=0.005, pitch_along_m=0.03, pitch_across_m=0.01"
     openings = f"screen.panels.deck.apertures={{{pattern}}}"
     slots = f"screen.panels.deck.apertures={{{pattern}, shape='slot'}}"
     resolved = load(folder, "default", [*solid.sets, openings])
     assert mistakes(resolved) == []
     whole_s = predicted_s(load(folder, "default", solid.sets).case, 0)
-    assert predicted_s(resolved.case, 0) > 2 * whole_s
+    assert predicted_s(resolved.case, 0) > whole_s
     (refused,) = mistakes(load(folder, "default", [*solid.sets, slots]))
     assert "follow no round ends" in str(refused)
 

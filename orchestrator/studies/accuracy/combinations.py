@@ -1,4 +1,4 @@
-"""The points of a study: settings taken together, and the runs that measure them."""
+"""Combinations of settings, and the runs that measure them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,9 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
-from orchestrator.preflight.levels import LoadedCase, load
-from orchestrator.studies import points as sweep
-from orchestrator.studies.accuracy.setting import Setting
-from orchestrator.studies.points import is_random, sample_s, sampled_at, seeded
+from orchestrator.studies.accuracy.refinement import Setting
+from orchestrator.studies.points import Point, is_random, point, sample_s, sampled_at, seeded
 from orchestrator.studies.workers import Crew
 
 BASE, KNOB, TOGETHER, REFERENCE, CALIBRATION = "base", "knob", "diagonal", "reference", "short"
@@ -33,7 +30,7 @@ class Asked:
     case: Path
     level: str | None
     sets: tuple[str, ...]
-    knobs: tuple[str, ...]
+    parameters: tuple[str, ...]
     values: int
     seeds: int
     budget_s: float
@@ -43,14 +40,14 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Point:
+class Combination:
     """The case with ``settings`` by axis; ``runs`` one for each seed, or ``omitted`` says why there
     are none."""
 
     kind: str
     name: str
     settings: dict[str, Setting] = field(default_factory=dict)
-    runs: tuple[sweep.Point, ...] = ()
+    runs: tuple[Point, ...] = ()
     predicted_s: float = 0.0
     omitted: str = ""
 
@@ -107,7 +104,9 @@ def named(kind: str, settings: dict[str, Setting]) -> str:
     return kind
 
 
-def point(asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]) -> Point:
+def combination(
+    asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]
+) -> Combination:
     """Checked, and within the budget; ``case`` is the one as it is."""
     name = named(kind, settings)
     sets = [*asked.sets, *shared, *(one for setting in settings.values() for one in setting.sets)]
@@ -116,22 +115,21 @@ def point(asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: 
         for number in range(asked.seeds if is_random(case) else 1):
             folder = asked.out / (f"{name}-seed{number}" if number else name)
             more = seeded(case, number)
-            runs.append(sweep.point(asked.case, asked.level, [*sets, *more], name, folder))
+            runs.append(point(asked.case, asked.level, [*sets, *more], name, folder))
     except CaseError as error:
-        return Point(kind, name, settings, omitted=str(error.mistakes[0]))
+        return Combination(kind, name, settings, omitted=str(error.mistakes[0]))
     there = runs[0].loaded.case
-    return Point(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
+    return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 
 
-def scale(points: Sequence[Point], measured_s: dict[str, float]) -> float:
+def scale(combinations: Sequence[Combination], measured_s: dict[str, float]) -> float:
     """What this machine takes, over what was predicted: median over points that were run."""
-    ratios = [measured_s[one.name] / one.predicted_s for one in points if one.name in measured_s]
+    ratios = [measured_s[one.name] / one.predicted_s for one in combinations if one.name in measured_s]
     return median(ratios) if ratios else 1.0
 
 
-def checked(asked: Asked) -> LoadedCase:
-    """The case as it is.  Raises CaseError."""
-    loaded = load(asked.case, asked.level, asked.sets)
-    if wrong := mistakes(loaded):
-        raise CaseError(wrong)
-    return loaded
+def part_s(case: Case, parts: int) -> float:
+    """Returns how long a short run lasts: one of ``parts`` of the time in which all feeds run.  A
+    case in which a feed does not begin is refused."""
+    begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
+    return begun_s + (case.duration_s - begun_s) / parts

@@ -8,8 +8,8 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.levels import load
-from orchestrator.studies.accuracy.knobs import KNOBS, offer
-from orchestrator.studies.accuracy.points import common
+from orchestrator.studies.accuracy.combinations import common
+from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
 from orchestrator.studies.points import seeded
 from tests.runs.outside import ROOT
 
@@ -19,18 +19,25 @@ QUICKSTART = ROOT / "cases/quickstart"
 def test_every_setting_but_the_own_is_another_right_case() -> None:
     """With particles on strips.  The scheme and model variants cover the registry."""
     case = load(QUICKSTART, "draft").case
-    there = offer(case, [*KNOBS], 3)
+    there = offer(case, [*PARAMETERS], 3)
     assert there.missing == {
         "slice": "solver spheres knows no slice between periodic sides",
         "cut-off": "no block or feed has a smallest_fed_m",
     }
-    assert {family.variant for family in there.of("coupling")} == set(SCHEMES)
-    assert {family.variant for family in there.of("panel")} == {"rigid", "strip", "sheet", "solid"}
-    for family in there.families:
-        lengths = [setting.h for setting in family.settings if setting.h is not None]
+    assert {series.variant for series in there.of("coupling")} == set(SCHEMES)
+    assert {series.variant for series in there.of("panel")} == {
+        "rigid",
+        "recorded",
+        "strip",
+        "sheet",
+        "solid",
+    }
+    assert {series.variant for series in there.of("frames")} == {"prescribed", "two-mass", "planar", "exudyn"}
+    for series in there.series:
+        lengths = [setting.h for setting in series.settings if setting.h is not None]
         assert lengths == sorted(lengths, reverse=True)
-        for setting in family.settings:
-            if setting.sets and family.variant != "solid":  # which is slow to check
+        for setting in series.settings:
+            if setting.sets and series.variant not in ("solid", "two-mass") and not setting.made_from_run:
                 loaded = load(QUICKSTART, "draft", setting.sets)
                 assert loaded.case != case
                 assert not mistakes(loaded), setting
@@ -41,14 +48,14 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
 def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
     case = load(QUICKSTART, "draft").case
     for knob, key in (("particle-step", "particles"), ("panel-step", "panel")):
-        (family,) = offer(case, [knob], 3).families
+        (series,) = offer(case, [knob], 3).series
         counts = [
             steps_in(case.coupling.sync_interval_s, float(one.sets[0].partition("=")[2]))
-            for one in family.settings[1:]
+            for one in series.settings[1:]
         ]
-        own = round(float(exact(case.coupling.sync_interval_s)) / (family.settings[0].h or 0))
+        own = round(float(exact(case.coupling.sync_interval_s)) / (series.settings[0].h or 0))
         assert counts == [2 * own, 4 * own]
-        assert all(one.sets[0].startswith(f"{key}.step_s=") for one in family.settings[1:])
+        assert all(one.sets[0].startswith(f"{key}.step_s=") for one in series.settings[1:])
 
 
 @pytest.mark.parametrize(
@@ -64,20 +71,20 @@ def test_the_particles_step_is_of_first_order_where_something_is_felt_late(
     sets: tuple[str, ...], order: float
 ) -> None:
     case = load(ROOT / "cases/ball-on-panel", "draft", sets).case
-    (family,) = offer(case, ["particle-step"], 3).families
-    assert (family.expected, bool(family.note)) == (order, order == 1.0)
+    (series,) = offer(case, ["particle-step"], 3).series
+    assert (series.expected, bool(series.note)) == (order, order == 1.0)
 
 
 @pytest.mark.parametrize(
     ("case", "missing"),
     [
-        ("panel-cycle", {"particle-step", "stiffness", "slice", "number", "cut-off"}),
-        ("ball-on-panel", {"slice", "number", "cut-off"}),
-        ("bushing-hysteresis", set(KNOBS) - {"sync"}),
+        ("panel-cycle", {"particles-model", "particle-step", "stiffness", "slice", "number", "cut-off"}),
+        ("ball-on-panel", {"frames-model", "slice", "number", "cut-off"}),
+        ("bushing-hysteresis", set(PARAMETERS) - {"sync", "frames-model"}),
     ],
 )
 def test_what_a_case_has_not_is_not_offered(case: str, missing: set[str]) -> None:
-    there = offer(load(ROOT / "cases" / case, "draft").case, [*KNOBS], 3)
+    there = offer(load(ROOT / "cases" / case, "draft").case, [*PARAMETERS], 3)
     assert set(there.missing) == missing
     assert all(there.missing.values())
 
@@ -102,5 +109,5 @@ def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
 def test_variants_can_be_chosen() -> None:
     case = load(QUICKSTART, "draft").case
     there = offer(case, ["scheme=aitken+serial-staggered", "panel-model=sheat"], 2)
-    assert {family.variant for family in there.families} == {"aitken", "serial-staggered"}
+    assert {series.variant for series in there.series} == {"aitken", "serial-staggered"}
     assert 'did you mean "sheet"?' in there.missing["panel-model"]

@@ -1,0 +1,63 @@
+"""What ``flipflow explain`` takes from a study of accuracy."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.cli.main import app
+from orchestrator.preflight.judgement.catalogue import judged
+from orchestrator.preflight.levels import load
+from orchestrator.studies.accuracy.plan import Stored, measured_verdict, stored
+from tests.runs.outside import ROOT
+
+CASE = ROOT / "cases/panel-cycle"
+CALL = CliRunner()
+
+
+def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
+    strip = {"axis": "panel", "variant": "strip", "label": "strip, 22 cells", "sets": ["panel.solver=strip"]}
+    strip |= {"reference": "sheet", "processor_s": 2.0, "reference_processor_s": 5.0}
+    strip |= {"error": {"deflection_m": error, "shape": 0.5, "rms_g": error / 2}}
+    sheet = strip | {"variant": "sheet", "label": "sheet", "processor_s": 5.0, "error": {}}
+    return {"case": case, "level": "draft", "models": [strip, sheet]}
+
+
+@pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])
+def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) -> None:
+    """By what repeats itself: the shape's 50 % do not count."""
+    verdicts = {one.effect: one.verdict for one in judged(load(CASE, "draft").case)["panels"]}
+    there = Stored(Path(), study(error=error))
+    found = measured_verdict("variation-across", verdicts["variation-across"], there)
+    assert (found.value, found.matters) == (error, matters)
+    assert "5 s instead of 2 s" in found.cost
+    other = verdicts["panel-deformation"]
+    assert measured_verdict("panel-deformation", other, there) is other
+
+
+def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
+    loaded, file = load(CASE, "draft"), tmp_path / "accuracy.json"
+    file.write_text(json.dumps(study()))
+    there = stored(loaded, file)
+    assert there is not None
+    assert there.found == study()
+    for text, why in ((json.dumps(study("other")), "other"), ("[]", "is no study")):
+        file.write_text(text)
+        with pytest.raises(CaseError, match=why):
+            stored(loaded, file)
+
+
+def test_explain_shows_it(tmp_path: Path) -> None:
+    file = tmp_path / "accuracy.json"
+    file.write_text(json.dumps(study()))
+    done = CALL.invoke(app, ["explain", str(CASE), "--level", "draft", "--study", str(file)])
+    assert done.exit_code == 0, done.output
+    assert "measured:" in done.output
+    assert "largest error" in done.output
+    gone = CALL.invoke(app, ["explain", str(CASE), "--study", str(tmp_path / "none.json")])
+    assert (gone.exit_code, "no such file" in gone.output) == (2, True)
