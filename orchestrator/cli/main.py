@@ -73,7 +73,7 @@ def program(
         bool, typer.Option("--version", callback=_say_versions, is_eager=True, help="say the versions")
     ] = False,
 ) -> None:
-    """What all commands share."""
+    """Takes what all commands share."""
 
 
 for command in (
@@ -100,5 +100,5 @@ def ladder() -> None:
 
 
 def main() -> None:
-    """The entry point ``flipflow``."""
+    """Runs the command line; the entry point ``flipflow``."""
     app()

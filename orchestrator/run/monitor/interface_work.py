@@ -13,7 +13,7 @@ are of second order in what changes within an interval.
 Panels and frames: the clamps are told to go to y - e, with R as the panels' mean reaction, and the
 frames go to y under Q.  Created are  (Q - R).(y - x) + R.(e - e_before).  Left out: likewise.
 
-docs/theory/stability.md, "The watch"; tests/monitor compares both with the ledger.
+docs/theory/stability.md derives both; tests/monitor compares both with the ledger.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def interface_data(members: MeteredSolvers, length_s: float) -> InterfaceData:
 
 
 class ExchangedEnergy:
-    """How much energy went through an interface since t = 0: the scale for what was created there.
+    """The energy that went through an interface since t = 0: the scale for what was created there.
 
     The work that one side has done on the other since t = 0 rises where it gives and falls where it
     gets back.  Its range is what was exchanged, whether it was given for good (a bed that is thrown
@@ -72,7 +72,7 @@ class ExchangedEnergy:
         self._given_J = self._least_J = self._most_J = self._slow_J = 0.0
 
     def add(self, work_J: float, force_N: Array, length_s: float) -> None:
-        """An interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
+        """Adds an interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
         self._given_J += work_J
         self._least_J = min(self._least_J, self._given_J)
         self._most_J = max(self._most_J, self._given_J)
@@ -90,7 +90,7 @@ class ExchangedEnergy:
 
 
 class Balance:
-    """Energy created at an interface, against what went through it.
+    """The energy created at an interface, against what went through it.
 
     ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
     slower than ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
@@ -102,7 +102,7 @@ class Balance:
         self._recent_created_J = self._recent_through_J = self._newest_J = 0.0
 
     def add(self, created_J: float, through_J: float) -> None:
-        """An interval's."""
+        """Adds an interval."""
         self.created_J += created_J
         self.through_J += through_J
         self._recent_created_J = FADE * self._recent_created_J + created_J
@@ -110,8 +110,8 @@ class Balance:
         self._newest_J = through_J
 
     def recently(self) -> float:
-        """Share created of what went through in the last twenty intervals or so.  What went through
-        in the newest does not count as created: it may come back in the next."""
+        """Returns the share created of what went through in the last twenty intervals or so.  What went
+        through in the newest does not count as created: it may come back in the next."""
         beyond_J = abs(self._recent_created_J) - self._newest_J
         if beyond_J <= 0 or self._recent_through_J <= 0:
             return 0.0
@@ -131,23 +131,25 @@ class Balance:
 
 @dataclass(frozen=True)
 class Acting:
-    """What of a load is not zero: of a surface's many points, particles touch few.  ``where`` (n,)
-    among the flattened components, ``force_N`` (n,)."""
+    """The components of a load that are not zero: of a surface's many points, particles touch few.
+
+    ``where`` (n,) are their places among the flattened components, ``force_N`` (n,) their values.
+    """
 
     where: Indices
     force_N: Array
 
     def moved_m(self, from_m: Array, to_m: Array) -> Array:
-        """(n,) of the points' ways."""
+        """Returns how far the components moved, (n,)."""
         return np.subtract(to_m.take(self.where), from_m.take(self.where))
 
     def work_J(self, from_m: Array, to_m: Array) -> float:
-        """On points that move so."""
+        """Returns the work on points that move from one place to another."""
         return float(self.force_N.dot(self.moved_m(from_m, to_m)))
 
 
 def acting(load: Load, points: slice) -> Acting:
-    """Of a load on some of the points."""
+    """Returns the components of a load that are not zero on some of the points."""
     force_N = load.force_N[points]
     where = np.flatnonzero(force_N != 0.0)
     return Acting(where, force_N.take(where))
@@ -157,10 +159,13 @@ _OF_CONTACTS = ("_whole_m", "_path_end_m", "_load", "_load_before")
 
 
 class ContactWork:
-    """Between particles and panels; ``exchange`` is with all that particles touch, walls, too."""
+    """The work between particles and panels.
+
+    ``exchange`` is with all that particles touch, walls included.
+    """
 
     def __init__(self, start: State, points: slice) -> None:
-        """``points``: those of the surface that count."""
+        """``points`` are those of the surface that count."""
         self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._whole_m = start.panel.surface.position_m
         self._path_end_m = self._whole_m[points]
@@ -209,10 +214,13 @@ _OF_CLAMPS = ("_clamps_m", "_missed_m", "_at_end_J")
 
 
 class ClampWork:
-    """Between panels and frames; ``exchange`` is with all that frames carry, walls, too."""
+    """The work between panels and frames.
+
+    ``exchange`` is with all that frames carry, walls included.
+    """
 
     def __init__(self, start: State, points: slice) -> None:
-        """``points``: those of the clamps that count."""
+        """``points`` are those of the clamps that count."""
         self.balance, self.exchange, self._points = Balance(), ExchangedEnergy(), points
         self._clamps_m = start.clamps.position_m
         self._missed_m = np.zeros_like(self._clamps_m[points])
@@ -248,12 +256,15 @@ class ClampWork:
 
 
 def dot(one: Array, other: Array) -> float:
-    """Sum over all points and axes."""
+    """Returns the sum of products over all points and axes."""
     return float(np.vdot(one, other))
 
 
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
-    """Of components that moved so far in ``length_s``, force and motion of the same shape."""
+    """Returns the sizes of the work along each axis at each point, added up.
+
+    Force and motion over ``length_s`` have the same shape.
+    """
     return dot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s)
 
 

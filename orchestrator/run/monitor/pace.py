@@ -23,15 +23,17 @@ Look = Callable[[Interval], None]
 
 
 class Pace:
-    """``parts`` of the next interval; ``last_s`` the length of the last part; ``trusted`` where
+    """Halves intervals while something is amiss, and makes them longer when all is calm again.
+
+    ``parts`` are those of the next interval, ``last_s`` is the length of the last part; ``trusted`` where
     nothing has been amiss for a while.  Alike on all ranks.
 
     ``divided`` counts intervals that were run in parts, ``finest`` is the largest number of them.
     """
 
     def __init__(self, length_s: float, most: int, calm: int) -> None:
-        """``calm``: after so many intervals without trouble parts become twice as long.  Where that
-        was too early, it is twice as many the next time."""
+        """After ``calm`` intervals without trouble parts become twice as long.  Where that was too early,
+        it is twice as many intervals the next time."""
         self.parts, self.last_s, self.trusted = 1, length_s, True
         self.divided, self.finest = 0, 1
         self._most, self._patience = most, max(1, calm)
@@ -44,7 +46,7 @@ class Pace:
         the mean loads of the whole interval.  ``look`` is called with each part when it has ended."""
         ends = []
         for part in interval.divided(self.parts):
-            state = scheme.advance(solvers, part, self._handed_on(scheme, state, part))
+            state = scheme.advance(solvers, part, self._with_late_loads(scheme, state, part))
             self.last_s = part.length_s
             look(part)
             ends.append(state)
@@ -53,7 +55,7 @@ class Pace:
         return state, mean_of(ends)
 
     def shorten(self) -> bool:
-        """Twice as many parts; False where they are the shortest already."""
+        """Runs the next intervals in twice as many parts; False where they are the shortest already."""
         self._quiet, self.trusted = 0, False
         if 2 * self.parts > self._most:
             return False
@@ -63,7 +65,7 @@ class Pace:
         return True
 
     def ease(self, intervals: int = 1) -> bool:
-        """So many without trouble; True where that makes parts longer."""
+        """Counts intervals without trouble; True where that makes parts longer."""
         if self.trusted:
             return False
         self._quiet += intervals
@@ -75,8 +77,8 @@ class Pace:
         self.parts = max(1, self.parts // 2)
         return self._eased
 
-    def _handed_on(self, scheme: Scheme, state: State, part: Interval) -> State:
-        """Loads that act late carry the impulse of the part in which they arose."""
+    def _with_late_loads(self, scheme: Scheme, state: State, part: Interval) -> State:
+        """Returns the state with late loads scaled to the impulse of the part in which they arose."""
         if not scheme.late or part.length_s == self.last_s:
             return state
         share = self.last_s / part.length_s
@@ -92,7 +94,7 @@ class Pace:
 
 
 def mean_of(ends: list[State]) -> State:
-    """The last of the states at the ends of equal parts, with the loads' means."""
+    """Returns the last of the states at the ends of equal parts, with the loads' means."""
     if len(ends) == 1:
         return ends[0]
     load_N = np.mean([end.load.force_N for end in ends], axis=0)

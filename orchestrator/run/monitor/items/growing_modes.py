@@ -28,8 +28,11 @@ _ALL = (*_STATE, "_quick_m_per_s", "_growing_m_per_s")
 
 
 class Alternation:
-    """Of the surface's points, (points, 3) velocities at successive sync points.  Points are looked
-    at one by one only where one alternates with the share ``least`` of the surface's speed."""
+    """Finds points of the surface whose velocity (points, 3) alternates between sync points, and grows.
+
+    Points are looked at one by one only where one alternates with the share ``least`` of the
+    surface's speed.
+    """
 
     def __init__(self, velocity_m_per_s: Array, least: float) -> None:
         self._least = least
@@ -56,15 +59,15 @@ class Alternation:
         self._step_m_per_s, self._change_m_per_s = step_m_per_s, change_m_per_s
 
     def _loud(self, change_m_per_s: Array) -> bool:
-        """Whether a point may alternate fast enough to count; the norm, no smaller than any of its
-        parts, is the quickest to find."""
+        """Returns whether a point may alternate fast enough to count.  The norm, no smaller than any of
+        its parts, is the quickest to find."""
         least_m_per_s = 4 * self._least * self._quick_m_per_s
         if np.vdot(change_m_per_s, change_m_per_s) < least_m_per_s**2:
             return False
         return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
 
     def _count(self, change_m_per_s: Array, loud: bool) -> None:
-        """How often each point has turned round in succession."""
+        """Counts how often each point has turned round in succession."""
         self._growing_m_per_s = 0.0
         if not loud:
             if self._turns.any():
@@ -86,12 +89,12 @@ class Alternation:
             self._growing_m_per_s = float(np.sqrt(square[grows].max())) / 4
 
     def share(self) -> float:
-        """Speed of the fastest point that alternates and grows, of the surface's largest speed so
-        far (the root mean square of all points')."""
+        """Returns the speed of the fastest point that alternates and grows, of the surface's largest speed
+        so far (the root mean square of all points')."""
         return self._growing_m_per_s / self._quick_m_per_s
 
     def begin_anew(self) -> None:
-        """Where intervals are of another length."""
+        """Forgets what alternates: intervals are of another length from now on."""
         self._growing_m_per_s = 0.0
         self._begin(self._before_m_per_s)
 
