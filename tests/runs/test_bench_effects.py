@@ -55,8 +55,8 @@ def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
 def test_what_is_loaded_is_what_the_case_calls_for() -> None:
     whole = loaded_by(BALL, "draft", [])
     rigid = loaded_by(BALL, "draft", ["panel.solver=rigid"])
-    assert {"panel.strip", "particles.spheres", "frames.prescribed"} <= whole
-    assert "panel.strip" in whole - rigid
+    assert {"panel.strip.panel", "particles.spheres.particles", "frames.prescribed"} <= whole
+    assert "panel.strip.panel" in whole - rigid
     assert not whole & {"dolfinx", "exudyn", "mpi4py", "gmsh", "matplotlib"}
 
 

@@ -19,7 +19,6 @@ from scipy.integrate import trapezoid
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.report.drawing import HALF, HELD, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.ports import Array
 
 COLUMNS = 4  # panels or bushings side by side
 MOMENTS = 8  # of a cycle
@@ -147,7 +146,7 @@ def write_pictures(folder: Path) -> None:
         render_deck(folder, end_s, folder / "deck.png")
 
 
-def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Array]:
+def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any]:
     """A figure with axes for so many parts, side by side in rows."""
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
