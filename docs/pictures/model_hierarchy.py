@@ -6,14 +6,9 @@ from drawing import FRAMES, PANELS, PARTICLES, arrow, box, canvas, say
 def draw() -> None:
     axes = canvas(9.0, 2.8)
     rows = (
-        (
-            2.05,
-            "panel",
-            PANELS,
-            ("rigid", "recorded", "strip", "sheet\ncoarse", "sheet", "sheet\nfine", "solid"),
-        ),
+        (2.05, "panel", PANELS, ("rigid", "recorded", "strip", "sheet", "solid")),
         (1.25, "frames", FRAMES, ("prescribed", "two-mass", "planar", "exudyn")),
-        (0.45, "particles", PARTICLES, ("none", "spheres", "coarser", "softer", "as it is", "stiffer")),
+        (0.45, "particles", PARTICLES, ("none", "spheres", "coarser", "softer", "liggghts", "stiffer")),
     )
     for y, part, color, models in rows:
         say(axes, 0.55, y, part, color, 11)
