@@ -14,7 +14,7 @@ from orchestrator.cli.options import CasePath, Level, Overrides
 if TYPE_CHECKING:
     from orchestrator.preflight.levels import LoadedCase
     from orchestrator.studies.accuracy.plan import Stored
-    from orchestrator.studies.trials import Asked
+    from orchestrator.studies.pairs import TriedEffects
 
 
 def check(
@@ -87,11 +87,10 @@ def _stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
     return stored(loaded, given)
 
 
-def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> Asked | None:
+def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Makes runs with and without effects for results that are ``asked`` for; None where none are."""
     from orchestrator.case.scalars import scalar
-    from orchestrator.studies.paired import LIMIT_S, RUNS_IN_BUDGET, Pairs
-    from orchestrator.studies.trials import for_results
+    from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, for_results
 
     try:
         for name in asked:

@@ -17,7 +17,7 @@ from orchestrator.preflight.judgement.weighing import doubted, weighed
 from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.scene.effect import Part, in_words
 from orchestrator.preflight.stability.choice import AUTO
-from orchestrator.studies.trials import Asked
+from orchestrator.studies.pairs import TriedEffects
 
 if TYPE_CHECKING:
     from orchestrator.studies.accuracy.plan import Stored
@@ -30,7 +30,10 @@ NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels:
 
 
 def print_explanation(
-    loaded: LoadedCase, study: Stored | None = None, tried: Asked | None = None, asked: Sequence[str] = ()
+    loaded: LoadedCase,
+    study: Stored | None = None,
+    tried: TriedEffects | None = None,
+    asked: Sequence[str] = (),
 ) -> None:
     """Prints the verdicts on all effects of a case whose tables have no problems.
 
@@ -93,7 +96,7 @@ def effects_table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> 
     return rows_table
 
 
-def trial_lines(tried: Asked, asked: Sequence[str]) -> Iterator[str]:
+def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
     """Yields what was run, what could not be, and for what the budget did not last."""
     done = [name for name, pair in tried.pairs.items() if not pair.refused]
     spent = f"{tried.spent_s:.0f} s of processor time"

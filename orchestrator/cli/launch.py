@@ -40,7 +40,7 @@ from orchestrator.preflight.stability import plain, words
 from orchestrator.preflight.stability.choice import settled_card
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
 from orchestrator.run.run import Run
-from orchestrator.studies.trials import before
+from orchestrator.studies.pairs import before
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
 OUT = "out of memory"

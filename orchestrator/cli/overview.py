@@ -57,7 +57,7 @@ def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
 
 
 def _tried_before(loaded: LoadedCase) -> tuple[str, ...]:
-    from orchestrator.studies.trials import wanted_before
+    from orchestrator.studies.pairs import wanted_before
 
     return wanted_before(loaded)
 

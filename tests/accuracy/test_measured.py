@@ -7,14 +7,14 @@ import pytest
 
 from orchestrator.studies.accuracy.combinations import KNOB, Combination
 from orchestrator.studies.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
-from orchestrator.studies.figures import Figures
+from orchestrator.studies.metrics import Metrics
 
 GENERATOR = np.random.default_rng(4)
 
 
 def point(*values: float) -> Measured:
     every = tuple(
-        Figures(
+        Metrics(
             {"deflection_m": value, "frame_m": 2.0},
             {},
             {"energy_defect": 1e-3},

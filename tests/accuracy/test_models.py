@@ -11,14 +11,14 @@ from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.levels import load
 from orchestrator.studies.accuracy.refinement import offer
-from orchestrator.studies.figures import Figures, errors, relative
+from orchestrator.studies.metrics import Metrics, errors, relative
 from orchestrator.studies.points import sampled_at
 from tests.runs.outside import ROOT
 
 
-def measured(deflection_m: float, shapes_m: Array) -> Figures:
+def measured(deflection_m: float, shapes_m: Array) -> Metrics:
     values = {"deflection_m": deflection_m, "frame_m": 0.0}
-    return Figures(values, {}, {}, shapes_m, None, 1.0, 1.0, {}, 100.0, 1.0)
+    return Metrics(values, {}, {}, shapes_m, None, 1.0, 1.0, {}, 100.0, 1.0)
 
 
 def test_errors_are_relative_to_the_reference() -> None:

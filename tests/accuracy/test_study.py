@@ -17,7 +17,7 @@ from orchestrator.studies.accuracy.convergence import Converged
 from orchestrator.studies.accuracy.plan import by_study, stored
 from orchestrator.studies.accuracy.study import Study, studied
 from orchestrator.studies.accuracy.tables import pareto, recommended, rows
-from orchestrator.studies.figures import DECISIVE
+from orchestrator.studies.metrics import DECISIVE
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow
 

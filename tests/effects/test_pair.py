@@ -16,8 +16,8 @@ from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, agree, changed, key_of, remember, remembered
 from orchestrator.preflight.levels import load
-from orchestrator.studies import paired
-from orchestrator.studies.trials import tried
+from orchestrator.studies import pairs
+from orchestrator.studies.pairs import tried
 from tests.case.cases import CASE, loaded, written
 
 SHORT = "duration_s=0.02"
@@ -95,24 +95,24 @@ def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytes
         made.append(sets)
         return summary(velocity_m_per_s=0.4 if len(made) == 1 else 0.2)
 
-    monkeypatch.setattr(paired, "_run", run)
+    monkeypatch.setattr(pairs, "_run", run)
     case = loaded(tmp_path, (SHORT,))
     for effect in ("sliding-friction", "particle-load"):
-        found = paired.Pairs().of(case, effect)
+        found = pairs.Pairs().of(case, effect)
         assert found.refused == ""
     assert len(made) == 4, "two engines share no runs"
-    pairs = paired.Pairs(forget=True)
+    engine = pairs.Pairs(forget=True)
     made.clear()
     for effect in ("sliding-friction", "particle-load"):
-        pairs.of(case, effect)
+        engine.of(case, effect)
     assert len(made) == 3
-    assert paired.Pairs().of(case, "particle-load").change("velocity") is not None
+    assert engine.Pairs().of(case, "particle-load").change("velocity") is not None
     assert len(made) == 3, "remembered"
 
 
 def test_a_pair_that_would_take_too_long_is_refused_and_says_why(tmp_path: Path) -> None:
     case = loaded(tmp_path, ("duration_s=4.0",))
-    found = paired.Pairs(limit_s=0.01).of(case, "particle-load")
+    found = pairs.Pairs(limit_s=0.01).of(case, "particle-load")
     assert "a trial run takes about" in found.refused
     assert found.change("velocity") is None
 
@@ -124,18 +124,18 @@ def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
     budget lasts for the run as it is and one without an effect, not for all three."""
     case = loaded(tmp_path, ("duration_s=4.0",))
     names = ("sliding-friction", "particle-load")
-    small = paired.Pairs(limit_s=0.01)
+    small = pairs.Pairs(limit_s=0.01)
     assert all(small.of(case, name).refused for name in names)
     clock_s = iter(range(0, 1000, 10))
-    monkeypatch.setattr(paired, "_of_children_s", lambda: float(next(clock_s)))
-    monkeypatch.setattr(paired, "_run", lambda *_: summary(velocity_m_per_s=0.4))
-    found = tried(case, names, paired.Pairs(limit_s=30.0), budget_s=15.0)
+    monkeypatch.setattr(pairs, "_of_children_s", lambda: float(next(clock_s)))
+    monkeypatch.setattr(pairs, "_run", lambda *_: summary(velocity_m_per_s=0.4))
+    found = tried(case, names, pairs.Pairs(limit_s=30.0), budget_s=15.0)
     assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])
     assert found.spent_s == 20.0
 
 
 def test_an_effect_that_the_case_does_not_have_is_refused(tmp_path: Path) -> None:
-    found = paired.Pairs().of(loaded(tmp_path, (SHORT,)), "adhesion")
+    found = pairs.Pairs().of(loaded(tmp_path, (SHORT,)), "adhesion")
     assert "adhesion cannot be left out" in found.refused
 
 
@@ -170,7 +170,7 @@ def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pyte
         without = "sliding-friction" not in sets[-1]
         return summary(velocity_m_per_s=0.5 if without else 0.4)
 
-    monkeypatch.setattr(paired, "_run", run)
+    monkeypatch.setattr(pairs, "_run", run)
     words = ["explain", str(written(tmp_path / "case", CASE)), "--for", "velocity"]
     done = CliRunner().invoke(app, [*words, "--set", SHORT])
     assert done.exit_code == 0, done.output

@@ -20,7 +20,7 @@ from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.moved_panel import stiffness_share
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.scene.seen import Seen
-from orchestrator.studies.paired import Pairs
+from orchestrator.studies.pairs import Pairs
 from tests.case.cases import loaded, only_complaint, written
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
 

@@ -11,7 +11,7 @@ import numpy as np
 from orchestrator.studies.accuracy.combinations import BASE, KNOB, named
 from orchestrator.studies.accuracy.measured import Error, Measured, Scatter, against, errors
 from orchestrator.studies.accuracy.model import Option
-from orchestrator.studies.accuracy.refinement import Offer, Series, Setting
+from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
 from orchestrator.studies.criteria import Criterion
 
 LARGEST = 6.0
@@ -71,7 +71,7 @@ class Converged:
     against the finest of them, ``exact`` against what is known exactly; ``orders`` of both by
     name, where one was seen."""
 
-    series: Series
+    series: RefinementSeries
     found: tuple[tuple[Setting, Measured], ...]
     errors: tuple[dict[str, Error], ...]
     exact: tuple[dict[str, float], ...]
@@ -109,7 +109,7 @@ def measured_at(axis: str, setting: Setting, measured: Mapping[str, Measured]) -
 
 
 def converged(
-    series: Series, measured: Mapping[str, Measured], spread: Scatter, known: Sequence[Criterion]
+    series: RefinementSeries, measured: Mapping[str, Measured], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
     """None where nothing of it was measured."""
     every = [(one, measured_at(series.axis, one, measured)) for one in series.settings]
@@ -141,7 +141,7 @@ def _orders(
     return {name: order for name, order in orders.items() if order is not None}
 
 
-def _exact(series: Series, there: Measured, known: Sequence[Criterion]) -> dict[str, float]:
+def _exact(series: RefinementSeries, there: Measured, known: Sequence[Criterion]) -> dict[str, float]:
     """Errors against answers, and the energy that only a coupling creates."""
     found = against(there, known)
     created = there.mean("energy_defect") if series.axis == "coupling" else None
@@ -167,7 +167,7 @@ class Compared:
     """A setting of an axis with its ``errors`` against the best of all its settings; ``is_best``
     of that one itself."""
 
-    series: Series
+    series: RefinementSeries
     setting: Setting
     measured: Measured
     errors: dict[str, Error]

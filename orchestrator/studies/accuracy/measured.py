@@ -13,7 +13,7 @@ from scipy.stats import t as student
 from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.criteria import Criterion, answer_error
-from orchestrator.studies.figures import QUANTITIES, Figures, figures, relative
+from orchestrator.studies.metrics import QUANTITIES, Metrics, measure, relative
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,11 @@ class Measured:
     """A point with what its runs were measured by, one for each seed."""
 
     point: Combination
-    figures: tuple[Figures, ...]
+    metrics: tuple[Metrics, ...]
 
     def values(self, name: str) -> list[float]:
         """Of a quantity or defect, by seed, as far as it is defined."""
-        found = ((one.values | one.defects).get(name) for one in self.figures)
+        found = ((one.values | one.defects).get(name) for one in self.metrics)
         return [value for value in found if value is not None]
 
     def mean(self, name: str) -> float | None:
@@ -35,15 +35,15 @@ class Measured:
     @property
     def processor_s(self) -> float:
         """Of one run."""
-        return float(np.mean([one.processor_s for one in self.figures]))
+        return float(np.mean([one.processor_s for one in self.metrics]))
 
     @property
     def wall_s(self) -> float:
-        return float(np.mean([one.wall_s for one in self.figures]))
+        return float(np.mean([one.wall_s for one in self.metrics]))
 
     @property
     def memory_MiB(self) -> float:
-        return max(one.memory_MiB for one in self.figures)
+        return max(one.memory_MiB for one in self.metrics)
 
     @property
     def side_by_side(self) -> int:
@@ -53,13 +53,13 @@ class Measured:
     @property
     def processor_by_part_s(self) -> dict[str, float]:
         """Processor time by part of the program, mean over the seeds."""
-        every = [parts_s(vars(one)) for one in self.figures]
+        every = [parts_s(vars(one)) for one in self.metrics]
         return {part: float(np.mean([one[part] for one in every])) for part in every[0]}
 
 
 def parts_s(run: Mapping[str, Any]) -> dict[str, float]:
     """Processor time of a run by part: "start" is before its wall time counts, the rest is divided
-    as that is.  ``run``: its summary, or its figures."""
+    as that is.  ``run``: its summary, or its metrics."""
     before_s = run.get("processor_before_s", 0.0)
     rate = (run["processor_s"] - before_s) / run["wall_s"]
     return {"start": before_s} | {part: rate * wall_s for part, wall_s in run["wall_by_part_s"].items()}
@@ -114,7 +114,7 @@ EXACT = Scatter(False, {}, 0)
 def read(points: Sequence[Combination]) -> dict[str, Measured]:
     """By name, of those that are done."""
     return {
-        one.name: Measured(one, tuple(figures(run.folder) for run in one.runs)) for one in points if one.done
+        one.name: Measured(one, tuple(measure(run.folder) for run in one.runs)) for one in points if one.done
     }
 
 
@@ -122,7 +122,7 @@ def scatter(every: Sequence[Measured], random: bool) -> Scatter:
     """Every point has the same random numbers, so that what a seed does to all of them alike is no
     scatter between them: the residual of points and seeds (randomised blocks).  Points are taken to
     scatter alike, so that two or three seeds each are enough."""
-    seeds = max((len(one.figures) for one in every), default=0)
+    seeds = max((len(one.metrics) for one in every), default=0)
     freedom, found = 0, {}
     for name in QUANTITIES:
         rows = [v for one in every if len(v := one.values(name)) == seeds and np.mean(v)]
@@ -139,7 +139,7 @@ def scatter(every: Sequence[Measured], random: bool) -> Scatter:
 
 def errors(found: Measured, reference: Measured, spread: Scatter) -> dict[str, Error]:
     """Of every quantity that both have, relative to the reference; shapes seed by seed."""
-    seeds = (len(found.figures), len(reference.figures))
+    seeds = (len(found.metrics), len(reference.metrics))
     differences = {}
     for name in QUANTITIES:
         ours, theirs = found.mean(name), reference.mean(name)
@@ -148,7 +148,7 @@ def errors(found: Measured, reference: Measured, spread: Scatter) -> dict[str, E
             differences[name] = Error(off, spread.half_width(name, seeds))
     pairs = [
         relative(a.shapes_m, b.shapes_m)
-        for a, b in zip(found.figures, reference.figures, strict=True)
+        for a, b in zip(found.metrics, reference.metrics, strict=True)
         if a.shapes_m.size and a.shapes_m.shape == b.shapes_m.shape
     ]
     if pairs and np.isfinite(pairs).all():  # else nothing is bent

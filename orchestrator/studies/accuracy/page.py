@@ -18,7 +18,7 @@ from orchestrator.studies.accuracy.measured import Error
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import Study
 from orchestrator.studies.accuracy.tables import RECOMMENDED, Row, pareto, recommended
-from orchestrator.studies.figures import DEFECTS, QUANTITIES, SHORT
+from orchestrator.studies.metrics import DEFECTS, QUANTITIES, SHORT
 from orchestrator.studies.tables import percent
 
 DEEP = 1e4  # what is so much smaller than the largest error is not shown

@@ -39,7 +39,7 @@ from orchestrator.studies.accuracy.combinations import BASE, part_s
 from orchestrator.studies.accuracy.measured import parts_s
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting
-from orchestrator.studies.figures import DECISIVE, happens
+from orchestrator.studies.metrics import DECISIVE, happens
 from orchestrator.studies.points import point, run_points
 from orchestrator.studies.workers import Crew
 

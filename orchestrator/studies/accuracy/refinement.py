@@ -67,7 +67,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Series:
+class RefinementSeries:
     """Settings from coarse to fine that go to one answer.
 
     ``axis``: parameters that exclude each other share one, and one of all their settings is taken;
@@ -97,14 +97,14 @@ class Parameter:
     """``series``: of a case, with so many values each; raises NotOffered."""
 
     title: str
-    series: Callable[[Case, int], list[Series]]
+    series: Callable[[Case, int], list[RefinementSeries]]
 
 
 @dataclass(frozen=True)
 class Offer:
     """What a case can refine, and why it cannot refine the rest: parameter -> reason."""
 
-    series: tuple[Series, ...]
+    series: tuple[RefinementSeries, ...]
     missing: dict[str, str]
 
     def own(self, axis: str) -> Setting:
@@ -112,7 +112,7 @@ class Offer:
         settings = (setting for series in self.of(axis) for setting in series.settings)
         return next((s for s in settings if not s.sets), Setting("as it is"))
 
-    def of(self, axis: str) -> list[Series]:
+    def of(self, axis: str) -> list[RefinementSeries]:
         """Returns the series on an axis."""
         return [series for series in self.series if series.axis == axis]
 
@@ -133,7 +133,7 @@ class Offer:
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
     """Returns the series of the parameters named, ``points`` values each;
     "scheme=aitken+robin" has these variants only."""
-    every: list[Series] = []
+    every: list[RefinementSeries] = []
     missing = {}
     for each in names:
         name, _, only = each.partition("=")
@@ -145,7 +145,7 @@ def offer(case: Case, names: Sequence[str], points: int) -> Offer:
     return Offer(tuple(every), missing)
 
 
-def _chosen(series: Sequence[Series], variants: Sequence[str]) -> list[Series]:
+def _chosen(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
     """Raises NotOffered for a variant that there is not."""
     known = [each.variant for each in series]
     for name in variants:
@@ -161,7 +161,7 @@ def _degrees(points: int) -> list[int]:
     return list(range(-coarser, points - coarser))
 
 
-def _sync(case: Case, points: int) -> list[Series]:
+def _sync(case: Case, points: int) -> list[RefinementSeries]:
     """The interval of the case's own scheme, or of the one that is taken for it, halved and
     doubled."""
     name = settled(case).coupling.scheme
@@ -169,7 +169,7 @@ def _sync(case: Case, points: int) -> list[Series]:
     return [_intervals("sync", case, name, overlay, points)]
 
 
-def _scheme(case: Case, points: int) -> list[Series]:
+def _scheme(case: Case, points: int) -> list[RefinementSeries]:
     """Every other scheme, at the same intervals.  Raises NotOffered."""
     if not (case.screen.panels and (has_particles(case) or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
@@ -181,7 +181,7 @@ def _scheme(case: Case, points: int) -> list[Series]:
     ]
 
 
-def _intervals(parameter: str, case: Case, name: str, overlay: str, points: int) -> Series:
+def _intervals(parameter: str, case: Case, name: str, overlay: str, points: int) -> RefinementSeries:
     own_s = exact(case.coupling.sync_interval_s)
     settings = []
     for halved in _degrees(points):
@@ -193,10 +193,12 @@ def _intervals(parameter: str, case: Case, name: str, overlay: str, points: int)
     order = SCHEME_ORDERS.get(name)
     rank = (order or 0.0) + (0.5 if parameter == "sync" else 0.0)
     note = DAMPED_COUPLING if name == "particles-first" and damped_contacts(case) else ""
-    return Series(parameter, "coupling", name, tuple(settings), "sync interval / s", order, rank, note)
+    return RefinementSeries(
+        parameter, "coupling", name, tuple(settings), "sync interval / s", order, rank, note
+    )
 
 
-def _panel_mesh(case: Case, points: int) -> list[Series]:
+def _panel_mesh(case: Case, points: int) -> list[RefinementSeries]:
     """Cells of the case's own model.  Raises NotOffered."""
     _need_panels(case)
     if not solvers.panel(case).refined_by:
@@ -204,7 +206,7 @@ def _panel_mesh(case: Case, points: int) -> list[Series]:
     return [_meshes("panel-mesh", case, case.panel.solver, case.panel.cells, points)]
 
 
-def _panel_model(case: Case, points: int) -> list[Series]:
+def _panel_model(case: Case, points: int) -> list[RefinementSeries]:
     """Every other model, at a few meshes each.  Raises NotOffered."""
     _need_panels(case)
     own = solvers.panel(case)
@@ -229,7 +231,7 @@ def _need_panels(case: Case) -> None:
         raise NotOffered("the case has no panels")
 
 
-def _meshes(parameter: str, case: Case, name: str, cells: tuple[int, int], points: int) -> Series:
+def _meshes(parameter: str, case: Case, name: str, cells: tuple[int, int], points: int) -> RefinementSeries:
     adapter = _panel_adapter(name)
     settings = []
     for degree in _degrees(points):
@@ -241,7 +243,7 @@ def _meshes(parameter: str, case: Case, name: str, cells: tuple[int, int], point
         sets = () if own else _mesh_overlays(name, along, across, case)
         settings.append(Setting(label, sets, cells[0] / along))
     length, rank = "cell length / own", _fidelity("panel", name)
-    return Series(parameter, "panel", name, tuple(settings), length, adapter.order, rank)
+    return RefinementSeries(parameter, "panel", name, tuple(settings), length, adapter.order, rank)
 
 
 def _mesh_overlays(name: str, along: int, across: int, case: Case) -> tuple[str, ...]:
@@ -253,11 +255,13 @@ def _mesh_overlays(name: str, along: int, across: int, case: Case) -> tuple[str,
     return (f"panel.solver={name}", f"panel.integrator={integrator}", "panel.step_s=0", mesh)
 
 
-def _model(port: solvers.Port, setting: Setting, is_choice: bool = True) -> Series:
+def _model(port: solvers.Port, setting: Setting, is_choice: bool = True) -> RefinementSeries:
     """Returns the series of one setting, a model, which is named after its solver."""
     name = setting.label
     is_choice = is_choice and not setting.made_from_run
-    return Series(f"{port}-model", port, name, (setting,), rank=_fidelity(port, name), is_choice=is_choice)
+    return RefinementSeries(
+        f"{port}-model", port, name, (setting,), rank=_fidelity(port, name), is_choice=is_choice
+    )
 
 
 def _by_fidelity(port: solvers.Port) -> list[str]:
@@ -276,12 +280,12 @@ def _panel_adapter(name: str) -> PanelAdapter:
     return cast("PanelAdapter", solvers.adapter("panel", name))
 
 
-def _panel_step(case: Case, points: int) -> list[Series]:
+def _panel_step(case: Case, points: int) -> list[RefinementSeries]:
     """The panels' own step, its half and its quarter.  Raises NotOffered."""
     _need_panels(case)
     own_s = min(case.coupling.sync_interval_s, _usual_panel_step_s(case))
     settings = _steps(case, "panel.step_s", own_s, points)
-    return [Series("panel-step", "panel-step", "", settings, "panel's step / s", 2.0)]
+    return [RefinementSeries("panel-step", "panel-step", "", settings, "panel's step / s", 2.0)]
 
 
 def _usual_panel_step_s(case: Case) -> float:
@@ -311,7 +315,7 @@ def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ..
     return tuple(settings)
 
 
-def _frames_model(case: Case, points: int) -> list[Series]:
+def _frames_model(case: Case, points: int) -> list[RefinementSeries]:
     """Every model of the frames.  Raises NotOffered."""
     if not case.screen.frames:
         raise NotOffered("the case has no frames")
@@ -326,11 +330,13 @@ def _frames_model(case: Case, points: int) -> list[Series]:
     return every
 
 
-def _particle_model(case: Case, points: int) -> list[Series]:
+def _particle_model(case: Case, points: int) -> list[RefinementSeries]:
     """No particles at all, and every solver of them.  Raises NotOffered."""
     _need_particles(case)
     own, empty = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
-    without = Series("particles-model", "particles", solvers.NONE, (empty,), rank=-1.0, is_choice=False)
+    without = RefinementSeries(
+        "particles-model", "particles", solvers.NONE, (empty,), rank=-1.0, is_choice=False
+    )
     every = [
         _model("particles", Setting(name, () if name == own else (f"particles.solver={name}",)))
         for name in _by_fidelity("particles")
@@ -338,13 +344,13 @@ def _particle_model(case: Case, points: int) -> list[Series]:
     return [without, *every]
 
 
-def _particle_step(case: Case, points: int) -> list[Series]:
+def _particle_step(case: Case, points: int) -> list[RefinementSeries]:
     """The particles' step, its half and its quarter.  Raises NotOffered."""
     _need_particles(case)
     settings = _steps(case, "particles.step_s", particle_step_s(case), points)
     note = DAMPED_STEPS if damped_contacts(case) else JUMPING if _surface_jumps(case) else ""
     name, order = "particle-step", 1.0 if note else 2.0
-    return [Series(name, name, "", settings, "step / s", order, note=note)]
+    return [RefinementSeries(name, name, "", settings, "step / s", order, note=note)]
 
 
 def _surface_jumps(case: Case) -> bool:
@@ -356,7 +362,7 @@ def _surface_jumps(case: Case) -> bool:
     return moves and extrapolated.get(settled(case).coupling.scheme, False)
 
 
-def _stiffness(case: Case, points: int) -> list[Series]:
+def _stiffness(case: Case, points: int) -> list[RefinementSeries]:
     """The largest Young's modulus in contacts, up to the materials' own.  Raises NotOffered."""
     _need_particles(case)
     used_Pa = [m.youngs_modulus_Pa for m in case.materials.values() if m.youngs_modulus_Pa]
@@ -371,10 +377,10 @@ def _stiffness(case: Case, points: int) -> list[Series]:
             sets = (f"particles.largest_youngs_modulus_Pa={modulus_Pa:.4g}",) if degree else ()
             settings.append(Setting(f"{modulus_Pa:.3g} Pa", sets, (own_Pa / modulus_Pa) ** HERTZ))
     name, length = "stiffness", "duration of an impact / own"
-    return [Series(name, name, "", tuple(settings), length)]
+    return [RefinementSeries(name, name, "", tuple(settings), length)]
 
 
-def _number(case: Case, points: int) -> list[Series]:
+def _number(case: Case, points: int) -> list[RefinementSeries]:
     """Coarser particles, each for several.  Raises NotOffered."""
     _need_many_particles(case)
     own = case.particles.coarse_graining
@@ -384,10 +390,10 @@ def _number(case: Case, points: int) -> list[Series]:
         sets = (f"particles.coarse_graining={k:.4g}",) if degree else ()
         settings.append(Setting(f"diameters x {k:.3g}", sets, k))
     length = "diameters, of the real ones"
-    return [Series("number", "number", "", tuple(settings), length)]
+    return [RefinementSeries("number", "number", "", tuple(settings), length)]
 
 
-def _cut_off(case: Case, points: int) -> list[Series]:
+def _cut_off(case: Case, points: int) -> list[RefinementSeries]:
     """The finest size that is fed.  Raises NotOffered."""
     _need_particles(case)
     rows = [
@@ -403,10 +409,10 @@ def _cut_off(case: Case, points: int) -> list[Series]:
         factor = COARSER ** (-degree / 2)
         sets = tuple(f"{key}={factor * size_m:.4g}" for key, size_m in rows) if degree else ()
         settings.append(Setting(f"{factor * rows[0][1]:.3g} m", sets, factor * rows[0][1]))
-    return [Series("cut-off", "cut-off", "", tuple(settings), "finest size fed / m")]
+    return [RefinementSeries("cut-off", "cut-off", "", tuple(settings), "finest size fed / m")]
 
 
-def _width(case: Case, points: int) -> list[Series]:
+def _width(case: Case, points: int) -> list[RefinementSeries]:
     """A slice, up to the whole width.  Raises NotOffered."""
     _need_many_particles(case)
     try:
@@ -425,7 +431,7 @@ def _width(case: Case, points: int) -> list[Series]:
             settings.append(Setting(f"{width_m:.3g} m", sets, own_m / width_m))
     if len(settings) < 2:
         raise NotOffered("there is one width only")
-    return [Series("slice", "slice", "", tuple(settings), "own width / width")]
+    return [RefinementSeries("slice", "slice", "", tuple(settings), "own width / width")]
 
 
 def _need_particles(case: Case) -> None:

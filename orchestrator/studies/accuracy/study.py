@@ -35,7 +35,7 @@ from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, rea
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Offer, Setting, offer
 from orchestrator.studies.criteria import Criterion, known_answers
-from orchestrator.studies.figures import QUANTITIES, happens
+from orchestrator.studies.metrics import QUANTITIES, happens
 from orchestrator.studies.points import Point, check_case, is_random, run_points
 from orchestrator.studies.record import drives, record
 

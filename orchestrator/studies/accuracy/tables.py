@@ -21,7 +21,7 @@ from orchestrator.studies.accuracy.convergence import Compared, compare_axis
 from orchestrator.studies.accuracy.measured import Error, Measured, against, errors, worst
 from orchestrator.studies.accuracy.model import Proposal
 from orchestrator.studies.accuracy.study import Study
-from orchestrator.studies.figures import DEFECTS, QUANTITIES
+from orchestrator.studies.metrics import DEFECTS, QUANTITIES
 from orchestrator.studies.tables import percent
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
@@ -143,7 +143,7 @@ def _measured(row: Row) -> dict[str, Cell]:
     if there is None:
         return {}
     entry: dict[str, Cell] = {
-        "seeds": len(there.figures),
+        "seeds": len(there.metrics),
         "processor_s": there.processor_s,
         "wall_s": there.wall_s,
         "side_by_side": there.side_by_side,
@@ -179,10 +179,10 @@ def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
         "level": there.loaded.level,
         "sets": list(there.asked.sets),
         "shared": list(there.shared),
-        "duration_s": study.base.figures[0].simulated_s,
+        "duration_s": study.base.metrics[0].simulated_s,
         "judged_by": study.judged_by,
         "reference": study.reference,
-        "seeds": len(study.base.figures),
+        "seeds": len(study.base.metrics),
         "chance": _chance(study),
         "base": _cost(study.base),
         "short": {
@@ -233,14 +233,14 @@ def _model(one: Compared, every: Sequence[Compared]) -> dict[str, Any]:
 
 def _chance(study: Study) -> float | None:
     """Largest half width of an error that decides; None where a single seed tells nothing."""
-    seeds = len(study.base.figures)
+    seeds = len(study.base.metrics)
     found = [study.spread.half_width(name, (seeds, seeds)) for name in study.judged_by]
     return max((one for one in found if one is not None), default=None)
 
 
 def _cost(one: Measured) -> dict[str, Any]:
     return {
-        "simulated_s": one.figures[0].simulated_s,
+        "simulated_s": one.metrics[0].simulated_s,
         "processor_s": one.processor_s,
         "wall_s": one.wall_s,
         "side_by_side": one.side_by_side,

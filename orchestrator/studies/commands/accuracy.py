@@ -17,7 +17,7 @@ from orchestrator.studies.accuracy.measured import read
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import afford, listed, studied
 from orchestrator.studies.accuracy.tables import rows
-from orchestrator.studies.figures import DECISIVE, QUANTITIES
+from orchestrator.studies.metrics import DECISIVE, QUANTITIES
 from orchestrator.studies.options import CasePath, Level, Overrides, Scheduler, Told, Workers, crew, folder_of
 
 QUICK_VALUES, QUICK_SEEDS = 3, 1

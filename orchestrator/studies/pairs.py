@@ -1,9 +1,9 @@
-"""Runs a case with and without an effect, briefly and cheaply, and compares what comes out.
+"""Pairs of short runs, with and without an effect, and which effects are worth them.
 
-The same engine serves ``effects = "auto"`` and ``flipflow explain --for``.  The case is taken at
-its level "draft" if it has one that still has the effect, and made cheaper still by settings that
-do not bear on the effect.  Both runs are commands of their own.  A run that a pair shares with
-another is made once.
+They serve ``effects = "auto"`` before a run and ``flipflow explain --for``.  The case is taken at its
+level "draft" if it has one that still has the effect, and made cheaper still by settings that do not
+bear on the effect.  Both runs are commands of their own.  A run that a pair shares with another is
+made once.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import math
 import resource
 import subprocess
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -24,6 +24,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
 from orchestrator.case.playback import turning
+from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
@@ -32,9 +33,12 @@ from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
-from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.preflight.effect_choice import known_pairs
+from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, can_go, present, with_dependents
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember, remembered
+from orchestrator.preflight.judgement.weighing import undecided, weighed
 from orchestrator.preflight.levels import LoadedCase, level_names, load
+from orchestrator.preflight.scene.effect import in_words
 from orchestrator.studies.points import MAIN, sample_s
 
 LIMIT_S = 30.0
@@ -261,3 +265,85 @@ def _shorter(case: Case, cost_s: float, limit_s: float) -> Iterator[str]:
             f"(flipflow explain CASE --for ... --budget {budget_s} allows it)"
         )
     yield f"duration_s={duration_s!r}"
+
+
+BUDGET_S = 300.0
+"""Processor time for all trial runs of a case together."""
+WORTH = 4
+"""Times the processor time that a trial run may take: from here on a run is long enough for trials
+before it."""
+
+
+@dataclass(frozen=True)
+class TriedEffects:
+    """Pairs that were made or remembered, effects for which the budget did not last, and the
+    processor time that was spent."""
+
+    pairs: dict[str, Pair]
+    omitted: tuple[str, ...] = ()
+    spent_s: float = 0.0
+
+
+def ranked(every: Sequence[Judged]) -> list[str]:
+    """Effects to be tried, those first of which estimates say least that they matter: what cannot
+    be judged, then what matters, from the lowest value over its threshold up.  Not among them is
+    what surely may be left out."""
+    there = [one for one in every if one.present and one.can_go]
+    open_ones = [one for one in there if undecided(one)]
+    others = [one for one in there if one.verdict.matters is True and one not in open_ones]
+    return [one.effect for group in (open_ones, others) for one in sorted(group, key=_over)]
+
+
+def _over(one: Judged) -> float:
+    verdict = one.verdict
+    if verdict.value is None:
+        return math.inf
+    return verdict.value / (verdict.limit or 1.0)
+
+
+def tried(loaded: LoadedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
+    """The pairs of effects in turn, until the budget is used; what is remembered costs nothing."""
+    found = known_pairs(loaded.origin, effects)
+    omitted = []
+    for name in effects:
+        if pairs.spent_s < budget_s:
+            found[name] = pairs.of(loaded, name)
+        elif name not in found or found[name].refused:
+            omitted.append(name)
+    return TriedEffects(found, tuple(omitted), pairs.spent_s)
+
+
+def for_results(loaded: LoadedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
+    """Of all effects of the case that a pair could decide about."""
+    every = [one for rows in weighed(loaded.described).values() for one in rows]
+    return tried(loaded, ranked(every), pairs, budget_s)
+
+
+def wanted_before(loaded: LoadedCase) -> tuple[str, ...]:
+    """Effects that "auto" tries out before a run of this case: those that it cannot decide about
+    and that would save time, if the run is long enough; none that are known already."""
+    names = loaded.choice.undecided
+    if not names:
+        return ()
+    cost_s = predicted_s(loaded.case, particles_at_start(loaded.case))
+    return names if cost_s >= WORTH * LIMIT_S else ()
+
+
+def before(loaded: LoadedCase, say: Say) -> dict[str, Pair]:
+    """Tries them out; what came of it is remembered, so that the case loaded again has it."""
+    names = wanted_before(loaded)
+    if names:
+        say(
+            f'effects = "auto" cannot decide about {", ".join(names)}: short runs with and without '
+            f"each, at most {BUDGET_S:g} s of processor time"
+        )
+    found = tried(loaded, names, Pairs(LIMIT_S, say), BUDGET_S).pairs
+    asked = loaded.choice.asked or (*SCALARS,)
+    rows = (one for rows in weighed(loaded.described, found, asked).values() for one in rows)
+    verdicts = {one.effect: one.verdict for one in rows}
+    for name, pair in found.items():
+        if pair.refused:
+            say(f"{name} stays, as there are no runs to tell: {pair.refused}")
+        else:
+            say(f"{name}: {in_words(verdicts[name].matters)}: {verdicts[name].why}")
+    return found

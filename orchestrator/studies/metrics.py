@@ -1,7 +1,7 @@
-"""What a run is measured by when models are compared, and how far it is from the reference.
+"""What a run is measured by when settings are compared, and how far it is from the reference.
 
-All over the last whole cycles of the run (at most four, never the run-up's first half); panels'
-figures are means over the panels.
+All over the last whole cycles of the run (at most four, never the run-up's first half); metrics of
+panels are means over the panels.
 """
 
 from __future__ import annotations
@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
-from orchestrator.output.cycles import cycle_s
+from orchestrator.output.cycles import cycle_numbers, cycle_s
+from orchestrator.output.results.acceleration import acceleration_m_per_s2
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
-from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.studies.panel_figures import panel_figures
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.recording import RecordedGrid
 
 CYCLES = 4
 EXTENSIVE = {"clamp_peak_N", "clamp_rms_N", "passing_kg_per_s"}
@@ -85,7 +86,7 @@ DEFECTS = {
 
 
 @dataclass(frozen=True)
-class Figures:
+class Metrics:
     """``values`` by QUANTITIES (without "shape" and what a case does not have; 0 for what is not
     above RESOLVED, with which nothing is compared), of the whole width where a slice was run;
     ``own`` the uncertainty of those that are statistics; ``defects`` by DEFECTS; ``shapes_m``
@@ -104,18 +105,18 @@ class Figures:
     processor_before_s: float = 0.0
 
 
-def figures(folder: Path) -> Figures:
+def measure(folder: Path) -> Metrics:
     """Of a finished run with ``output.shapes_s``."""
     with RunReader(folder) as run:
-        return _figures(run)
+        return _measure(run)
 
 
-def _figures(run: RunReader) -> Figures:
+def _measure(run: RunReader) -> Metrics:
     summary, case, history = run.summary, run.case, run.history
     end_s, cycle = summary["simulated_s"], cycle_s(case)
     count = max(1, min(CYCLES, int(end_s / 2 / cycle + 1e-9)))
     start_s = max(0.0, end_s - count * cycle)
-    panels = [panel_figures(history, case, one, start_s, cycle) for one in single_panels(case)]
+    panels = [_panel_metrics(history, case, one, start_s, cycle) for one in single_panels(case)]
     values = {"frame_m": _frame(history, start_s)} if case.screen.frames else {}
     passing = _passing(history, case, start_s, end_s)
     shapes_m = np.hstack([panel.shape_m for panel in panels]) if panels else np.empty((0, 0))
@@ -133,7 +134,7 @@ def _figures(run: RunReader) -> Figures:
         shapes_m = shapes_m[:, :0]
     rows = round(cycle * (len(shapes_m) - 1) / (end_s - start_s)) if len(shapes_m) else 0
     change = relative(shapes_m[:-rows], shapes_m[rows:]) if 0 < rows < len(shapes_m) / 2 else None
-    return Figures(
+    return Metrics(
         values,
         own,
         _defects(summary),
@@ -165,7 +166,7 @@ def happens(values: Mapping[str, float | None]) -> bool:
     return peak_N - rms_N > max(RESOLVED["clamp_peak_N"], STEADY * peak_N)
 
 
-def errors(found: Figures, reference: Figures) -> dict[str, float]:
+def errors(found: Metrics, reference: Metrics) -> dict[str, float]:
     """Relative to the reference, by quantity; shapes in the L2 norm, about their mean."""
     differences = {
         name: abs(value - reference.values[name]) / abs(reference.values[name])
@@ -221,3 +222,56 @@ def _passing(history: Any, case: Case, start_s: float, end_s: float) -> tuple[fl
     mass_kg = sphere_mass_kg(gone["diameter_m"][:], gone["density_kg_per_m3"][:])
     span_s = end_s - start_s
     return float(mass_kg[late].sum() / span_s), float(np.sqrt(np.sum(mass_kg[late] ** 2)) / span_s)
+
+
+@dataclass(frozen=True)
+class PanelMetrics:
+    """``values`` by ``QUANTITIES``; ``shape_m`` (rows, values) of the middle line."""
+
+    values: dict[str, float]
+    shape_m: Array
+
+
+def _panel_metrics(
+    history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float
+) -> PanelMetrics:
+    """From ``start_s`` on, of a run with ``output.shapes_s``; ``cycle`` in s."""
+    shapes = history[f"shapes/{panel.name}"]
+    time_s = shapes["time_s"][:]
+    last = time_s >= start_s - 1e-9
+    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
+    turn = np.stack([at.along, at.across, at.normal], axis=1)
+    place_m, velocity_m_per_s = shapes["position_m"][:], shapes["velocity_m_per_s"][:]
+    carried = grid.carried(at)
+    corners = [int(number) for number in carried.argmax(axis=0)]
+    shape_m = (place_m - carried @ place_m[:, corners])[last] @ turn
+    # the line along the middle, or beside it where no grid line runs there
+    line = np.arange(len(grid.rows_m)) * len(grid.columns_m) + len(grid.columns_m) // 2
+    middle = line[len(line) // 2]
+    step_s = float(np.diff(time_s).mean())
+    acceleration = acceleration_m_per_s2(velocity_m_per_s[:, middle], step_s)[last]
+    size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_PER_S2
+    forces = history[f"forces/{panel.name}"]
+    pull_N = np.linalg.norm(forces["first_clamp_N"][:], axis=1)[forces["time_s"][:] > start_s]
+    values = {
+        "deflection_m": _half_range(shape_m[:, middle, 2], time_s[last], cycle),
+        "clamp_peak_N": float(pull_N.max()),
+        "clamp_rms_N": float(np.sqrt(np.mean(pull_N**2))),
+        "peak_g": _mean_peak(size_g, time_s[last], cycle),
+        "rms_g": float(np.sqrt(np.mean(size_g**2))),
+    }
+    return PanelMetrics(values, shape_m[:, line][:, :, [0, 2]].reshape(len(shape_m), -1))
+
+
+def _half_range(place_m: Array, time_s: Array, cycle: float) -> float:
+    """Mean over the cycles of half the range."""
+    return float(np.mean([np.ptp(part) / 2 for part in _cycles(place_m, time_s, cycle)]))
+
+
+def _mean_peak(size: Array, time_s: Array, cycle: float) -> float:
+    return float(np.mean([part.max() for part in _cycles(size, time_s, cycle)]))
+
+
+def _cycles(values: Array, time_s: Array, cycle: float) -> list[Array]:
+    number = cycle_numbers(time_s, cycle, float(time_s[0]))
+    return [values[number == one] for one in range(max(1, number.max()))]
