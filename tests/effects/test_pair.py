@@ -106,7 +106,7 @@ def test_the_run_with_everything_is_made_once(tmp_path: Path, monkeypatch: pytes
     for effect in ("sliding-friction", "particle-load"):
         engine.of(case, effect)
     assert len(made) == 3
-    assert engine.Pairs().of(case, "particle-load").change("velocity") is not None
+    assert pairs.Pairs().of(case, "particle-load").change("velocity") is not None
     assert len(made) == 3, "remembered"
 
 
