@@ -12,16 +12,16 @@ constexpr double kSamePatch = 0.86602540378443865;    // cos 30 degrees
 }  // namespace
 
 // The old record with the nearest normal, or -1.
-int ContactHistory::nearest(Vec3 normal, double least_cosine, bool taken_ones) const {
-  int found = -1;
+int ContactHistory::find_nearest(Vec3 normal, double least_cosine, bool taken_ones) const {
+  int row = -1;
   for (size_t old = 0; old < taken_.size(); ++old) {
     const double cosine = dot(normal, from(&old_[old * record_]));
     if (cosine > least_cosine && (taken_ones || !taken_[old])) {
       least_cosine = cosine;
-      found = static_cast<int>(old);
+      row = static_cast<int>(old);
     }
   }
-  return found;
+  return row;
 }
 
 void ContactHistory::match(int i, const std::vector<Touch> &touches) {
@@ -32,8 +32,8 @@ void ContactHistory::match(int i, const std::vector<Touch> &touches) {
   records.assign(touches.size() * record_, 0.0);
   for (size_t k = 0; k < touches.size(); ++k) {
     const Vec3 normal = (1.0 / std::sqrt(touches[k].distance2)) * touches[k].away;
-    const int same = nearest(normal, kSameContact, false);
-    const int heir_of = same >= 0 ? same : nearest(normal, kSamePatch, true);
+    const int same = find_nearest(normal, kSameContact, false);
+    const int heir_of = same >= 0 ? same : find_nearest(normal, kSamePatch, true);
     double *record = &records[k * record_];
     if (heir_of >= 0) std::copy_n(&old_[heir_of * record_], record_, record);
     if (same >= 0) taken_[same] = true;

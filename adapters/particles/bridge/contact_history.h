@@ -29,7 +29,7 @@ class ContactHistory {
   int packed_size(int contacts) const { return 1 + contacts * record_; }
 
  private:
-  int nearest(Vec3 normal, double least_cosine, bool taken_ones) const;
+  int find_nearest(Vec3 normal, double least_cosine, bool taken_ones) const;
 
   int record_;                                // 3 of the normal, then the values
   std::vector<std::vector<double>> records_;  // of each particle, one contact after the other

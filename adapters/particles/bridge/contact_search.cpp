@@ -70,20 +70,20 @@ Touch ContactSearch::nearest_place(const SurfacePath &surface, Vec3 position_m,
   return {triangle, at, away, dot(away, away)};
 }
 
-double ContactSearch::touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
-                              double reach_m, std::vector<Touch> &found) const {
+double ContactSearch::find_touches(const SurfacePath &surface, const Near &near, Vec3 position_m,
+                                   double reach_m, std::vector<Touch> &touches) const {
   // no candidate has come nearer by more than this since its distance was taken
   const double approach = norm(position_m - near.position_m) + since_search_;
   double nearest2 = reach_m * reach_m;
-  found.clear();
+  touches.clear();
   for (int k = near.first; k < near.end; ++k) {
     if (candidates_[k].distance_m - approach >= reach_m) break;
     const Touch touch = nearest_place(surface, image(position_m, candidates_[k].image),
                                       candidates_[k].triangle);
     nearest2 = std::min(nearest2, touch.distance2);
-    if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) found.push_back(touch);
+    if (touch.distance2 < reach_m * reach_m && touch.distance2 > 0) touches.push_back(touch);
   }
-  if (found.size() > 1) keep_minima(found, joined_);
+  if (touches.size() > 1) keep_minima(touches, joined_);
   return nearest2;
 }
 

@@ -54,8 +54,8 @@ class ContactSearch {
 
   // The places nearest to a sphere at `position_m`, nearest first, up to `reach_m` away.  Returns the
   // squared distance of the nearest one, or reach_m^2 where there is none.
-  double touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
-                 std::vector<Touch> &found) const;
+  double find_touches(const SurfacePath &surface, const Near &near, Vec3 position_m, double reach_m,
+                      std::vector<Touch> &touches) const;
 
   // Did a centre that moved evenly from `before_m` to `now_m` since the surface's last move go through
   // one of the sphere's candidates, or through any triangle of the surface?

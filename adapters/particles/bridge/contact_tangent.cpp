@@ -34,8 +34,8 @@ Point touching_point(const LAMMPS_NS::Atom &atom, const ContactTangent::Contact 
 // elastic - z (u - surface velocity), z = k H / 2 + g, with the point's mean velocity u, which it
 // changes itself by H / 2 times the force.
 void ContactTangent::predict(const LAMMPS_NS::Atom &atom, double length_s,
-                              std::vector<double> &push_N,
-                              std::vector<double> &impedance_N_s_per_m) const {
+                             std::vector<double> &push_N,
+                             std::vector<double> &impedance_N_s_per_m) const {
   const double half_s = 0.5 * length_s;
   for (const Contact &contact : contacts_) {
     const Point point = touching_point(atom, contact);

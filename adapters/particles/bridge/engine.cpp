@@ -30,7 +30,7 @@ Fix *create_fix(LAMMPS *lmp, int narg, char **arg) {
 }
 
 template <class Style>
-Style &found(LAMMPS &lmp, const char *id) {
+Style &find_fix(LAMMPS &lmp, const char *id) {
   const int number = lmp.modify->find_fix(id);
   if (number < 0) throw std::runtime_error(std::string("the input defines no fix named ") + id);
   return static_cast<Style &>(*lmp.modify->fix[number]);
@@ -96,9 +96,9 @@ void Engine::command(const std::string &line) {
   guarded([&] { lammps_->input->one(line.c_str()); });
 }
 
-FixSurface &Engine::surface() { return found<FixSurface>(*lammps_, "surface"); }
+FixSurface &Engine::surface() { return find_fix<FixSurface>(*lammps_, "surface"); }
 
-FixExits &Engine::exits() { return found<FixExits>(*lammps_, "exits"); }
+FixExits &Engine::exits() { return find_fix<FixExits>(*lammps_, "exits"); }
 
 void Engine::set_laws(const ContactLaws &laws) {
   laws_ = laws;
@@ -133,18 +133,18 @@ void Engine::create(const Particles &particles, int first_id) {
 std::vector<bool> Engine::overlaps(const double *position_m, const double *diameter_m,
                                    int count) {
   const Atom &atom = *lammps_->atom;
-  std::vector<bool> found(count, false);
+  std::vector<bool> overlapping(count, false);
   for (int k = 0; k < count; ++k) {
     const Vec3 x = from(position_m + 3 * k);
-    found[k] = surface().reached(x, 0.5 * diameter_m[k]);
-    for (int i = 0; i < atom.nlocal && !found[k]; ++i) {
+    overlapping[k] = surface().reached(x, 0.5 * diameter_m[k]);
+    for (int i = 0; i < atom.nlocal && !overlapping[k]; ++i) {
       const double reach = 0.5 * diameter_m[k] + atom.radius[i];
       Vec3 apart = from(atom.x[i]) - x;
       lammps_->domain->minimum_image(apart.x, apart.y, apart.z);
-      found[k] = std::abs(apart.x) < reach && dot(apart, apart) < reach * reach;
+      overlapping[k] = std::abs(apart.x) < reach && dot(apart, apart) < reach * reach;
     }
   }
-  return found;
+  return overlapping;
 }
 
 void Engine::store_history() {

@@ -134,7 +134,7 @@ void FixSurface::touch_all(Worn &worn) {
 }
 
 void FixSurface::search() {
-  watch_long_steps();
+  find_far_crossings();
   const Spheres spheres = {atom->x, atom->radius, atom->nlocal};
   search_.search(surface_, spheres, neighbor->contactDistanceFactor, neighbor->skin,
                  neighbours_listed_now_);
@@ -153,9 +153,9 @@ void FixSurface::touch(const ContactSearch::Near &near, Worn &worn) {
   const int i = near.sphere;
   const double radius = atom->radius[i];
   const double nearest2 =
-      search_.touches(surface_, near, from(atom->x[i]), radius * neighbor->contactDistanceFactor,
+      search_.find_touches(surface_, near, from(atom->x[i]), radius * neighbor->contactDistanceFactor,
                       touches_);
-  watch_crossing(near, nearest2);
+  find_crossing(near, nearest2);
   for (Touch &touch : touches_) touch.depth_m = radius - std::sqrt(touch.distance2);
   if (laws_.adhesion == ContactLaws::Adhesion::jkr) keep_necks(i);
   search_.share(surface_, touches_);
@@ -252,8 +252,8 @@ void FixSurface::push(int i, const Touch &touch, double *history, Worn &worn) {
 // What a contact does to a surface that moves: `added` is its whole force, of which it gives its
 // share, `turned` what it gives besides.  A contact that slides has no tangential spring or damper.
 void FixSurface::add_tangent(const Touch &touch,
-                         const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
-                         const double *history, Vec3 added, Vec3 turned) {
+                             const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,
+                             const double *history, Vec3 added, Vec3 turned) {
   const Vec3 n = from(contact.en), slip = {contact.vtr1, contact.vtr2, contact.vtr3};
   const double neck = laws_.neck_m(atom->radius[contact.i], contact.deltan, history);
   Vec3 damping = -contact.gamman * contact.vn * n;
@@ -300,7 +300,7 @@ Vec3 FixSurface::place_before(int i) const {
 
 // A centre that went through a triangle in this step is no farther from it than the step's length;
 // so nearly always the distance of the nearest one tells that there is nothing to look for.
-void FixSurface::watch_crossing(const ContactSearch::Near &near, double nearest2) {
+void FixSurface::find_crossing(const ContactSearch::Near &near, double nearest2) {
   const int i = near.sphere;
   const double radius = atom->radius[i], step2 = step_length2(i);
   if (update->setupflag || (step2 < nearest2 && step2 < radius * radius)) return;
@@ -309,7 +309,7 @@ void FixSurface::watch_crossing(const ContactSearch::Near &near, double nearest2
 
 // Who moves farther against the surface in a step than triangles are listed around it is looked for
 // everywhere.  After such a step lists are made anew, so that it is enough to look then.
-void FixSurface::watch_long_steps() {
+void FixSurface::find_far_crossings() {
   if (update->setupflag) return;
   for (int i = 0; i < atom->nlocal; ++i) {
     const double listed_m = atom->radius[i] * neighbor->contactDistanceFactor + neighbor->skin;
@@ -323,7 +323,7 @@ void FixSurface::add_crossing(int i) {
   const bigint step = update->ntimestep;
   const bool known =
       std::any_of(crossings_.begin(), crossings_.end(),
-                  [&](const Crossing &one) { return one.step == step && one.tag == tag; });
+                  [&](const Crossing &other) { return other.step == step && other.tag == tag; });
   if (!known) crossings_.push_back({tag, step, from(atom->x[i])});
 }
 

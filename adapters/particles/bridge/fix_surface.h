@@ -105,8 +105,8 @@ class FixSurface : public LAMMPS_NS::FixWallGran {
   void weigh(double step_s);
   double step_length2(int i) const;
   Vec3 place_before(int i) const;
-  void watch_crossing(const ContactSearch::Near &near, double nearest2);
-  void watch_long_steps();
+  void find_crossing(const ContactSearch::Near &near, double nearest2);
+  void find_far_crossings();
   void add_crossing(int i);
   Jkr law(int i, const Touch &touch) const;
   void add_tangent(const Touch &touch, const LIGGGHTS::ContactModels::SurfacesIntersectData &contact,

@@ -13,14 +13,14 @@ struct SavedState {
   std::map<std::string, std::vector<double>> reals;
   std::map<std::string, std::vector<std::int64_t>> wholes;
 
-  const std::vector<double> &real(const std::string &name) const { return found(reals, name); }
+  const std::vector<double> &real(const std::string &name) const { return find(reals, name); }
   const std::vector<std::int64_t> &whole(const std::string &name) const {
-    return found(wholes, name);
+    return find(wholes, name);
   }
 
  private:
   template <class Value>
-  static const Value &found(const std::map<std::string, Value> &values, const std::string &name) {
+  static const Value &find(const std::map<std::string, Value> &values, const std::string &name) {
     const auto at = values.find(name);
     if (at == values.end()) throw std::runtime_error("the saved state has no " + name);
     return at->second;

@@ -32,7 +32,7 @@ neigh_modify    delay 0
 fix youngs      all property/global youngsModulus peratomtype {youngs}
 fix poisson     all property/global poissonsRatio peratomtype {poisson}
 fix restitution all property/global coefficientRestitution peratomtypepair {types} {restitution}
-{friction}{adhesion}
+{tables}
 pair_style      gran {model}
 pair_coeff      * *
 
@@ -55,7 +55,7 @@ def words(values: Array) -> str:
 
 
 def has_sliding(plan: ParticlesPlan) -> bool:
-    """Is a tangential spring needed?  (Rolling friction borrows its stiffness.)"""
+    """Whether a tangential spring is needed; rolling friction borrows its stiffness."""
     return bool(np.any(plan.sliding_friction > 0)) or has_rolling(plan)
 
 
@@ -105,8 +105,7 @@ def input_text(plan: ParticlesPlan) -> str:
         youngs=words(np.array(youngs)),
         poisson=words(np.array([material.poisson_ratio for material in plan.materials])),
         restitution=words(plan.restitution),
-        friction=_friction(plan),
-        adhesion=_adhesion(plan),
+        tables=_tables(plan),
         model=contact_model(plan),
         gravity=_gravity(plan.gravity_m_per_s2),
         step=words(np.array(plan.sync_interval_s / steps_in(plan.sync_interval_s, plan.step_s))),
@@ -122,28 +121,21 @@ def _confirmations(youngs_Pa: list[float]) -> str:
     return lines
 
 
-def _friction(plan: ParticlesPlan) -> str:
-    lines = ""
-    head = f"peratomtypepair {len(plan.materials)}"
+def _tables(plan: ParticlesPlan) -> str:
+    """The lines of friction and adhesion, by pair of materials."""
+    tables = []
     if has_sliding(plan):
-        values = words(plan.sliding_friction)
-        lines += f"fix sliding     all property/global coefficientFriction {head} {values}\n"
+        tables.append(("sliding", "coefficientFriction", plan.sliding_friction))
     if has_rolling(plan):
-        values = words(plan.rolling_friction)
-        lines += f"fix rolling     all property/global coefficientRollingFriction {head} {values}\n"
-    return lines
-
-
-def _adhesion(plan: ParticlesPlan) -> str:
+        tables.append(("rolling", "coefficientRollingFriction", plan.rolling_friction))
     match plan.adhesion:
-        case Jkr(work_J_per_m2=values):
-            name = "workOfAdhesion"  # of `model jkr`, which is flipflow's own
+        case Jkr(work_J_per_m2=values):  # of `model jkr`, which is flipflow's own
+            tables.append(("adhesion", "workOfAdhesion", values))
         case Sjkr(energy_density_J_per_m3=values):
-            name = "cohesionEnergyDensity"
-        case None:
-            return ""
+            tables.append(("adhesion", "cohesionEnergyDensity", values))
     head = f"peratomtypepair {len(plan.materials)}"
-    return f"fix adhesion    all property/global {name} {head} {words(values)}\n"
+    lines = [f"fix {fix:<11} all property/global {name} {head} {words(v)}\n" for fix, name, v in tables]
+    return "".join(lines)
 
 
 def _gravity(gravity_m_per_s2: Array) -> str:

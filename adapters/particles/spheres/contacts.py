@@ -59,7 +59,7 @@ def _farthest_m(now_m: Array, then_m: Array) -> float:
 
 
 def find_near_surface(spheres: Spheres, skin_m: float, corners_m: Array) -> tuple[Indices, Indices]:
-    """The spheres and triangles (corners (m, 3, 3)) with a gap below ``skin_m``."""
+    """Find the spheres and triangles (corners (m, 3, 3)) with a gap below ``skin_m``."""
     reach_m = spheres.radius_m + skin_m
     apart_m = np.zeros((len(spheres), len(corners_m)))  # between bounding boxes
     for axis in range(3):
@@ -108,22 +108,22 @@ class Contacts(Rows):
 
     @property
     def distance_m(self) -> Array:
-        """(n,) of the first sphere's centre from the surface."""
+        """The distance (n,) of the first sphere's centre from the surface."""
         return self.radius_m - self.overlap_m
 
     @property
     def lever_m(self) -> Array:
-        """(n,) from the first sphere's centre to the contact plane, which lies half the overlap
-        inside (as LIGGGHTS has it, on the surface, too)."""
+        """The lever (n,) from the first sphere's centre to the contact plane, which lies half the
+        overlap inside (as LIGGGHTS has it, on the surface, too)."""
         return self.radius_m - self.overlap_m / 2.0
 
     @property
     def second_lever_m(self) -> Array:
-        """(n,) from the second sphere's centre to the contact plane; 0 on the surface."""
+        """The lever (n,) from the second sphere's centre to the contact plane; 0 on the surface."""
         return np.where(self.second < 0, 0.0, self.second_radius_m - self.overlap_m / 2.0)
 
     def compute_slip(self, velocity_m_per_s: Array, spin_rad_per_s: Array, surface_m_per_s: Array) -> Array:
-        """Velocity (n, 3) of the first partner relative to the second at the contact, of the
+        """Return the velocity (n, 3) of the first partner relative to the second at the contact, of the
         spheres' velocities and spins, and the surface's velocity (n, 3) at the contacts."""
         rolled = self.lever_m[:, None] * spin_rad_per_s[self.first]
         rolled += self.second_lever_m[:, None] * spin_rad_per_s[self.second]
@@ -131,28 +131,31 @@ class Contacts(Rows):
         return np.asarray(velocity_m_per_s[self.first] - cross(rolled, self.normal) - other)
 
     def compute_spin(self, spin_rad_per_s: Array, surface_rad_per_s: Array) -> Array:
-        """Spin (n, 3) of the first partner relative to the second."""
+        """Return the spin (n, 3) of the first partner relative to the second."""
         other = np.where(self.second[:, None] < 0, surface_rad_per_s, spin_rad_per_s[self.second])
         return np.asarray(spin_rad_per_s[self.first] - other)
 
     def at_contacts(self, point_values: Array) -> tuple[Array, Array]:
-        """Velocity of what a sphere touches and spin of its triangle, (n, 3) each, of velocities (or
-        small displacements) of all points.  A contact's plane is half the overlap below the
-        surface."""
+        """Return the velocity of what a sphere touches and the spin of its triangle, (n, 3) each, of
+        velocities (or small displacements) of all points.
+
+        A contact's plane is half the overlap below the surface.
+        """
         corners = point_values[self.points]
         spin = self.triangle.spin(corners)
         closest = np.einsum("ij,ijk->ik", self.barycentric, corners)
         return closest - self.overlap_m[:, None] / 2.0 * cross(spin, self.normal), spin
 
     def renumbered(self, row: Indices) -> tuple[npt.NDArray[np.bool_], Contacts]:
-        """Which contacts stay (n,), and these, if sphere i is now ``row[i]``, gone if negative."""
+        """Tell which contacts stay (n,), and give these, if sphere i is now ``row[i]``, gone if
+        negative."""
         stays = (row[self.first] >= 0) & ((self.second < 0) | (row[self.second] >= 0))
         left = self.part(stays)
         second = np.where(left.second < 0, -1, row[left.second])
         return stays, replace(left, first=row[left.first], second=second)
 
     def deepest(self) -> Overlaps:
-        """The deepest of them."""
+        """The deepest overlaps of pairs and with the surface."""
         share = self.overlap_m / (2.0 * np.minimum(self.radius_m, self.second_radius_m))
         kinds = (self.second >= 0, self.second < 0)
         sizes = [values[kind] for kind in kinds for values in (self.overlap_m, share)]
@@ -161,7 +164,7 @@ class Contacts(Rows):
     def sum_on_spheres(
         self, force_N: Array, turning_N: Array, couple_N_m: Array, spheres: int
     ) -> tuple[Array, Array]:
-        """Force and torque, (spheres, 3) each, of forces and couples (n, 3) on the first partners
+        """Return force and torque, (spheres, 3) each, of forces and couples (n, 3) on the first partners
         (the second gets the opposite), and of forces (n, 3) of the surface through the sphere's
         centre."""
         force, torque = np.zeros((spheres, 3)), np.zeros((spheres, 3))
@@ -175,7 +178,7 @@ class Contacts(Rows):
         return force, torque
 
     def sum_on_points(self, force_N: Array, turning_N: Array, couple_N_m: Array, points: int) -> Array:
-        """Force (points, 3) on the surface, of the same forces and couples: the force acts at the
+        """Return the force (points, 3) on the surface, of the same forces and couples: the force acts at the
         closest point, by barycentric weights, and the couple that is left about it on the corners
         of the triangle (of resistance to rolling, and as friction acts below the surface)."""
         given, from_surface_N = np.zeros((points, 3)), force_N + turning_N
@@ -203,7 +206,7 @@ def find_contacts(
     law: Adhesive,
     before: Contacts | None,
 ) -> Contacts:
-    """All contacts with the surface points at ``surface_m``; ``law`` and the contacts ``before``
+    """Find all contacts with the surface points at ``surface_m``; ``law`` and the contacts ``before``
     decide which hold beyond zero overlap."""
     on_surface = _find_on_surface(spheres, surface, surface_m, near, law, before)
     pairs = _find_between_spheres(spheres, near, law, before)
@@ -292,7 +295,7 @@ def _find_on_surface(
 
 
 def match_contacts(now: Contacts, before: Contacts, spheres: int) -> tuple[Indices, Indices]:
-    """For each contact now its row in ``before`` or -1 if it is new, and the row whose spring it
+    """Find for each contact now its row in ``before`` or -1 if it is new, and the row whose spring it
     takes over: its own, or of a contact of the same smooth patch, or -1."""
     same, parent = _match_by_normal(now, before)
     pair = now.second >= 0

@@ -26,7 +26,7 @@ Way = tuple[Array, Array]
 def find_crossings(
     spheres: Spheres, contacts: Contacts, before_m: Array, triangles: Indices, surface_m: Way
 ) -> Indices:
-    """Rows of the spheres whose centre went through a triangle since it was at ``before_m``
+    """Find the rows of the spheres whose centre went through a triangle since it was at ``before_m``
     (spheres, 3), while the surface points moved along ``surface_m``; ``contacts`` are those of now."""
     # who went through a triangle is no farther from it than both have moved
     moved_m = _farthest_m(before_m, spheres.position_m) + _farthest_m(*surface_m)

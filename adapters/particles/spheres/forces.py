@@ -40,23 +40,23 @@ class Forces:
         points: int,
         lost_J: float,
     ) -> Forces:
-        """The sums over so many spheres and points."""
+        """The forces with their sums over so many spheres and points."""
         given = (acting.force_N, acting.turning_N, contacts.weight[:, None] * acting.couple_N_m)
         force_N, torque_N_m = contacts.sum_on_spheres(*given, spheres)
         on_points_N = contacts.sum_on_points(*given, points)
         return Forces(contacts, acting, surface_m_per_s, force_N, torque_N_m, on_points_N, lost_J, 0.0)
 
     def at_velocities(self, spheres: Spheres, surface_m_per_s: Array) -> Forces:
-        """With the surface points at these velocities (points, 3) from now on, and the dampers' power
-        at those of the full step; the forces, which the next half step takes, stay."""
+        """The same forces, which the next half step takes, with the surface points at these velocities
+        (points, 3) from now on, and the dampers' power at those of the full step."""
         at_contacts = self.contacts.at_contacts(surface_m_per_s)[0]
         slip = self.contacts.compute_slip(spheres.velocity_m_per_s, spheres.spin_rad_per_s, at_contacts)
         damping_W = -float(np.vdot(self.acting.damping_N, slip))
         return replace(self, surface_m_per_s=at_contacts, damping_W=damping_W)
 
     def compute_spent_J(self, jump_m: Array) -> float:
-        """Work that dampers, tangential springs and resistance to rolling do when the surface points
-        jump by ``jump_m`` (points, 3): none of them notices, so it is stored nowhere."""
+        """Return the work that dampers, tangential springs and resistance to rolling do when the
+        surface points jump by ``jump_m`` (points, 3): none of them notices, so it is stored nowhere."""
         acting = self.acting
         unaware_N = acting.damping_N - acting.tangential_N_per_m[:, None] * acting.shear_m
         moved_m, turned_rad = self.contacts.at_contacts(jump_m)
@@ -68,7 +68,7 @@ class Forces:
         return float(self.acting.elastic_J.sum() + self.acting.adhesion_J.sum())
 
     def renumbered(self, row: Indices, spheres: int) -> Forces:
-        """With sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
+        """The forces with sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
         stays, contacts = self.contacts.renumbered(row)
         acting, surface_m_per_s = self.acting.part(stays), self.surface_m_per_s[stays]
         points = len(self.on_points_N)
@@ -85,7 +85,8 @@ def compute_forces(
     before: Forces | None,
     step_s: float,
 ) -> Forces:
-    """The forces with the surface points at ``motion``, ``step_s`` after ``before``."""
+    """Find the contacts and compute their forces with the surface points at ``motion``, ``step_s``
+    after ``before``."""
     contacts = find_contacts(
         spheres, surface, motion.position_m, near, laws.normal, None if before is None else before.contacts
     )
@@ -115,8 +116,8 @@ def compute_forces(
 
 
 def _compute_necks_J(laws: Laws, now: Contacts, before: Contacts, same: Indices, parent: Indices) -> float:
-    """Lost by necks that formed at zero overlap and by those that snapped: on either occasion the
-    pair changes its energy while it stays where it is."""
+    """Return the energy lost by necks that formed at zero overlap and by those that snapped: on
+    either occasion the pair changes its energy while it stays where it is."""
     law, ended = laws.normal, np.ones(len(before.first), dtype=bool)
     ended[same[same >= 0]] = False
     formed, snapped = now.part(parent < 0), before.part(ended)
@@ -129,7 +130,7 @@ def _compute_necks_J(laws: Laws, now: Contacts, before: Contacts, same: Indices,
 def compute_contact_tangent(
     spheres: Spheres, now: Forces, gravity_m_per_s2: Array, length_s: float
 ) -> ContactTangent:
-    """How the load on the surface answers to the surface's motion over the next ``length_s``.
+    """Compute how the load on the surface answers to the surface's motion over ``length_s``.
 
     Each contact is linear about its present place.  Springs and dampers by the implicit midpoint
     rule: the mean force on the sphere is  elastic - z (u - surface velocity), z = k H / 2 + g,  with

@@ -34,7 +34,7 @@ NEGLIGIBLE = 1e-12  # a weight that rounding would swallow
 
 
 def find_minima(sphere: Indices, corners: Indices, barycentric: Array, overlap_m: Array) -> Indices:
-    """Rows of the candidates that are minima of the distance to the surface, deepest first.
+    """Find the rows of the candidates that are minima of the distance to the surface, deepest first.
 
     ``sphere`` (n,) whose candidate it is, ``corners`` (n, 3) points of the triangle, ``barycentric``
     (n, 3) where on it, ``overlap_m`` (n,).  A triangle is convex, so the distance grows from its
@@ -72,7 +72,7 @@ class Places:
 
 
 def share_force(places: Places) -> tuple[Array, Array]:
-    """Weight (n,), 0 ... 1, of each place, and the force (n, 3) of its turning normal.
+    """Return the weight (n,), 0 ... 1, of each place, and the force (n, 3) of its turning normal.
 
     That force goes through the sphere's centre and is meant for an energy of overlap^(5/2): its
     unit is m^(3/2).

@@ -1,4 +1,4 @@
-"""What the particles foretell of their load, against the load on paths that the surface then takes.
+"""The load that particles predict, against the load on paths that the surface then takes.
 
 A surface that moves as one: then nothing depends on a contact's part standing at the corners.
 """
@@ -76,14 +76,14 @@ def errors(solver: Any, plan: ParticlesPlan, length_s: float) -> tuple[float, fl
     told = solver.contact_tangent(length_s)
     still_N, *moving_N = (load_N(solver, plan, way, length_s) for way in WAYS)
     changes = np.array([still_N - one_N for one_N in moving_N]) / SPEED_M_S
-    foretold = np.moveaxis(told.impedance_N_s_per_m, 2, 0)  # (direction of motion, points, 3)
+    predicted = np.moveaxis(told.impedance_N_s_per_m, 2, 0)  # (direction of motion, points, 3)
     return (
         float(np.abs(told.push_N - still_N).max() / np.abs(still_N).max()),
-        float(np.abs(foretold - changes).max() / np.abs(changes).max()),
+        float(np.abs(predicted - changes).max() / np.abs(changes).max()),
     )
 
 
-def test_response_is_the_tangent_of_the_mean_load(module: ModuleType) -> None:
+def test_it_is_the_tangent_of_the_mean_load(module: ModuleType) -> None:
     """Against finite differences, in intervals of 1/14 and 1/28 of a contact: the midpoint rule is
     of second order in what it tells of its contact; the sphere on top, whose force is taken as it
     is at the start, is of first order in the push (measured, the same four digits in both
@@ -122,7 +122,7 @@ def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
 
 
 @pytest.mark.solver
-def test_a_response_goes_along_with_a_saved_state() -> None:
+def test_a_contact_tangent_goes_along_with_a_saved_state() -> None:
     """Bit for bit, back at the sync point and in another instance."""
     plan = pressed()
     with in_touch(solver_module("liggghts"), plan) as solver:
