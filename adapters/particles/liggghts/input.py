@@ -123,7 +123,7 @@ def _confirmations(youngs_Pa: list[float]) -> str:
 
 def _tables(plan: ParticlesPlan) -> str:
     """The lines of friction and adhesion, by pair of materials."""
-    tables = []
+    tables: list[tuple[str, str, Array]] = []
     if has_sliding(plan):
         tables.append(("sliding", "coefficientFriction", plan.sliding_friction))
     if has_rolling(plan):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _SUMS = ("_mass_kg", "_impulse_N_s", "_came_kg_m2_per_s", "_fed_J", "_removed_J", "_first_J", "removed_count")
 
 
-class Ledger:
+class ParticleLedger:
     """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
 
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:

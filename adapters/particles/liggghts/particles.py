@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from adapters.particles.liggghts.input import FIRST_EVALUATION
-from adapters.particles.liggghts.ledger import Ledger
+from adapters.particles.liggghts.ledger import ParticleLedger
 from orchestrator.ports import (
     Account,
     Array,
@@ -55,7 +55,7 @@ class Liggghts:
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
         self._comm: Any = plan.communicator or MPI.COMM_SELF
-        self._ledger = Ledger(plan, self._comm)
+        self._ledger = ParticleLedger(plan, self._comm)
         self._created = 0
         self._deepest, self._crossings = Overlaps(), Crossings.none()
         self._unprepared = False

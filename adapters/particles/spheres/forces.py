@@ -14,7 +14,7 @@ from orchestrator.ports.geometry import TriangleSurface
 
 
 @dataclass(frozen=True)
-class Forces:
+class SphereForces:
     """The contacts and their forces, and the sums over spheres and surface points.
 
     ``lost_J``: lost since the instant before by tangential springs (their work less the change of
@@ -39,14 +39,14 @@ class Forces:
         spheres: int,
         points: int,
         lost_J: float,
-    ) -> Forces:
+    ) -> SphereForces:
         """The forces with their sums over so many spheres and points."""
         given = (acting.force_N, acting.turning_N, contacts.weight[:, None] * acting.couple_N_m)
         force_N, torque_N_m = contacts.sum_on_spheres(*given, spheres)
         on_points_N = contacts.sum_on_points(*given, points)
-        return Forces(contacts, acting, surface_m_per_s, force_N, torque_N_m, on_points_N, lost_J, 0.0)
+        return SphereForces(contacts, acting, surface_m_per_s, force_N, torque_N_m, on_points_N, lost_J, 0.0)
 
-    def at_velocities(self, spheres: Spheres, surface_m_per_s: Array) -> Forces:
+    def at_velocities(self, spheres: Spheres, surface_m_per_s: Array) -> SphereForces:
         """The same forces, which the next half step takes, with the surface points at these velocities
         (points, 3) from now on, and the dampers' power at those of the full step."""
         at_contacts = self.contacts.at_contacts(surface_m_per_s)[0]
@@ -67,12 +67,12 @@ class Forces:
         """The energy of all contacts."""
         return float(self.acting.elastic_J.sum() + self.acting.adhesion_J.sum())
 
-    def renumbered(self, row: Indices, spheres: int) -> Forces:
+    def renumbered(self, row: Indices, spheres: int) -> SphereForces:
         """The forces with sphere i in row ``row[i]`` of now ``spheres``, or gone where ``row[i]`` < 0."""
         stays, contacts = self.contacts.renumbered(row)
         acting, surface_m_per_s = self.acting.part(stays), self.surface_m_per_s[stays]
         points = len(self.on_points_N)
-        left = Forces.sum_up(contacts, acting, surface_m_per_s, spheres, points, self.lost_J)
+        left = SphereForces.sum_up(contacts, acting, surface_m_per_s, spheres, points, self.lost_J)
         return replace(left, damping_W=self.damping_W)
 
 
@@ -82,9 +82,9 @@ def compute_forces(
     spheres: Spheres,
     motion: Motion,
     near: Neighbours,
-    before: Forces | None,
+    before: SphereForces | None,
     step_s: float,
-) -> Forces:
+) -> SphereForces:
     """Find the contacts and compute their forces with the surface points at ``motion``, ``step_s``
     after ``before``."""
     contacts = find_contacts(
@@ -112,7 +112,7 @@ def compute_forces(
     lost_J += 0.5 * float(np.vdot(now_N + tension_N, stretch_m)) - float(acting.tangential_J.sum())
     mean_N_m = 0.5 * contacts.weight[:, None] * (acting.couple_N_m + couple_N_m)
     lost_J -= step_s * float(np.vdot(mean_N_m, spin_rad_per_s))
-    return Forces.sum_up(contacts, acting, surface_m_per_s, len(spheres), len(motion), lost_J)
+    return SphereForces.sum_up(contacts, acting, surface_m_per_s, len(spheres), len(motion), lost_J)
 
 
 def _compute_necks_J(laws: Laws, now: Contacts, before: Contacts, same: Indices, parent: Indices) -> float:
@@ -128,7 +128,7 @@ def _compute_necks_J(laws: Laws, now: Contacts, before: Contacts, same: Indices,
 
 
 def compute_contact_tangent(
-    spheres: Spheres, now: Forces, gravity_m_per_s2: Array, length_s: float
+    spheres: Spheres, now: SphereForces, gravity_m_per_s2: Array, length_s: float
 ) -> ContactTangent:
     """Compute how the load on the surface answers to the surface's motion over ``length_s``.
 

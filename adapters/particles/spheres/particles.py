@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from adapters.particles.spheres.contacts import Neighbours, find_near_surface
 from adapters.particles.spheres.crossing import find_crossings
-from adapters.particles.spheres.forces import Forces, compute_contact_tangent, compute_forces
+from adapters.particles.spheres.forces import SphereForces, compute_contact_tangent, compute_forces
 from adapters.particles.spheres.laws import Laws
 from adapters.particles.spheres.spheres import Spheres
 from adapters.particles.spheres.triangle_spin import cross
@@ -136,7 +136,7 @@ class SpheresSolver:
         pass
 
     def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
-        """Forces at the step's end go by the velocities of its middle, the surface's too."""
+        """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
         now, before = self._spheres, self._now
         self._kick(step_s / 2.0)
         mass_moment_kg_m = now.mass_kg @ now.position_m
@@ -159,7 +159,7 @@ class SpheresSolver:
         now.velocity_m_per_s += step_s * acceleration_m_per_s2
         now.spin_rad_per_s += step_s * forces.torque_N_m / now.inertia_kg_m2[:, None]
 
-    def _compute_forces(self, surface: Motion, before: Forces | None, step_s: float) -> Forces:
+    def _compute_forces(self, surface: Motion, before: SphereForces | None, step_s: float) -> SphereForces:
         return compute_forces(
             self._laws, self._plan.surface, self._spheres, surface, self._near, before, step_s
         )
@@ -169,7 +169,7 @@ class SpheresSolver:
         self._lost_J += self._now.compute_spent_J(surface.position_m - self._surface_m)
         self._move_surface(surface, self._now)
 
-    def _move_surface(self, surface: Motion, before: Forces) -> None:
+    def _move_surface(self, surface: Motion, before: SphereForces) -> None:
         """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
         mean_N = (before.on_points_N + self._now.on_points_N) / 2.0
         self._received_J -= float(np.vdot(mean_N, surface.position_m - self._surface_m))
