@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.output.records.panel_lines import PanelWatch, touches_itself_m
+from orchestrator.output.records.panel_lines import FoldMonitor, find_fold_m
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.levels import load
 from tests.case.cases import CASE, written
@@ -26,27 +26,27 @@ def hairpin(gap_m: float) -> np.ndarray:
 
 @pytest.mark.parametrize("gap_m", [0.001, 0.0035])
 def test_a_hairpin_narrower_than_the_thickness(gap_m: float) -> None:
-    found = touches_itself_m(hairpin(gap_m), 0.004)
+    found = find_fold_m(hairpin(gap_m), 0.004)
     assert found is not None
     assert found[1] - found[0] > 4 * 0.004
 
 
 @pytest.mark.parametrize("gap_m", [0.005, 0.05])
 def test_a_hairpin_wider_than_the_thickness(gap_m: float) -> None:
-    assert touches_itself_m(hairpin(gap_m), 0.004) is None
+    assert find_fold_m(hairpin(gap_m), 0.004) is None
 
 
 def test_a_loop_that_crosses_itself_between_points() -> None:
     """Few points: none of them is near the place where the segments cross."""
     line_m = np.array([[0, 0, 0], [0.2, 0, 0], [0.2, 0, 0.1], [0.1, 0, 0.1], [0.1, 0, -0.1]], float)
-    assert touches_itself_m(line_m, 0.004) is not None
+    assert find_fold_m(line_m, 0.004) is not None
 
 
 @pytest.mark.parametrize("sag_m", [0.0, 0.027, 0.1])
 def test_a_sagging_panel_does_not(sag_m: float) -> None:
     x = np.linspace(0.0, 0.3, 23)
     line_m = np.column_stack([x, 0 * x, -sag_m * np.sin(np.pi * x / 0.3)])
-    assert touches_itself_m(line_m, 0.004) is None
+    assert find_fold_m(line_m, 0.004) is None
 
 
 def test_a_folded_panel_stops_the_run_or_is_said_once(
@@ -54,8 +54,8 @@ def test_a_folded_panel_stops_the_run_or_is_said_once(
 ) -> None:
     case = written(tmp_path / "case", CASE)
     with pytest.raises(SolverFailed, match=r"panel deck has folded into itself at t = 0\.5 s"):
-        PanelWatch(load(case, None, []).case).look(0.5, "deck", hairpin(0.003))
-    watch = PanelWatch(load(case, None, ["monitor.folded_panels=warn"]).case)
+        FoldMonitor(load(case, None, []).case).look(0.5, "deck", hairpin(0.003))
+    watch = FoldMonitor(load(case, None, ["monitor.folded_panels=warn"]).case)
     with caplog.at_level(logging.WARNING, "flipflow"):
         watch.look(0.5, "deck", hairpin(0.003))
         watch.look(0.6, "deck", hairpin(0.003))

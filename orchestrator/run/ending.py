@@ -16,9 +16,9 @@ from rich.console import Console
 from orchestrator.case.file.slice import share
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import summary, trust
-from orchestrator.output.records.history import store
+from orchestrator.output.records.history import write_results
 from orchestrator.output.records.run_folder import HISTORY, LOG
-from orchestrator.output.results.compute import named_error, plain, results
+from orchestrator.output.results.compute import compute_results, describe_error, plain
 from orchestrator.output.results.machine import point_ranges
 from orchestrator.output.results.observed import checked_by_run
 from orchestrator.output.results.run_reader import RunReader
@@ -88,12 +88,12 @@ class Ending:
         with _record_error(failed, "probes"), RunReader(self.folder) as reader:
             figures["probes"] = plain(point_ranges(reader))
         with _record_error(failed, "everything"):
-            figures["results"] = results(self.folder)
+            figures["results"] = compute_results(self.folder)
             failed |= figures["results"]["failed"]
             with _record_error(failed, "effects"):
                 self._check_effects(figures)
             figures["results"]["failed"] = failed
-            store(history, figures["results"])
+            write_results(history, figures["results"])
         self._report_missing(figures, failed)
 
     def _report_missing(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
@@ -127,7 +127,7 @@ def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
         raise
     except Exception as error:
         LOG.exception("no %s", part)
-        failed[part] = named_error(error)
+        failed[part] = describe_error(error)
 
 
 def _draw_pictures(folder: Path) -> None:

@@ -79,7 +79,7 @@ def _main(words: Sequence[str]) -> int:
     intervals = run.intervals
     run.intervals = lambda *times: islice(intervals(*times), INTERVALS)
     ending._draw = lambda folder: None
-    command.film = lambda *_: Film(b"", reason="not drawn")
+    command.make_film = lambda *_: Film(b"", reason="not drawn")
     sys.argv = ["flipflow", *words]
     try:
         cli.main()

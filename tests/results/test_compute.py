@@ -9,8 +9,8 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.output.records.history import store
-from orchestrator.output.results.compute import results
+from orchestrator.output.records.history import write_results
+from orchestrator.output.results.compute import compute_results
 from tests.results.synthetic import (
     BIN_KG,
     CYCLE_S,
@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> dict[str, Any]:
-    return results(folder)
+    return compute_results(folder)
 
 
 def value(estimate: dict[str, Any]) -> Any:
@@ -123,8 +123,8 @@ def test_motion(found: dict[str, Any]) -> None:
 
 
 def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
-    store(folder / "history.h5", found)
-    store(folder / "history.h5", found)  # anew, not twice
+    write_results(folder / "history.h5", found)
+    write_results(folder / "history.h5", found)  # anew, not twice
     with h5py.File(folder / "history.h5") as history:
         group = history["results"]
         efficiency = group["screening/efficiency_percent"]
@@ -137,7 +137,7 @@ def test_the_history_has_the_same(folder: Path, found: dict[str, Any]) -> None:
 
 
 def test_a_short_run_says_that_it_is_transient(tmp_path: Path) -> None:
-    found = results(folder_of(tmp_path / "run", cycles=15))
+    found = compute_results(folder_of(tmp_path / "run", cycles=15))
     assert not found["steady"]["is_steady"]
     assert "20 are needed" in found["steady"]["reason"]
     efficiency = found["screening"]["efficiency_percent"]
@@ -146,14 +146,14 @@ def test_a_short_run_says_that_it_is_transient(tmp_path: Path) -> None:
 
 
 def test_an_empty_machine_has_its_motion(tmp_path: Path) -> None:
-    found = results(folder_of(tmp_path / "run", particles=False))
+    found = compute_results(folder_of(tmp_path / "run", particles=False))
     assert "no particles" in found["missing"]["screening"]
     assert "screening" not in found
     assert found["motion"]["relative"]["driven-driving"]["along_m"]["value"] == pytest.approx(0.006)
 
 
 def test_less_than_a_cycle_gives_no_results(tmp_path: Path) -> None:
-    found = results(folder_of(tmp_path / "run", cycles=0))
+    found = compute_results(folder_of(tmp_path / "run", cycles=0))
     assert list(found["missing"]) == ["everything"]
 
 
@@ -175,7 +175,7 @@ def test_a_series_too_seldom_gives_no_orbits_but_the_panels_figures(
 ) -> None:
     """Eight rows of a cycle: half the range of a sine would be short by up to 7.6 %."""
     kinds = ("frames", "probes", "forces")
-    seldom = results(thinned(folder_of(tmp_path / "seldom"), kinds, 10))
+    seldom = compute_results(thinned(folder_of(tmp_path / "seldom"), kinds, 10))
     for part in ("orbits", "panel acceleration"):
         assert "8 rows in a cycle of 0.08 s; 20 are needed" in seldom["missing"][part]
     assert seldom["motion"]["frames"] == seldom["motion"]["panel_points"] == {}
@@ -188,7 +188,7 @@ def test_rows_too_seldom_for_the_band_of_accelerations(tmp_path: Path, found: di
     """A row every millisecond reaches to 500 Hz, one every 2 ms does not, at sync points that are
     nearer to each other.  The orbits need no more."""
     assert found["motion"]["panel_points"]["middle-1"]["band_Hz"] == pytest.approx(39.25 * 40 / np.pi)
-    fewer = results(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
+    fewer = compute_results(thinned(folder_of(tmp_path / "fewer"), ("frames", "probes", "forces"), 2))
     assert "too seldom for accelerations up to 500 Hz" in fewer["missing"]["panel acceleration"]
     assert fewer["motion"]["frames"]["driven"]["amplitude_m"][0] == pytest.approx(0.008)
 
@@ -197,12 +197,12 @@ def test_output_times_once_in_a_cycle_give_no_mean(tmp_path: Path, found: dict[s
     """Ten in a cycle do, two do not: they see two phases of it again and again."""
     kinds = ("profile", "held", "bed", "overlaps")
     for every in (10, 5):
-        seldom = results(thinned(folder_of(tmp_path / f"every-{every}"), kinds, every))
+        seldom = compute_results(thinned(folder_of(tmp_path / f"every-{every}"), kinds, every))
         assert "bed" not in seldom
         assert "held" not in seldom
         assert "of the machine's cycle of 0.08 s" in seldom["missing"]["bed"]
         assert seldom["screening"] == found["screening"]
-    enough = results(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
+    enough = compute_results(thinned(folder_of(tmp_path / "every-3"), kinds, 3))
     assert enough["bed"]["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
 
 
@@ -214,7 +214,7 @@ def test_no_output_time_in_the_window(tmp_path: Path) -> None:
                 first = group[name][:1]
                 del group[name]
                 group[name] = first
-    found = results(folder)
+    found = compute_results(folder)
     assert "no output time lies in" in found["missing"]["bed"]
     assert found["failed"] == {}
     assert found["motion"]["panels"]["deck-1"]["stretch_largest_percent"] > 1.9
@@ -229,7 +229,7 @@ def test_times_at_which_a_bin_is_empty_count_as_no_depth(tmp_path: Path) -> None
             values = profile[name][:]
             values[1::2] = empty
             profile[name][...] = values
-    bed = results(folder)["bed"]
+    bed = compute_results(folder)["bed"]
     assert bed["largest_depth_m"]["value"] == pytest.approx(DEPTH_M / 2)
     assert max(bed["profile"]["depth_m"]) == pytest.approx(DEPTH_M / 2)
     assert bed["velocity_m_per_s"]["value"] == pytest.approx(VELOCITY_M_S)
@@ -245,7 +245,7 @@ def test_the_velocity_is_weighted_with_mass_over_time_too(tmp_path: Path) -> Non
             values = profile[name][:]
             values[1::2] = factor * values[1::2] + shift
             profile[name][...] = values
-    bed = results(folder)["bed"]
+    bed = compute_results(folder)["bed"]
     assert value(bed["velocity_m_per_s"]) == pytest.approx(VELOCITY_M_S + 0.1)
     assert bed["profile"]["velocity_m_per_s"] == pytest.approx([VELOCITY_M_S + 0.1] * 8)
 
@@ -255,8 +255,8 @@ def test_a_part_that_fails_loses_no_other(tmp_path: Path, monkeypatch: pytest.Mo
         raise IndexError("list index out of range")
 
     folder = folder_of(tmp_path / "run")
-    monkeypatch.setattr("orchestrator.output.results.compute.bed_figures", broken)
-    found = results(folder)
+    monkeypatch.setattr("orchestrator.output.results.compute.bed_metrics", broken)
+    found = compute_results(folder)
     assert set(found["failed"]) == {"bed"}
     assert found["failed"]["bed"].startswith("IndexError: list index out of range (test_compute.py")
     assert "bed" not in found

@@ -8,7 +8,7 @@ import pytest
 from orchestrator.case.deck.line import DeckLine, deck_line, joined, over
 from orchestrator.case.deck.opening_places import openings_m
 from orchestrator.case.deck.panels import axes
-from orchestrator.output.records.deck_record import HELD_CYCLES, Held, bins_m, profile
+from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
 from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.preflight.levels import load
@@ -97,7 +97,7 @@ def test_mass_velocity_and_depth_by_bin() -> None:
     speed = np.concatenate([np.linspace(0.1, 0.3, n), [0.5, 9.0, 9.0]])
     velocity = np.outer(speed, [1.0, 0.0, 0.0])
     seen = over(deck, line, 0 * line, position)
-    found = profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
+    found = compute_profile(deck, snapshot(position, np.full(n + 3, 0.004), velocity), seen)
     one_kg = np.pi / 6 * 0.004**3 * 1430.0
     assert found["mass_kg"] == pytest.approx([0, 20 * one_kg, 0, 0, 0, one_kg, 0, 0])
     assert found["velocity_m_per_s"][[1, 5]] == pytest.approx([0.2, 0.5])
@@ -111,7 +111,7 @@ def test_velocity_is_along_the_slope() -> None:
     down = np.array([np.cos(turn), 0.0, -np.sin(turn)])
     position = (0.1 * down + [0, 0, 0.005])[None]
     seen = over(deck, line, 0 * line, position)
-    found = profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
+    found = compute_profile(deck, snapshot(position, np.array([0.004]), (0.7 * down)[None]), seen)
     assert np.nanmax(found["velocity_m_per_s"]) == pytest.approx(0.7, rel=1e-12)
 
 
@@ -120,7 +120,7 @@ def shaken(
 ) -> dict[str, float]:
     """Two 4 mm spheres on a panel that moves as a whole by +-5 mm, one drifting along."""
     deck, line = deck_of(straight(0.0))
-    held = Held(CYCLE_S, ACROSS, np.array([[0.1, 0.05], [0.12, 0.05], [0.2, 0.02]]))
+    held = RetainedParticles(CYCLE_S, ACROSS, np.array([[0.1, 0.05], [0.12, 0.05], [0.2, 0.02]]))
     found: dict[str, float] = {}
     for time in np.arange(0.0, cycles * CYCLE_S, CYCLE_S / 8):
         moved = np.array([0.005 * np.sin(2 * np.pi * time / CYCLE_S), 0.0, 0.0])
@@ -154,7 +154,7 @@ def test_what_sits_in_an_opening_blinds_it() -> None:
 
 def test_ids_that_come_and_go() -> None:
     deck, line = deck_of(straight(0.0))
-    held = Held(CYCLE_S, ACROSS, np.empty((0, 2)))
+    held = RetainedParticles(CYCLE_S, ACROSS, np.empty((0, 2)))
     position = np.array([[0.1, 0.05, 0.002], [0.2, 0.05, 0.002], [0.3, 0.05, 0.002]])
     every = snapshot(position, np.full(3, 0.004))
     rise = np.tile([0.0, 0.0, 1.0], (len(line), 1))

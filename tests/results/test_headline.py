@@ -12,7 +12,7 @@ from orchestrator.output.report.film import Film
 from orchestrator.output.report.formatting import number
 from orchestrator.output.report.headline import NOT_STEADY, Tile, headline
 from orchestrator.output.report.page import page
-from orchestrator.output.results.compute import results
+from orchestrator.output.results.compute import compute_results
 from tests.results.synthetic import CYCLE_S, folder_of
 
 
@@ -22,7 +22,7 @@ def tiles_of(found: dict[str, Any]) -> dict[str, Tile]:
 
 def test_a_steady_run_says_from_how_much_its_figures_are(tmp_path: Path) -> None:
     """Ten particles leave in a cycle, eight of them fine."""
-    tiles = tiles_of(results(folder_of(tmp_path / "run")))
+    tiles = tiles_of(compute_results(folder_of(tmp_path / "run")))
     assert tiles["screening efficiency η"].over == "490 particles that left, 49 cycles, 3.92 s"
     assert tiles["undersize recovery"].over == "392 fine particles that left, 49 cycles, 3.92 s"
     assert tiles["feed"].over == "49 cycles, 3.92 s"
@@ -36,7 +36,7 @@ def test_a_steady_run_says_from_how_much_its_figures_are(tmp_path: Path) -> None
 def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
     """After one cycle in which particles left, everything that passed is all that there is."""
     folder = folder_of(tmp_path / "run", cycles=cycles)
-    found = results(folder)
+    found = compute_results(folder)
     tiles = tiles_of(found)
     out = 10 * (cycles - 10)
     over = f"{out} particles that left, {cycles} cycles, {number(cycles * CYCLE_S)} s"
@@ -54,6 +54,6 @@ def test_a_transient_says_that_it_is_one(tmp_path: Path, cycles: int) -> None:
 def test_a_machine_that_still_runs_up_is_not_steady(tmp_path: Path) -> None:
     """Two cycles are averaged over: nobody can see whether they settle."""
     folder = folder_of(tmp_path / "run", particles=False, cycles=4)
-    found = results(folder)
+    found = compute_results(folder)
     assert found["motion"]["reason"] == "averaged over 2 cycles; 4 are needed to see it settle"
     assert all(tile.unsteady for tile in headline(found))

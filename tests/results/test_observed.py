@@ -14,7 +14,7 @@ import pytest
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
-from orchestrator.output.results.compute import results
+from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.observed import (
     checked_by_run,
     loss_factor,
@@ -55,7 +55,7 @@ def with_case(data: RunReader, case: Case) -> RunReader:
 
 @pytest.fixture(scope="module")
 def figures(folder: Path) -> dict[str, Any]:
-    return results(folder)
+    return compute_results(folder)
 
 
 def seen(data: RunReader, figures: dict[str, Any], **solvers: str) -> Scene:
@@ -240,5 +240,5 @@ def test_what_turns_out_to_matter_is_a_warning() -> None:
 def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:
     short = folder_of(tmp_path / "run", particles=False, cycles=0)
     with RunReader(short) as data:
-        found = observed_scene(scene(data.case), data, results(short)).seen
+        found = observed_scene(scene(data.case), data, compute_results(short)).seen
     assert (found.frames_throw, found.bed_kg_per_m2, found.rotation) == (None, None, None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.records.panel_lines import PanelLines, clamped_m, tension_N
+from orchestrator.output.records.panel_lines import PanelLines, clamped_m, panel_pull_N
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
 
@@ -30,8 +30,8 @@ def line(radius_m: float = 0.1, points: int = 401) -> Array:
 def test_a_panel_pulls_its_clamps_together() -> None:
     """200 N of pull: +x on the first clamp, -x on the second; weight is no pull."""
     first, second = np.array([[200.0, 0.0, -3.0]]), np.array([[-200.0, 0.0, -3.0]])
-    assert tension_N(first, second, np.array([1.0, 0.0, 0.0])) == pytest.approx([200.0])
-    assert tension_N(-first, -second, np.array([1.0, 0.0, 0.0])) == pytest.approx([-200.0])
+    assert panel_pull_N(first, second, np.array([1.0, 0.0, 0.0])) == pytest.approx([200.0])
+    assert panel_pull_N(-first, -second, np.array([1.0, 0.0, 0.0])) == pytest.approx([-200.0])
 
 
 def test_the_stretch_of_an_arc() -> None:

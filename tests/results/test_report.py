@@ -146,7 +146,7 @@ def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.Mon
     """As HDF5 does on some damaged files, which the fuzzer finds; which, hangs on its version."""
     folder = folder_of(tmp_path / "run", cycles=15)
     crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
-    monkeypatch.setattr("orchestrator.output.report.command.results", crash)
+    monkeypatch.setattr("orchestrator.output.report.command.compute_results", crash)
     with pytest.raises(FolderUnusable, match=r"reading history\.h5 crashed"):
         report(folder)
 

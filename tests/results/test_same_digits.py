@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from orchestrator.case.scalars import scalar
-from orchestrator.output.records.history import store
+from orchestrator.output.records.history import write_results
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.report.film import Film
 from orchestrator.output.report.formatting import interval
 from orchestrator.output.report.headline import headline
 from orchestrator.output.report.page import page
-from orchestrator.output.results.compute import results
+from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.observed import ObservedMotion
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
@@ -45,16 +45,16 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             swing_m = 4e-4 * np.exp(-time_s) * np.cos(29 * time_s) + 3e-4 * np.cos(3 * 78.5 * time_s)
             noise_m = rng.normal(0.0, 1e-4, (len(time_s), 3))
             group["displacement_m"][...] = group["displacement_m"][:] + sign * swing_m + noise_m
-    table = results(folder)
+    table = compute_results(folder)
     write_summary(folder, RunReader(folder).summary | {"results": table})
-    store(folder / "history.h5", table)
+    write_results(folder / "history.h5", table)
     return folder
 
 
 @pytest.fixture(scope="module")
 def along(folder: Path) -> dict[str, Any]:
     """What the results say of the relative amplitude along the deck."""
-    estimate: dict[str, Any] = results(folder)["motion"]["relative"][PAIR]["along_m"]
+    estimate: dict[str, Any] = compute_results(folder)["motion"]["relative"][PAIR]["along_m"]
     return estimate
 
 
@@ -92,7 +92,7 @@ def test_explain_and_the_accuracy_study_ask_for_the_same(folder: Path, along: di
 
 
 def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> None:
-    table = results(folder)
+    table = compute_results(folder)
     text = re.sub(r"\s+", " ", page(folder, table, lambda *_: Film(b"", reason="none")))
     shown = interval(along, 1e3)
     (tile,) = [tile for tile in headline(table) if tile.name.startswith("relative amplitude")]
@@ -106,7 +106,7 @@ def test_the_report_has_the_same_digits(folder: Path, along: dict[str, Any]) -> 
 def test_the_verdicts_see_the_same_stroke(folder: Path, along: dict[str, Any]) -> None:
     """At the panels' ends the frames' rotations count, too: without them it is the frames'."""
     with RunReader(folder) as run:
-        motion = results(folder)["motion"]
+        motion = compute_results(folder)["motion"]
         observed = ObservedMotion(scene(run.case), run, motion["start_s"], motion["end_s"])
         one, two = (np.array(observed._moved(name)) for name in ("driving", "driven"))
         seen_m = abs((two - one) @ run.deck_axes[:, 0])

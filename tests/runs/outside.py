@@ -19,7 +19,7 @@ from markupsafe import escape
 
 from orchestrator.output.report.film import Film
 from orchestrator.output.report.page import page
-from orchestrator.output.results.compute import results
+from orchestrator.output.results.compute import compute_results
 
 ROOT = Path(__file__).parents[2]
 HANG_S = 240  # nothing here takes so long; a guard against processes that wait for ever
@@ -129,7 +129,7 @@ def has_results(folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = summary(folder)["results"]
     assert found["failed"] == {}
     assert " ERROR " not in (folder / "run.log").read_text()
-    text = page(folder, results(folder), lambda *_: Film(b"", reason="left out by the test"))
+    text = page(folder, compute_results(folder), lambda *_: Film(b"", reason="left out by the test"))
     assert "</html>" in text
     for part, why in found["missing"].items():
         assert part in text

@@ -218,7 +218,7 @@ def test_a_followed_particle_that_leaves(tmp_path: Path) -> None:
 
 def test_a_mistake_in_the_results_is_said_and_has_its_exit_code(tmp_path: Path) -> None:
     """The rest of the results is made, and the report says what is not."""
-    broken = "import orchestrator.output.results.compute as compute\ncompute.bed_figures = lambda *_: [][0]\n"
+    broken = "import orchestrator.output.results.compute as compute\ncompute.bed_metrics = lambda *_: [][0]\n"
     words = run_words("quickstart", tmp_path / "run", [*QUICK, "duration_s=0.1"])
     done = flipflow(*words, before=broken)
     assert done.returncode == 6, done.stderr

@@ -15,7 +15,7 @@ import tomli_w
 
 from orchestrator.output.report.film import Film
 from orchestrator.output.report.page import page
-from orchestrator.output.results.compute import results
+from orchestrator.output.results.compute import compute_results
 from tests.case.cases import CASE, written
 from tests.results.synthetic import folder_of
 from tests.runs.outside import HANG_S, ROOT, left_usable
@@ -100,7 +100,7 @@ def test_words_of_a_case_are_only_words_in_a_report(tmp_path: Path) -> None:
     (run / "case.toml").write_text(tomli_w.dumps(table))
     with (run / "run.log").open("a") as log:
         log.write(f"2026-01-01 00:00:00,000 WARNING {evil}\n")
-    shown = page(run, results(run), lambda *_: Film(b"", reason=evil))
+    shown = page(run, compute_results(run), lambda *_: Film(b"", reason=evil))
     assert "<script" not in shown
     assert "<img src=x" not in shown
     assert unescape(shown).count(evil) >= 3

@@ -33,8 +33,8 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
 def test_amplitudes_and_peaks_of_probes_are_the_same(runs: dict[str, dict[str, Any]]) -> None:
     often, seldom = (runs[name]["probes"] for name in ("often", "seldom"))
     assert seldom == often
-    assert often["moving"]["amplitude_m"][0] == pytest.approx(0.0059, rel=1e-4)
-    assert often["middle"]["amplitude_m"][2] > 0.02
+    assert often["moving"]["half_range_m"][0] == pytest.approx(0.0059, rel=1e-4)
+    assert often["middle"]["half_range_m"][2] > 0.02
 
 
 def test_pull_and_stretch_are_the_same(runs: dict[str, dict[str, Any]]) -> None:

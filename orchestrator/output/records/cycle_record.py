@@ -16,7 +16,7 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.records.history import History
-from orchestrator.output.records.panel_lines import PanelLines, tension_N
+from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.geometry import Rectangle
 from orchestrator.ports.state import restore_attributes, save_attributes
@@ -140,7 +140,7 @@ class Panels:
         clamp_N = np.linalg.norm([first_N, second_N], axis=2).max(axis=0)
         place_m = state.panel.surface.position_m[self._points]
         columns = (
-            tension_N(first_N, second_N, self._along),
+            panel_pull_N(first_N, second_N, self._along),
             clamp_N,
             load_N,
             self._lines.stretch(place_m),

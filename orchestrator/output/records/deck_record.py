@@ -27,7 +27,7 @@ def on_deck(particles: ParticleSnapshot, seen: Over) -> npt.NDArray[np.bool_]:
     return np.asarray(seen.inside & (seen.height_m > -0.5 * particles.diameter_m))
 
 
-def profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> dict[str, Array]:
+def compute_profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> dict[str, Array]:
     """By bin: ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
     t = 0) and ``depth_m``, the height over the surface below which 95 % of the mass lie, each
     particle reaching to its top; velocity and depth are NaN in an empty bin.  ``along_m`` is the
@@ -79,10 +79,10 @@ SEATED = 0.75  # radii from centre to surface that only an opening allows
 _STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
 
-class Held:
+class RetainedParticles:
     """Follows every particle from one output time to the next.
 
-    Held is a particle that for ``HELD_CYCLES`` cycles lay on the panel, at the same place of its
+    RetainedParticles is a particle that for ``HELD_CYCLES`` cycles lay on the panel, at the same place of its
     material, while the panel under it was accelerated by more than gravity (its fastest speed
     along its normal times the cycle's angular speed).
     """
@@ -152,7 +152,7 @@ class DeckRecord:
         across = np.array([-deck.along[1], deck.along[0], 0.0])
         station_m = np.interp(openings_m @ deck.along, deck.over_m, deck.station_m)
         self._deck, self._points = deck, joined(deck.panels, centre_lines)
-        self.held = Held(cycle_s, across, np.column_stack([station_m, openings_m @ across]))
+        self.held = RetainedParticles(cycle_s, across, np.column_stack([station_m, openings_m @ across]))
 
     def at(
         self, time_s: float, surface: Motion, particles: ParticleSnapshot
@@ -161,12 +161,12 @@ class DeckRecord:
         line = surface.part(self._points)
         seen = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
         return {
-            "profile": dict(profile(self._deck, particles, seen)),
+            "profile": dict(compute_profile(self._deck, particles, seen)),
             "held": dict(self.held.at(time_s, particles, seen)),
         }
 
 
-def deck_record(
+def create_deck_record(
     surface: Motion, centre_lines: Sequence[Indices], cycle_s: float, openings_m: Array
 ) -> DeckRecord | None:
     """``surface`` at t = 0; None for panels that form no deck (see ``deck_line``)."""

@@ -212,7 +212,7 @@ GROUP = "results"
 ROOM_BYTES = 4 * 1024**2
 
 
-def store(history_file: Path, found: Mapping[str, Any]) -> None:
+def write_results(history_file: Path, found: Mapping[str, Any]) -> None:
     """Writes the group anew.  An estimate becomes a number with the attributes ``half_width`` and
     ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown.
 

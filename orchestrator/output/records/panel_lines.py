@@ -72,7 +72,7 @@ def clamped_m(at: Rectangle, line_m: Array) -> float:
     return _length_m(line_m) - _length_m(line_m[inside])
 
 
-def tension_N(first_N: Array, second_N: Array, along: Array) -> Array:
+def panel_pull_N(first_N: Array, second_N: Array, along: Array) -> Array:
     """(n,) pull of panels: half the difference of the forces (n, 3) on first and second clamp,
     along the unit vectors between them, (3,) or (n, 3); negative where a panel pushes."""
     return np.asarray(((first_N - second_N) * along).sum(axis=1) / 2)
@@ -86,7 +86,7 @@ LOG = logging.getLogger("flipflow")
 FOLD_LENGTHS = 4.0  # in thicknesses: less than this apart along the panel is no fold but a bend
 
 
-class PanelWatch:
+class FoldMonitor:
     """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that."""
 
     def __init__(self, case: Case) -> None:
@@ -96,7 +96,7 @@ class PanelWatch:
 
     def look(self, time_s: float, panel: str, line_m: Array) -> None:
         """``line_m`` (points, 3): the middle of the panel's width from clamp to clamp, now."""
-        at_m = touches_itself_m(line_m, self._thickness_m[panel])
+        at_m = find_fold_m(line_m, self._thickness_m[panel])
         if at_m is None:
             return
         what = (
@@ -117,7 +117,7 @@ class PanelWatch:
         self._said = set(saved["said"].tolist())
 
 
-def touches_itself_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:
+def find_fold_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:
     """Where along the line (n, 3) two places are nearer to each other than the thickness, although
     at least ``FOLD_LENGTHS`` thicknesses lie between them; None if nowhere."""
     piece_m = np.linalg.norm(np.diff(line_m, axis=0), axis=1)

@@ -23,9 +23,9 @@ from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
-from orchestrator.output.records.deck_record import deck_record
+from orchestrator.output.records.deck_record import create_deck_record
 from orchestrator.output.records.history import History, columns
-from orchestrator.output.records.panel_lines import PanelWatch
+from orchestrator.output.records.panel_lines import FoldMonitor
 from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
@@ -57,7 +57,7 @@ class Recorder:
         self._shapes_every = shapes_every(case)
         if self._writes:
             self._history = History(folder / HISTORY, goes_on)
-            self._panel_watch = PanelWatch(case)
+            self._panel_watch = FoldMonitor(case)
             self._forces = PanelForces(machine, start)
             self._series = TimeSeries(machine, start, self._history)
             rectangles = [panel.rectangle for panel in single_panels(case)]
@@ -78,7 +78,7 @@ class Recorder:
             lines = [panel.centre_line for panel in machine.panels]
             if machine.wearing is not None:
                 self._wear = WearRecord(machine.surface, machine.panels, rectangles)
-            self._deck = deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
+            self._deck = create_deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
             if self._deck is not None:
                 self._parts["held"] = self._deck.held
 

@@ -12,9 +12,9 @@ from jinja2 import UndefinedError
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output import checkpoints
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
-from orchestrator.output.report.film import film
+from orchestrator.output.report.film import make_film
 from orchestrator.output.report.page import NAME, page
-from orchestrator.output.results.compute import results
+from orchestrator.output.results.compute import compute_results
 
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
 NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
@@ -49,7 +49,7 @@ def _complete(folder: Path) -> None:
 def _made(folder: Path) -> Path:
     """Raises FolderUnusable where something in the files cannot be used."""
     try:
-        text = page(folder, results(folder), film)
+        text = page(folder, compute_results(folder), make_film)
         made = folder / NAME
         write_text(made, text)
     except FolderUnusable:

@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 
-def filled(template: str, **values: Any) -> str:
+def fill_template(template: str, **values: Any) -> str:
     """The HTML of a template, named by its place below ``orchestrator/``."""
     environment = Environment(
         loader=PackageLoader("orchestrator", "."),

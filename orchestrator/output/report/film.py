@@ -21,7 +21,7 @@ class Film:
     reason: str = ""
 
 
-def film(folder: Path, lasting_s: float) -> Film:
+def make_film(folder: Path, lasting_s: float) -> Film:
     """Of the last ``lasting_s`` seconds of the run."""
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / "film.webp"

@@ -8,12 +8,12 @@ from typing import Any
 
 from orchestrator.output.report import bed_pictures, tables
 from orchestrator.output.report.drawing import data_uri, embedded
-from orchestrator.output.report.filled import filled
+from orchestrator.output.report.filled import fill_template
 from orchestrator.output.report.film import Film
 from orchestrator.output.report.formatting import duration, interval, number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine
-from orchestrator.output.report.quality import quality, warnings
+from orchestrator.output.report.quality import collect_warnings, quality_rows
 from orchestrator.output.report.tables import left_out_rows
 from orchestrator.output.results.run_reader import RunReader
 
@@ -26,7 +26,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
     with RunReader(folder) as run:
         summary, provenance = run.summary, run.provenance
         shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
-        return filled(
+        return fill_template(
             "output/report/template.html",
             case=run.case,
             summary=summary,
@@ -36,13 +36,13 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             headline=headline(found),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
-            warnings=warnings(folder, summary, found),
+            warnings=collect_warnings(folder, summary, found),
             sheets=_sheets(found),
             pictures=_pictures(run, found, summary),
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
             left_out=list(left_out_rows(summary)),
-            quality=quality(summary),
+            quality=quality_rows(summary),
             duration=duration,
             interval=interval,
             number=number,

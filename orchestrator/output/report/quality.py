@@ -15,7 +15,7 @@ SHOWN = 12
 UNSETTLED = 0.1
 
 
-def quality(summary: dict[str, Any]) -> list[tuple[str, str]]:
+def quality_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """Rows about momentum, energy and speed; fewer for a run that failed."""
     rows = []
     if "momentum_residual_relative" in summary:
@@ -51,7 +51,7 @@ def _watched(watch: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield f"watch: {name.replace('_', ' ')}, worst", seen + times
 
 
-def warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
+def collect_warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
     """How the run ended, what is not steady, what is missing, and what the log warned of."""
     said = []
     said += [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]

@@ -10,13 +10,20 @@ from orchestrator.case.deck.line import DeckLine
 from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.records.deck_record import bins_m
 from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, mean
-from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, Fed, Removed, per_cycle
+from orchestrator.output.results.events import (
+    OVERSIZE,
+    UNDERSIZE,
+    Events,
+    FedParticles,
+    RemovedParticles,
+    per_cycle,
+)
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.screening import share
 from orchestrator.ports import Array, Indices
 
 
-def bed_figures(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
+def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
     """Over the output times from ``start_s`` to ``end_s``, of which there must be one; intervals
     only where it is steady.
 
@@ -37,9 +44,9 @@ def bed_figures(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     return {
         "output_times": int(window.sum()),
         "particles": float(present.mean()),
-        "on_deck_kg": by_cycles(kg, cycle, is_steady),
+        "on_deck_kg": mean_by_cycles(kg, cycle, is_steady),
         "velocity_m_per_s": ratio_by_cycles(momentum, kg, cycle, is_steady),
-        "largest_depth_m": by_cycles(depth.max(axis=1), cycle, is_steady),
+        "largest_depth_m": mean_by_cycles(depth.max(axis=1), cycle, is_steady),
         "profile": {
             "along_m": along,
             "mass_kg_per_m": mass.mean(axis=0) / (along[1] - along[0]),
@@ -51,19 +58,19 @@ def bed_figures(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     }
 
 
-def held_figures(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
+def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
     """Stickers and blinded openings over the same times."""
     time = run.read("held/time_s")
     window = within(time, start_s, end_s, run.cycle_s)
     cycle = cycle_numbers(time[window], run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
-        name: by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)
+        name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)
         for name, series in names.items()
     }
 
 
-def by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
+def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
     """Of values at output times, by cycles."""
     if not is_steady:
         return Estimate(float(values.mean()))
@@ -81,7 +88,7 @@ def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) 
     return estimate(lambda total: share(*total), batch_sums(sums))
 
 
-def residence_s(fed: Fed, removed: Removed) -> Array:
+def residence_s(fed: FedParticles, removed: RemovedParticles) -> Array:
     """(removed,) time from entering to leaving; NaN for particles that were never fed."""
     order = np.argsort(fed.id)
     ids = fed.id[order]

@@ -14,20 +14,20 @@ from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.slice import share
 from orchestrator.output.cycles import within
 from orchestrator.output.results import machine
-from orchestrator.output.results.bed import bed_figures, held_figures, transport
+from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.estimate import Estimate
-from orchestrator.output.results.events import Events, balanced, read
+from orchestrator.output.results.events import Events, balance_events, read_events
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 from orchestrator.output.results.screening import screening
-from orchestrator.output.results.wear import wear_figures
+from orchestrator.output.results.wear import wear_metrics
 
 NO_EXITS = "no exits: undersize and oversize are not told apart"
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
 NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
 
-def results(folder: Path) -> dict[str, Any]:
+def compute_results(folder: Path) -> dict[str, Any]:
     """Returns the results as plain numbers, lists and None, documented in docs/run-folder.md.
 
     ``missing`` says what the run cannot have, and why: a case without particles has no bed.
@@ -67,10 +67,10 @@ def _make(table: dict[str, Any], part: str, add: Callable[[], None]) -> None:
         raise
     except Exception as error:
         table.pop(part, None)
-        table["failed"][part] = named_error(error)
+        table["failed"][part] = describe_error(error)
 
 
-def named_error(error: Exception) -> str:
+def describe_error(error: Exception) -> str:
     """The error, and the line of the program that raised it."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     file = Path(place.filename).name
@@ -79,10 +79,10 @@ def named_error(error: Exception) -> str:
 
 def _add_steady(run: RunReader, events: list[Events], table: dict[str, Any]) -> None:
     """To ``events`` what went in and out, where that was counted."""
-    tables = read(run.history)
+    tables = read_events(run.history)
     if tables is None:
         return
-    balance = balanced(*tables, run.edges_s)
+    balance = balance_events(*tables, run.edges_s)
     state = balance.steady
     table["steady"] = {
         "is_steady": not state.reason,
@@ -121,8 +121,8 @@ def _add_bed(run: RunReader, table: dict[str, Any]) -> None:
         table["missing"]["bed"] = why
         return
     times = (start_s, end_s, steady["is_steady"])
-    table["bed"] = bed_figures(run, *times)
-    table["held"] = {"openings": len(openings_m(run.case)), **held_figures(run, *times)}
+    table["bed"] = bed_metrics(run, *times)
+    table["held"] = {"openings": len(openings_m(run.case)), **retained_metrics(run, *times)}
 
 
 def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
@@ -161,7 +161,7 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
 def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
     start_s, end_s = motion_window(run, events)
     is_steady = table.get("steady", {}).get("is_steady", False)
-    figures = wear_figures(run, start_s, end_s, is_steady, run.deck)
+    figures = wear_metrics(run, start_s, end_s, is_steady, run.deck)
     if figures is None:
         table["missing"]["wear"] = "fewer than two output times in the part that is averaged over"
     else:

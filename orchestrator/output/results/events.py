@@ -25,7 +25,7 @@ UNDERSIZE, OVERSIZE = "undersize", "oversize"
 
 
 @dataclass(frozen=True)
-class Fed:
+class FedParticles:
     """Particles of t = 0 (with time 0) and those fed since; arrays (n,)."""
 
     id: Indices
@@ -35,7 +35,7 @@ class Fed:
 
 
 @dataclass(frozen=True)
-class Removed:
+class RemovedParticles:
     """Particles that left; ``position_m`` (n, 3), ``exit`` (n,) a number, ``LOST`` = -1."""
 
     id: Indices
@@ -58,15 +58,15 @@ class Exits:
         return np.array([i for i, own in enumerate(self.products) if own == product], dtype=int)
 
 
-def read(history: Any) -> tuple[Fed, Removed, Exits] | None:
+def read_events(history: Any) -> tuple[FedParticles, RemovedParticles, Exits] | None:
     """Returns what an open ``history.h5`` says; None if the run counted no particles in and out."""
     if "fed/id" not in history or "removed/id" not in history:
         return None
     fed, removed = history["fed"], history["removed"]
     exits = Exits(*(tuple(map(str, removed.attrs[key])) for key in ("names", "products")))
     return (
-        Fed(fed["id"][:], fed["time_s"][:], fed["diameter_m"][:], _mass_kg(fed)),
-        Removed(
+        FedParticles(fed["id"][:], fed["time_s"][:], fed["diameter_m"][:], _mass_kg(fed)),
+        RemovedParticles(
             removed["id"][:],
             removed["time_s"][:],
             removed["position_m"][:],
@@ -96,7 +96,7 @@ LARGEST_IMBALANCE = 0.02
 
 
 @dataclass(frozen=True)
-class Steady:
+class SteadyState:
     """Cycles ``first`` to ``last`` (not included) over which to average.
 
     Where ``reason`` is not empty they are no steady state, and it says why.  ``imbalance`` is
@@ -110,13 +110,13 @@ class Steady:
     drift: float | None = None
 
 
-def steady(fed_kg: Array, out_kg: Array, start_kg: float) -> Steady:
+def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadyState:
     """``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole cycle, ``start_kg`` what is
     there at the first one's beginning."""
     cycles = len(fed_kg)
     feeding = np.flatnonzero(fed_kg)
     if not len(feeding):
-        return Steady(0, cycles, "nothing is fed: a batch is never steady")
+        return SteadyState(0, cycles, "nothing is fed: a batch is never steady")
     last = int(feeding[-1]) + 1
     held_kg = start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)])
     if cycles - last > 1:
@@ -125,9 +125,9 @@ def steady(fed_kg: Array, out_kg: Array, start_kg: float) -> Steady:
         last, end = cycles, "the run ends"
     if last - feeding[0] < FEWEST_CYCLES:
         fed = f"only {last - int(feeding[0])} cycles are fed before {end}"
-        return Steady(0, cycles, f"{fed}; {FEWEST_CYCLES} are needed")
+        return SteadyState(0, cycles, f"{fed}; {FEWEST_CYCLES} are needed")
     mean_kg = (held_kg[:last] + held_kg[1 : last + 1]) / 2
-    first = truncation(mean_kg)
+    first = find_truncation(mean_kg)
     window = slice(first, last)
     in_kg, gone_kg = float(fed_kg[window].sum()), float(out_kg[window].sum())
     imbalance = (in_kg - gone_kg) / in_kg
@@ -135,11 +135,11 @@ def steady(fed_kg: Array, out_kg: Array, start_kg: float) -> Steady:
     drift = slope_kg * (last - first) / in_kg
     reason = _why_not(imbalance, drift, last - first, held_kg[last], gone_kg)
     if reason:
-        return Steady(0, cycles, reason, imbalance, drift)
-    return Steady(first, last, "", imbalance, drift)
+        return SteadyState(0, cycles, reason, imbalance, drift)
+    return SteadyState(first, last, "", imbalance, drift)
 
 
-def truncation(values: Array) -> int:
+def find_truncation(values: Array) -> int:
     """How many of the first values to leave out: at most half of them, at least
     ``FEWEST_CYCLES`` staying."""
     candidates = range(min(len(values) // 2, len(values) - FEWEST_CYCLES) + 1)
@@ -163,11 +163,11 @@ def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_k
 class Events:
     """What went in and out, the whole cycles' ``edges_s``, and the steady ones of them."""
 
-    fed: Fed
-    removed: Removed
+    fed: FedParticles
+    removed: RemovedParticles
     exits: Exits
     edges_s: Array
-    steady: Steady
+    steady: SteadyState
 
     @property
     def window(self) -> slice:
@@ -200,15 +200,15 @@ class Events:
         return self.figure(lambda sums: sums[0] / sums[1], pairs)
 
 
-def balanced(fed: Fed, removed: Removed, exits: Exits, edges_s: Array) -> Events:
+def balance_events(fed: FedParticles, removed: RemovedParticles, exits: Exits, edges_s: Array) -> Events:
     """With the steady state found.  Particles of t = 0 are there at the start, not fed."""
     later = fed.time_s > 0
-    fed_kg = summed(fed.time_s[later], fed.mass_kg[later], edges_s)
-    out_kg = summed(removed.time_s, removed.mass_kg, edges_s)
+    fed_kg = sum_per_cycle(fed.time_s[later], fed.mass_kg[later], edges_s)
+    out_kg = sum_per_cycle(removed.time_s, removed.mass_kg, edges_s)
     start_kg = float(fed.mass_kg[~later].sum())
-    return Events(fed, removed, exits, edges_s, steady(fed_kg, out_kg, start_kg))
+    return Events(fed, removed, exits, edges_s, find_steady_state(fed_kg, out_kg, start_kg))
 
 
-def summed(time_s: Array, mass_kg: Array, edges_s: Array) -> Array:
+def sum_per_cycle(time_s: Array, mass_kg: Array, edges_s: Array) -> Array:
     """(cycles,) mass in each of the cycles."""
     return per_cycle(time_s, mass_kg, edges_s, np.zeros(len(time_s), dtype=int), 1)[:, 0]

@@ -19,8 +19,8 @@ from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter
 from orchestrator.output.cycles import within
-from orchestrator.output.records.panel_lines import tension_N
-from orchestrator.output.results.events import read
+from orchestrator.output.records.panel_lines import panel_pull_N
+from orchestrator.output.results.events import read_events
 from orchestrator.output.results.harmonics import Phasors, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
@@ -141,7 +141,7 @@ def deepest(run: RunReader) -> Deepest | None:
 def products(run: RunReader) -> Products | None:
     """Returns mean diameters by mass of what left through each exit; None with fewer than two that many
     particles left through."""
-    tables = read(run.history)
+    tables = read_events(run.history)
     if tables is None:
         return None
     _, removed, exits = tables
@@ -249,7 +249,7 @@ class ObservedMotion:
         time_s = self._run.read(f"{group}/time_s")
         inside = within(time_s, *self._window_s, self._cycle_s)
         first_N, second_N = (self._run.read(f"{group}/{n}_clamp_N")[inside] for n in ("first", "second"))
-        return time_s[inside], tension_N(first_N, second_N, along)
+        return time_s[inside], panel_pull_N(first_N, second_N, along)
 
     def _stretch_m(self, spring: PanelSpring) -> complex:
         """Phasor of the panel's second end against the first, along it."""

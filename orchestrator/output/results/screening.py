@@ -14,7 +14,15 @@ from typing import Any
 import numpy as np
 
 from orchestrator.output.results.estimate import Estimate
-from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, per_cycle, summed
+from orchestrator.output.results.events import (
+    LOST,
+    OVERSIZE,
+    UNDERSIZE,
+    Events,
+    Exits,
+    per_cycle,
+    sum_per_cycle,
+)
 from orchestrator.ports import Array, Indices
 
 FINE, COARSE = 0, 1
@@ -191,9 +199,9 @@ def _recovered(events: Events, out: Array, cut_m: float) -> Estimate:
 def _flows(events: Events, out: Array) -> dict[str, Any]:
     """Mass rates; ``hold_up_kg`` is all that was fed and has not left."""
     fed, removed, edges_s = events.fed, events.removed, events.edges_s
-    fed_kg = summed(fed.time_s, np.where(fed.time_s > 0, fed.mass_kg, 0.0), edges_s)
+    fed_kg = sum_per_cycle(fed.time_s, np.where(fed.time_s > 0, fed.mass_kg, 0.0), edges_s)
     held = float(fed.mass_kg[fed.time_s <= 0].sum()) + np.concatenate(
-        [[0.0], np.cumsum(fed_kg - summed(removed.time_s, removed.mass_kg, edges_s))]
+        [[0.0], np.cumsum(fed_kg - sum_per_cycle(removed.time_s, removed.mass_kg, edges_s))]
     )
     mean_kg = np.column_stack([(held[1:] + held[:-1]) / 2, np.ones(len(held) - 1)])
     length_s = np.diff(edges_s)

@@ -9,14 +9,14 @@ import numpy as np
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import cycle_numbers
-from orchestrator.output.results.bed import by_cycles
+from orchestrator.output.results.bed import mean_by_cycles
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
 HOUR_S = 3600.0
 
 
-def wear_figures(
+def wear_metrics(
     run: RunReader, start_s: float, end_s: float, is_steady: bool, deck: DeckLine | None
 ) -> dict[str, Any] | None:
     """From the output times from ``start_s`` to ``end_s``; intervals only where it is steady.
@@ -38,7 +38,7 @@ def wear_figures(
         rates.append(depth_m_per_h)
         panels[panel.name] = {
             "worn_m3": float(run.read(f"wear/{panel.name}/worn_m3")[-1]),
-            "mean_m_per_h": by_cycles(growth_m_per_h, cycle, is_steady),
+            "mean_m_per_h": mean_by_cycles(growth_m_per_h, cycle, is_steady),
             **_deepest(depth_m_per_h, panel.table.thickness_m),
             "depth_m_per_h": depth_m_per_h,
         }

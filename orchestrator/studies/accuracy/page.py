@@ -11,7 +11,7 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.output.report.drawing import LINES, data_uri, figure
-from orchestrator.output.report.filled import filled
+from orchestrator.output.report.filled import fill_template
 from orchestrator.studies.accuracy.combinations import BASE, KNOB, REFERENCE, TOGETHER
 from orchestrator.studies.accuracy.convergence import Compared, Converged, Order, compare_axis
 from orchestrator.studies.accuracy.measured import Error
@@ -180,7 +180,7 @@ def write(study: Study, table: Sequence[Row], folder: Path) -> list[Path]:
     """The pictures and the page."""
     plot = work_precision(study, table, folder / "work-precision.png")
     axes = _axes(study, folder)
-    text = filled(
+    text = fill_template(
         "studies/accuracy/page.html",
         title=study.listed.loaded.name,
         level=study.listed.loaded.level,

@@ -28,7 +28,7 @@ from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import study_folder, write_text
 from orchestrator.output.report.drawing import data_uri, figure
-from orchestrator.output.report.filled import filled
+from orchestrator.output.report.filled import fill_template
 from orchestrator.preflight.levels import load
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import (
@@ -264,7 +264,7 @@ def write_page(
     """Writes ``stability.html``, which holds everything in itself."""
     cases = [(each, each.results()) for each in benchmarks]
     verdicts = [result.verdict for _, results in cases for result in results]
-    text = filled(
+    text = fill_template(
         "studies/commands/stability.html",
         cases=cases,
         picture=data_uri(picture.read_bytes(), "image/png") if picture else "",
