@@ -83,12 +83,12 @@ class Checkpoint:
         return float(self.about["progress"]["figures"]["simulated_s"])
 
     def state(self, world: Any) -> Saved:
-        """This rank's arrays."""
+        """Returns this rank's arrays."""
         with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
             return _nested({name: file[name] for name in file.files})
 
     def put_back(self, run: Path) -> None:
-        """The files that were copied, into the folder of the run."""
+        """Copies the recorded files back, into the folder of the run."""
         for name in self.about["copies"]:
             aside = run / f".{name}"
             shutil.copyfile(self.folder / name, aside)
@@ -96,9 +96,9 @@ class Checkpoint:
 
 
 def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
-    """A new save in the folder of a run, of every rank of ``world``; ``about`` needs
-    ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one
-    cannot write; the saves before stay."""
+    """Writes a new checkpoint into the folder of a run, of every rank of ``world``; ``about`` needs
+    ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one cannot
+    write; the saves before stay."""
     name = _name(about["sync_points"])
     aside = run / FOLDER / f".{name}"
     try:
@@ -153,7 +153,7 @@ def _complete(
 
 
 def newest(run: Path) -> Checkpoint | None:
-    """The last save that is whole."""
+    """Returns the last checkpoint that is whole."""
     torn: list[str] = []
     for name in reversed(_names(run / FOLDER)):
         try:
@@ -164,7 +164,7 @@ def newest(run: Path) -> Checkpoint | None:
 
 
 def find_damage(run: Path) -> list[str]:
-    """What is wrong with the saves that are not whole."""
+    """Returns what is wrong with the checkpoints that are not whole."""
     said = []
     for name in _names(run / FOLDER):
         try:
@@ -175,7 +175,7 @@ def find_damage(run: Path) -> list[str]:
 
 
 def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
-    """The save of that sync point, if there is one and it is whole."""
+    """Returns the checkpoint of a sync point, if there is one and it is whole."""
     folder = run / FOLDER / _name(sync_points)
     try:
         return Checkpoint(folder, _checked(folder))

@@ -113,7 +113,7 @@ def test_an_interval_far_too_long_is_shortened_where_it_has_to_be(tmp_path: Path
     assert abs(terms_J["created.particles-panel"]) < 0.02 * terms_J["supplied.frames.exciter"]
     assert abs(share_created(said)) > 0.05
     assert "The coupling created" in said["doubts"][0]
-    assert "WARNING: the watch ran " in (folder / "run.log").read_text()
+    assert "WARNING: the monitor ran " in (folder / "run.log").read_text()
 
 
 def test_two_ranks_shorten_together(tmp_path: Path) -> None:

@@ -47,8 +47,8 @@ class CycleRecord:
         self._sum = np.zeros(size)
 
     def sync_point(self, time_s: float, state: State, forces_N: Array) -> None:
-        """``forces_N`` (5, panels, 3): the panels' forces over the interval that ends here, in the
-        order of ``panel_forces.FORCES``."""
+        """Takes note of a sync point; ``forces_N`` (5, panels, 3) are the panels' forces over the interval
+        that ends here, in the order of ``series.FORCES``."""
         cycle = int(cycle_numbers(time_s, self._cycle_s))
         if cycle != self._cycle and self._count:
             self._row()

@@ -18,7 +18,7 @@ DEPTH_SHARE = 0.95  # of a bin's mass lies below the bed depth
 
 
 def bins_m(deck: DeckLine) -> Array:
-    """(bins + 1,) edges along the deck."""
+    """Returns (bins + 1,) edges along the deck."""
     return np.linspace(0.0, deck.length_m, BINS_PER_PANEL * len(deck.panels) + 1)
 
 
@@ -28,10 +28,9 @@ def on_deck(particles: ParticleSnapshot, seen: Over) -> npt.NDArray[np.bool_]:
 
 
 def compute_profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> dict[str, Array]:
-    """By bin: ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
-    t = 0) and ``depth_m``, the height over the surface below which 95 % of the mass lie, each
-    particle reaching to its top; velocity and depth are NaN in an empty bin.  ``along_m`` is the
-    bins' middle."""
+    """Returns, by bin, ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
+    t = 0) and ``depth_m``, the height over the surface below which 95 % of the mass lie, each particle
+    reaching to its top; velocity and depth are NaN in an empty bin.  ``along_m`` is the bins' middle."""
     edges = bins_m(deck)
     there = on_deck(particles, seen)
     mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)[there]
@@ -97,8 +96,8 @@ class RetainedParticles:
         self._since_s, self._fastest_m_per_s = np.empty(0), np.empty(0)
 
     def at(self, time_s: float, particles: ParticleSnapshot, seen: Over) -> dict[str, float]:
-        """``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.  Particles are
-        sorted by id."""
+        """Returns the number of ``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.
+        Particles are sorted by id."""
         place = np.column_stack([seen.station_m, particles.position_m @ self._across])
         radius = particles.diameter_m / 2
         lies = seen.inside & (np.abs(seen.height_m) < radius * (1 + 2 * NEAR))
@@ -157,7 +156,7 @@ class DeckRecord:
     def at(
         self, time_s: float, surface: Motion, particles: ParticleSnapshot
     ) -> dict[str, dict[str, Array | float]]:
-        """Values by group, to be recorded."""
+        """Returns values by group, to be recorded."""
         line = surface.part(self._points)
         seen = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
         return {
@@ -169,6 +168,7 @@ class DeckRecord:
 def create_deck_record(
     surface: Motion, centre_lines: Sequence[Indices], cycle_s: float, openings_m: Array
 ) -> DeckRecord | None:
-    """``surface`` at t = 0; None for panels that form no deck (see ``deck_line``)."""
+    """Returns the record of a deck whose ``surface`` at t = 0 is given; None for panels that form no deck
+    (see ``deck_line``)."""
     deck = deck_line([surface.position_m[points] for points in centre_lines])
     return DeckRecord(deck, centre_lines, cycle_s, openings_m) if deck else None

@@ -45,7 +45,7 @@ class Reserved(io.RawIOBase):
             raise self._error
 
     def give_up_reserve(self) -> None:
-        """Room for what must still be written."""
+        """Makes room for what must still be written."""
         self._reserve.unlink(missing_ok=True)
 
     def write(self, data: Any) -> int:
@@ -101,7 +101,7 @@ class Column:
         self._rows = int(self._dataset.shape[0])
 
     def append(self, block: Array | Indices) -> None:
-        """Any number of rows; ``block`` (rows, *inner)."""
+        """Appends any number of rows; ``block`` (rows, *inner)."""
         first, self._rows = self._rows, self._rows + len(block)
         inner = block.shape[1:]
         self._dataset.set_extent((self._rows, *inner))
@@ -163,19 +163,19 @@ class History:
         self._file.flush()  # what is killed before its first row leaves a file that opens
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
-        """One row at ``time_s``; the names of a group's values are the same in every row."""
+        """Adds one row at ``time_s``; the names of a group's values are the same in every row."""
         rows = self._rows.setdefault(group, [])
         rows.append({"time_s": time_s, **values})
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
 
     def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
-        """Rows of an event table, of any number, appended at once; whole numbers stay whole."""
+        """Appends rows of an event table, of any number; whole numbers stay whole."""
         for name, rows in values.items():
             self._extend(f"{group}/{name}", rows)
 
     def describe(self, group: str, name: str, words: Sequence[str]) -> None:
-        """An attribute of a group: a list of words."""
+        """Writes an attribute of a group: a list of words."""
         attributes = self._file.require_group(group).attrs
         attributes.create(name, list(words), shape=len(words), dtype=h5py.string_dtype())
 

@@ -57,14 +57,14 @@ class Recorder:
         self._shapes_every = shapes_every(case)
         if self._writes:
             self._history = History(folder / HISTORY, goes_on)
-            self._panel_watch = FoldMonitor(case)
+            self._folds = FoldMonitor(case)
             self._forces = PanelForces(machine, start)
             self._series = TimeSeries(machine, start, self._history)
             rectangles = [panel.rectangle for panel in single_panels(case)]
             cycle = counted_cycle_s(case)
             self._cycles = CycleRecord(machine, start, rectangles, cycle, self._history)
             self._parts: dict[str, Restorable] = {
-                "panel_watch": self._panel_watch,
+                "folds": self._folds,
                 "series": self._series,
                 "cycles": self._cycles,
             }
@@ -83,7 +83,7 @@ class Recorder:
                 self._parts["held"] = self._deck.held
 
     def sync_point(self, done: int, time_s: float, state: State) -> None:
-        """Every sync point; ``done`` counts them."""
+        """Records a sync point; ``done`` counts them."""
         if self._writes:
             forces_N = self._forces.at(state)
             self._series.sync_point(forces_N)
@@ -102,8 +102,8 @@ class Recorder:
             self._history.add(f"shapes/{panel.name}", time_s, values)
 
     def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
-        """Every output time: shapes, books, and files for ParaView.  Returns the ledger's terms,
-        and the particles."""
+        """Records an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
+        the particles."""
         terms = self._ledger.energy_J()
         bed = self._material(time_s)
         worn_m3 = None if self._machine.wearing is None else self._machine.wearing.worn_m3()
@@ -114,7 +114,7 @@ class Recorder:
         for panel in self._machine.panels:
             line = surface.position_m[panel.centre_line]
             self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
-            self._panel_watch.look(time_s, panel.name, line)
+            self._folds.look(time_s, panel.name, line)
         triangles = self._machine.surface.triangles
         if len(triangles):
             worn = {} if worn_m3 is None else self._worn(time_s, worn_m3)
@@ -131,19 +131,19 @@ class Recorder:
         return terms, bed
 
     def last_contacts(self) -> None:
-        """What happened in contacts since the last output time, where a run ends without another
+        """Books what happened in contacts since the last output time, where a run ends without another
         one; collective."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is not None and book is not None:
             book.look_at_contacts(particles.overlaps(), particles.crossings())
 
     def material(self) -> dict[str, Any] | None:
-        """The material's balance at the last output time, on rank 0."""
+        """Returns the material's balance at the last output time, on rank 0."""
         book = self._machine.material
         return book.figures() if book is not None else None
 
     def save(self) -> Saved:
-        """What is recorded goes to the disk; what later rows depend on is returned."""
+        """Writes what is recorded to the disk, and returns what later rows depend on."""
         if not self._writes:
             return {}
         self._history.flush()
@@ -188,13 +188,14 @@ class Recorder:
 
 
 def rows_every(case: Case) -> int:
-    """Sync intervals from row to row of the time series."""
+    """Returns the number of sync intervals from row to row of the time series."""
     interval_s = case.coupling.sync_interval_s
     return steps_in(case.output.series_s or interval_s, interval_s)
 
 
 def shapes_every(case: Case) -> int:
-    """Sync intervals from row to row of the panels' whole shapes; 0: they are not wanted."""
+    """Returns the number of sync intervals from row to row of the panels' whole shapes; 0: they are not
+    wanted."""
     if not case.output.shapes_s:
         return 0
     return steps_in(case.output.shapes_s, case.coupling.sync_interval_s)

@@ -42,9 +42,8 @@ def check_format(file: Path, found: Any, wanted: int) -> None:
 
 
 def create_run_folder(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
-    """The run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case
-    that can be run again, with its surfaces beside it) and the provenance.  Raises
-    FolderUnusable."""
+    """Makes the run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case that
+    can be run again, with its surfaces beside it) and the provenance.  Raises FolderUnusable."""
     folder = make_folder(out) if out else next_folder(Path("runs"), loaded.name)
     try:
         _fill(folder, loaded, world.size if world else 1)
@@ -65,12 +64,12 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
 
 
 def write_case(folder: Path, loaded: LoadedCase) -> None:
-    """The resolved case."""
+    """Writes the resolved case."""
     write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))
 
 
 def resolved_case(loaded: LoadedCase) -> dict[str, Any]:
-    """The case with its level, every ``--set`` and every default, as the run's folder has it."""
+    """Returns the case with its level, every ``--set`` and every default, as the run's folder has it."""
     table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
@@ -99,7 +98,7 @@ def remove_folder(folder: Path) -> None:
 
 
 def make_folder(folder: Path) -> Path:
-    """A new folder; raises FolderUnusable if it is there already or cannot be made."""
+    """Makes a new folder; raises FolderUnusable if it is there already or cannot be made."""
     try:
         return _new_folder(folder)
     except FileExistsError:
@@ -125,8 +124,8 @@ def _new_folder(folder: Path) -> Path:
 
 
 def next_folder(parent: Path, case: str) -> Path:
-    """A new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever
-    asks at the same time.  Raises FolderUnusable if it cannot be made."""
+    """Makes a new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever asks
+    at the same time.  Raises FolderUnusable if it cannot be made."""
     for number in count(1):
         with suppress(FileExistsError):
             return _new_folder(parent / f"{case}-{number}")
@@ -142,7 +141,7 @@ class _PrintableFormatter(logging.Formatter):
 
 
 def printable(text: str) -> str:
-    """Lines as they are, other characters that do not print as Python writes them."""
+    """Returns lines as they are, and other characters that do not print as Python writes them."""
     return "".join(
         one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
     )
@@ -150,7 +149,7 @@ def printable(text: str) -> str:
 
 @contextmanager
 def logging_to(folder: Path, first: bool) -> Iterator[None]:
-    """``run.log`` with times; of ranks other than the first it has errors only."""
+    """Writes ``run.log`` with times while inside; of ranks other than the first it has errors only."""
     handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
     handler.setFormatter(_PrintableFormatter("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
@@ -165,12 +164,12 @@ def logging_to(folder: Path, first: bool) -> Iterator[None]:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Whole or not at all."""
+    """Writes a table as JSON, whole or not at all."""
     write_text(path, json.dumps(value, indent=2, default=float) + "\n")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Whole or not at all: written aside, then renamed."""
+    """Writes a file, whole or not at all: written aside, then renamed."""
     aside = path.with_name(f".{path.name}")
     try:
         aside.write_text(text, encoding="utf-8")

@@ -19,7 +19,7 @@ ARMS = np.arange(1, 4)
 
 
 def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
-    """Rotation vectors since t = 0 in rad and angular velocities in rad/s, (frames, 3) each, in
+    """Returns rotation vectors since t = 0 in rad and angular velocities in rad/s, (frames, 3) each, in
     the world.
 
     ``centres`` (frames,): numbers of the centres of mass; the three points after each are the ends
@@ -50,7 +50,7 @@ class PanelForces:
         self._reactions = _sums(held, len(start.panel.reaction))
 
     def at(self, state: State) -> Array:
-        """(5, panels, 3), in the order of FORCES: means over the interval that ends here."""
+        """Returns (5, panels, 3), in the order of FORCES: means over the interval that ends here."""
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
         sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
         return np.asarray(sums_N.reshape(len(FORCES), self._panels, 3))
@@ -80,7 +80,7 @@ class TimeSeries:
         self._summed += 1
 
     def row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
-        """``followed``: the particles, where probes ask for them."""
+        """Writes a row; ``followed`` are the particles, where probes ask for them."""
         self._frames(time_s, state)
         for probe in self._machine.probes:
             position, velocity = _at(probe, state, followed)

@@ -39,7 +39,7 @@ class Series:
         return {"time_s": np.array(self._time_s)}
 
     def restore(self, saved: Saved) -> None:
-        """Files of later times are removed."""
+        """Goes on after the saved times; files of later ones are removed."""
         self._time_s, self._rows = [], ""
         for time_s in saved["time_s"].tolist():
             self._note(time_s)
@@ -69,8 +69,8 @@ class Series:
 def surface_mesh(
     surface: Motion, triangles: Indices, panel: Indices, worn: Mapping[str, Array]
 ) -> meshio.Mesh:
-    """Triangles with velocity, and ``worn`` (points,) by name, at the points and the number of the
-    panel in each cell; points of no triangle (probes, arms of frames) would only blow up what a
+    """Returns the triangles with velocity, and ``worn`` (points,) by name, at the points and the number of
+    the panel in each cell; points of no triangle (probes, arms of frames) would only blow up what a
     viewer frames."""
     points, corners = np.unique(triangles, return_inverse=True)
     return meshio.Mesh(
@@ -85,7 +85,7 @@ def surface_mesh(
 
 
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
-    """One vertex a particle, with diameter, speed, velocity, spin, material and id."""
+    """Returns a mesh with one vertex a particle, with diameter, speed, velocity, spin, material and id."""
     count = len(particles.id)
     return meshio.Mesh(
         particles.position_m.reshape(count, 3),

@@ -24,13 +24,13 @@ def write_summary(folder: Path, table: dict[str, Any]) -> None:
 
 
 def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
-    """Every part, and ``rest`` so that they add up to the wall time."""
+    """Returns the wall time of every part, and ``rest`` so that they add up to the wall time."""
     table = {part: parts_s.get(part, 0.0) for part in PARTS}
     return table | {"rest": wall_s - sum(table.values())}
 
 
 def closing_table(summary: dict[str, Any]) -> Table:
-    """Where the time went."""
+    """Returns a table of where the time went."""
     table = Table(title="where the time went", title_justify="left")
     table.add_column("part")
     table.add_column("wall / s", justify="right")
@@ -42,7 +42,7 @@ def closing_table(summary: dict[str, Any]) -> Table:
 
 
 def material_lines(material: dict[str, Any]) -> list[str]:
-    """Where the particles are; a warning where some are lost."""
+    """Says where the particles are, with a warning where some are lost."""
 
     def said(what: str, amount: dict[str, Any]) -> str:
         return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
@@ -64,7 +64,7 @@ def material_lines(material: dict[str, Any]) -> list[str]:
 
 
 def contact_lines(material: dict[str, Any]) -> list[str]:
-    """How deep contacts were; a warning where particles went through the surface."""
+    """Says how deep contacts were, with a warning where particles went through the surface."""
     deepest, crossings = material["deepest_overlaps"], material["crossings"]
     lines = [
         "deepest overlap since the start, of a radius: "
@@ -80,24 +80,24 @@ def contact_lines(material: dict[str, Any]) -> list[str]:
     return lines
 
 
-def watch_lines(watch: dict[str, Any]) -> list[str]:
-    """Whether intervals had to be shortened."""
-    if not watch["shortened_intervals"]:
+def monitor_lines(monitor: dict[str, Any]) -> list[str]:
+    """Says whether intervals had to be shortened."""
+    if not monitor["shortened_intervals"]:
         return []
     return [
-        f"WARNING: the watch ran {watch['shortened_intervals']} sync intervals "
-        f"({100 * watch['shortened_share']:.2g} %) in parts, down to "
-        f"{watch['shortest_interval_s']:g} s; run.log says when and why"
+        f"WARNING: the monitor ran {monitor['shortened_intervals']} sync intervals "
+        f"({100 * monitor['shortened_share']:.2g} %) in parts, down to "
+        f"{monitor['shortest_interval_s']:g} s; run.log says when and why"
     ]
 
 
 def created_J(ledger: dict[str, float]) -> float:
-    """Energy that the coupling made."""
+    """Returns the energy that the coupling made."""
     return sum(value for name, value in ledger.items() if name.startswith("created."))
 
 
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
-    """How often intervals were repeated; a warning where that was not enough."""
+    """Says how often intervals were repeated, with a warning where that was not enough."""
     lines = [f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"]
     if iterations["unsolved"]:
         lines.append(
@@ -108,7 +108,7 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:
-    """The run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
+    """Says the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
     ledger = summary["energy_ledger_J"]
     share = share_created(summary)
     lines = [
@@ -129,6 +129,6 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
         lines += material_lines(material)
         if "crossings" in material:  # not in a run of an older flipflow
             lines += contact_lines(material)
-    if watch := summary.get("monitor"):
-        lines += watch_lines(watch)
+    if monitor := summary.get("monitor"):
+        lines += monitor_lines(monitor)
     return lines

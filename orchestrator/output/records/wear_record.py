@@ -28,13 +28,13 @@ class WearRecord:
         }
 
     def point_depth_m(self, worn_m3: Array) -> Array:
-        """(points,); zero at points of no triangle."""
+        """Returns the depth at (points,); zero at points of no triangle."""
         there = self._area_m2 > 0
         return np.divide(worn_m3, self._area_m2, out=np.zeros(len(worn_m3)), where=there)
 
     def groups(self, worn_m3: Array) -> dict[str, Mapping[str, Array | float]]:
-        """By panel, to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of ``PATCHES``, NaN
-        where a patch has no point."""
+        """Returns, by panel, what is to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of
+        ``PATCHES``, NaN where a patch has no point."""
         found: dict[str, Mapping[str, Array | float]] = {}
         for name, (points, patch) in self._panels.items():
             worn, area = (
@@ -48,7 +48,7 @@ class WearRecord:
 
 
 def point_area_m2(surface: TriangleSurface) -> Array:
-    """(points,) a third of the triangles' area around each."""
+    """Returns (points,) a third of the triangles' area around each."""
     a, b, c = (surface.position_m[surface.triangles[:, k]] for k in range(3))
     area_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     points, thirds_m2 = surface.triangles.ravel(), np.repeat(area_m2 / 3, 3)

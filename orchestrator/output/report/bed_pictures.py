@@ -13,7 +13,7 @@ FEW = 3  # sections that look well side by side
 
 
 def mass_balance(results: dict[str, Any]) -> str:
-    """Rates in and out by cycle, and the hold-up; the cycles averaged over are shaded."""
+    """Draws the rates in and out by cycle, and the hold-up; the cycles averaged over are shaded."""
     flows, state = results["screening"]["in_time"], results["steady"]
     whole = 1.0 / results["share_of_width"]
     drawn, ((rates, held),) = figure(1, 2, WIDE, 3.2)
@@ -32,7 +32,7 @@ def mass_balance(results: dict[str, Any]) -> str:
 
 
 def partition_curve(screening: dict[str, Any]) -> str:
-    """Partition number over size, with the cut size, d50 and the feed's sizes behind."""
+    """Draws the partition number over size, with the cut size, d50 and the feed's sizes behind."""
     table = screening["partition"]
     mean, number = np.array(table["mean_m"], float), np.array(table["oversize_percent"], float)
     edges = 1e3 * np.array(table["edges_m"], float)
@@ -52,7 +52,7 @@ def partition_curve(screening: dict[str, Any]) -> str:
 
 
 def sections(screening: dict[str, Any]) -> str:
-    """Cumulative and local efficiency of the sections; yields where there is no cut size."""
+    """Draws the cumulative and local efficiency of the sections; yields where there is no cut size."""
     rows = screening["sections"]
     drawn, ((axes,),) = figure(1, 1, HALF, 3.4)
     place = np.arange(len(rows))
@@ -90,7 +90,7 @@ def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
 
 
 def along_the_deck(results: dict[str, Any]) -> str:
-    """Bed depth, velocity, mass and, where it is counted, passing rate."""
+    """Draws bed depth, velocity, mass and, where it is counted, passing rate."""
     profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
     series = [
         ("depth_m", 1e3, "bed depth / mm", HELD),
@@ -116,7 +116,7 @@ def along_the_deck(results: dict[str, Any]) -> str:
 
 
 def wear_map(wear: dict[str, Any]) -> str:
-    """Depth in 1000 h of all panels' patches, one panel beside the other."""
+    """Draws the depth in 1000 h of all panels' patches, one panel beside the other."""
     maps = {name: MM_IN_1000_H * _known(panel) for name, panel in wear["panels"].items()}
     drawn, ((axes,),) = figure(1, 1, WIDE, 2.6)
     deepest = max(float(np.nanmax(values)) for values in maps.values())

@@ -8,7 +8,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 
 def fill_template(template: str, **values: Any) -> str:
-    """The HTML of a template, named by its place below ``orchestrator/``."""
+    """Returns the HTML of a template, named by its place below ``orchestrator/``."""
     environment = Environment(
         loader=PackageLoader("orchestrator", "."),
         autoescape=select_autoescape(["html"]),

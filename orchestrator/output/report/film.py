@@ -22,7 +22,7 @@ class Film:
 
 
 def make_film(folder: Path, lasting_s: float) -> Film:
-    """Of the last ``lasting_s`` seconds of the run."""
+    """Returns the film of the last ``lasting_s`` seconds of the run."""
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / "film.webp"
         module = "orchestrator.output.report.rendering"

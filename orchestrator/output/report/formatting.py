@@ -12,7 +12,7 @@ LEAST = 1e-9  # smaller numbers are rounding
 
 
 def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str:
-    """``digits`` significant digits, no exponent for anything a designer meets."""
+    """Returns a number with ``digits`` significant digits, no exponent for anything a designer meets."""
     if value is None or not math.isfinite(value):
         return NONE
     scaled = value * scale
@@ -25,7 +25,7 @@ def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str
 
 
 def interval(found: dict[str, Any] | None, scale: float = 1.0) -> str:
-    """ "82.31 ± 0.42": the value to the second digit of its half width."""
+    """Returns such as "82.31 ± 0.42": the value to the second digit of its half width."""
     if found is None or found["value"] is None:
         return NONE
     width, size = found["half_width"], abs(found["value"] * scale)
@@ -39,7 +39,7 @@ def interval(found: dict[str, Any] | None, scale: float = 1.0) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Seconds, minutes or hours."""
+    """Returns a time in seconds, minutes or hours."""
     if seconds < 120:
         return f"{number(seconds)} s"
     if seconds < 7200:

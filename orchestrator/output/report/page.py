@@ -22,7 +22,7 @@ FILM_CYCLES = 3
 
 
 def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
-    """The HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
+    """Returns the HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
     with RunReader(folder) as run:
         summary, provenance = run.summary, run.provenance
         shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)

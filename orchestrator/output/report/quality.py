@@ -16,7 +16,7 @@ UNSETTLED = 0.1
 
 
 def quality_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Rows about momentum, energy and speed; fewer for a run that failed."""
+    """Returns rows about momentum, energy and speed; fewer for a run that failed."""
     rows = []
     if "momentum_residual_relative" in summary:
         residual = f"{summary['momentum_residual_relative']:.1e}"
@@ -33,26 +33,26 @@ def quality_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         share = f"{100 * share_created(summary):.2g} %"
         rows.append(("energy created, of what was exchanged and lost, worse of the two", share))
     rows.append(("sync intervals", f"{summary['sync_intervals']}"))
-    if watch := summary.get("monitor"):
-        rows += list(_watched(watch))
+    if monitor := summary.get("monitor"):
+        rows += list(_monitor_rows(monitor))
     if summary["particle_steps_per_s"]:
         rows.append(("particle steps per second", f"{summary['particle_steps_per_s']:.2e}"))
     return rows
 
 
-def _watched(watch: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """What the watch did, and the worst that it saw."""
-    if watch["shortened_intervals"]:
-        shortened = f"{watch['shortened_intervals']}, down to {watch['shortest_interval_s']:g} s"
+def _monitor_rows(monitor: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """What the monitor did, and the worst that it saw."""
+    if monitor["shortened_intervals"]:
+        shortened = f"{monitor['shortened_intervals']}, down to {monitor['shortest_interval_s']:g} s"
         yield "of them run in parts", shortened
-    for name, figure in watch["figures"].items():
+    for name, figure in monitor["figures"].items():
         seen = f"{number(figure['worst'])} (limit {figure['limit']:g})"
         times = f", beyond it {figure['times']} times" if figure["times"] else ""
-        yield f"watch: {name.replace('_', ' ')}, worst", seen + times
+        yield f"monitor: {name.replace('_', ' ')}, worst", seen + times
 
 
 def collect_warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
-    """How the run ended, what is not steady, what is missing, and what the log warned of."""
+    """Says how the run ended, what is not steady, what is missing, and what the log warned of."""
     said = []
     said += [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
     if not trust.came_to_its_end(summary["status"]):

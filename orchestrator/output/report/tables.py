@@ -31,7 +31,7 @@ class Sheet:
 
 
 def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
-    """Flows and placements of the whole deck; masses are multiplied by ``whole``, the full width
+    """Returns flows and placements of the whole deck; masses are multiplied by ``whole``, the full width
     over that of the slice."""
     kinds = {
         "feed": ("feed_kg_per_s", "kg/s"),
@@ -60,7 +60,7 @@ def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
 
 
 def sections_sheet(found: dict[str, Any]) -> Sheet:
-    """Every section."""
+    """Returns a row for each section."""
     keys = [key for key in found["sections"][0] if key != "exit"]
     names = {
         "yield_percent": "yield / %",
@@ -72,7 +72,7 @@ def sections_sheet(found: dict[str, Any]) -> Sheet:
 
 
 def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
-    """Transport and the bed as a whole; mass and numbers are multiplied by ``whole``."""
+    """Returns transport and the bed as a whole; mass and numbers are multiplied by ``whole``."""
     bed, held, transport = (results.get(name, {}) for name in ("bed", "held", "transport"))
     blinded = interval(held["blinded_openings"], whole)
     rows = [
@@ -93,7 +93,7 @@ def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
 
 
 def frames_sheet(motion: dict[str, Any]) -> Sheet:
-    """Orbits of points on frames, and of the frames against each other."""
+    """Returns the orbits of points on frames, and of the frames against each other."""
     rows = []
     for name, orbit in motion["frames"].items():
         rows.append((name, *_orbit(orbit)))
@@ -125,7 +125,7 @@ def _orbit(orbit: dict[str, Any]) -> tuple[str, ...]:
 
 
 def accelerations_sheet(motion: dict[str, Any]) -> Sheet:
-    """Points on panels."""
+    """Returns the accelerations of points on panels."""
     rows = []
     for name, point in motion["panel_points"].items():
         figures = [number(point[key]) for key in ("peak_g", "peak_normal_g", "rms_normal_g")]
@@ -147,7 +147,7 @@ def accelerations_sheet(motion: dict[str, Any]) -> Sheet:
 
 
 def panels_sheet(motion: dict[str, Any], whole: float) -> Sheet:
-    """Pull, stretch and load; forces are multiplied by ``whole``."""
+    """Returns pull, stretch and load of the panels; forces are multiplied by ``whole``."""
     rows = []
     for name, panel in motion["panels"].items():
         pulls = (panel[f"tension_{which}_N"] for which in ("smallest", "mean", "largest"))
@@ -179,7 +179,7 @@ NO_CYCLE = "none: nothing drives the machine"
 
 
 def wear_sheet(wear: dict[str, Any]) -> Sheet:
-    """Every panel."""
+    """Returns the wear of every panel."""
     columns = (
         "panel",
         "mean / (mm in 1000 h)",
@@ -201,7 +201,7 @@ def wear_sheet(wear: dict[str, Any]) -> Sheet:
 
 
 def machine_facts(data: RunReader) -> Iterator[tuple[str, str]]:
-    """The machine and how it is driven."""
+    """Yields facts on the machine and how it is driven."""
     case = data.case
     panels = single_panels(case)
     yield "deck", f"inclined by {case.screen.inclination_deg:g}°, {len(panels)} panels"
@@ -238,7 +238,7 @@ def machine_facts(data: RunReader) -> Iterator[tuple[str, str]]:
 
 
 def bed_facts(case: Case) -> Iterator[tuple[str, str]]:
-    """The particles."""
+    """Yields facts on the particles."""
     for name, feed in case.bed.feeds.items():
         sizes = ", ".join(
             f"{1e3 * s.smallest_m:g}–{1e3 * s.largest_m:g} mm {100 * s.mass_fraction:.3g} %"
@@ -255,7 +255,7 @@ def bed_facts(case: Case) -> Iterator[tuple[str, str]]:
 
 
 def solver_facts(case: Case, scheme: str) -> Iterator[tuple[str, str]]:
-    """With what and how finely; ``scheme``: the one that the run took."""
+    """Yields with what and how finely the run was computed; ``scheme`` is the one that it took."""
     cells = " × ".join(str(n) for n in case.panel.cells)
     yield "panels' solver", f"{case.panel.solver}, {cells} cells each"
     yield "frames' solver", case.frames.solver
@@ -270,7 +270,7 @@ def solver_facts(case: Case, scheme: str) -> Iterator[tuple[str, str]]:
 
 
 def left_out_rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Rows (name, words): why, and what was judged before and after the run."""
+    """Yields rows (name, words): why, and what was judged before and after the run."""
     for name, why in summary["left_out"].items():
         yield name, why
         entry = summary.get("effects", {}).get(name, {})

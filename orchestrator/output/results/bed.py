@@ -24,8 +24,8 @@ from orchestrator.ports import Array, Indices
 
 
 def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Over the output times from ``start_s`` to ``end_s``, of which there must be one; intervals
-    only where it is steady.
+    """Returns the bed's metrics over the output times from ``start_s`` to ``end_s``, of which there must
+    be one; intervals only where it is steady.
 
     All are means over time, in which a bin or a deck without particles has no mass and a depth of
     0; velocities are means over the mass, to which an empty one gives nothing.
@@ -59,7 +59,7 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
 
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Stickers and blinded openings over the same times."""
+    """Returns stickers and blinded openings over the same times."""
     time = run.read("held/time_s")
     window = within(time, start_s, end_s, run.cycle_s)
     cycle = cycle_numbers(time[window], run.cycle_s, start_s)
@@ -71,7 +71,7 @@ def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bo
 
 
 def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Of values at output times, by cycles."""
+    """Returns the mean of values at output times, with its interval from cycles."""
     if not is_steady:
         return Estimate(float(values.mean()))
     which, index = np.unique(cycle, return_inverse=True)
@@ -80,7 +80,7 @@ def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
 
 
 def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Sum of ``part`` over the sum of ``whole``, both at output times; None where that is 0."""
+    """Returns the sum of ``part`` over the sum of ``whole``, both at output times; None where that is 0."""
     which, index = np.unique(cycle, return_inverse=True)
     sums = np.array([np.bincount(index, one, len(which)) for one in (part, whole)], float).T
     if not is_steady:
@@ -89,7 +89,7 @@ def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) 
 
 
 def residence_s(fed: FedParticles, removed: RemovedParticles) -> Array:
-    """(removed,) time from entering to leaving; NaN for particles that were never fed."""
+    """Returns the (removed,) time from entering to leaving; NaN for particles that were never fed."""
     order = np.argsort(fed.id)
     ids = fed.id[order]
     place = np.searchsorted(ids, removed.id)
@@ -101,15 +101,15 @@ def residence_s(fed: FedParticles, removed: RemovedParticles) -> Array:
 
 
 def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
-    """(bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to the
-    nearest bin."""
+    """Returns the (bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to
+    the nearest bin."""
     inside = np.clip(along_m, edges_m[0], edges_m[-1])
     passed = np.histogram(inside, edges_m, weights=mass_kg)[0]
     return np.asarray(passed / np.diff(edges_m) / lasting_s)
 
 
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
-    """Residence of the oversize, and where the undersize passes."""
+    """Returns the residence of the oversize, and where along the deck the undersize passes."""
     removed, counted = events.removed, events.counted
     over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE))
     stay = residence_s(events.fed, removed)

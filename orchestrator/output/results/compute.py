@@ -71,7 +71,7 @@ def _make(table: dict[str, Any], part: str, add: Callable[[], None]) -> None:
 
 
 def describe_error(error: Exception) -> str:
-    """The error, and the line of the program that raised it."""
+    """Names the error, and the line of the program that raised it."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     file = Path(place.filename).name
     return f"{type(error).__name__}: {error} ({file}, line {place.lineno})"

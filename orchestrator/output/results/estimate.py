@@ -37,7 +37,7 @@ class Estimate:
 
 
 def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
-    """(batches, ...) sums of (cycles, ...) over equal batches of whole cycles.
+    """Returns (batches, ...) sums of (cycles, ...) over equal batches of whole cycles.
 
     What does not divide is left out at the front, next to the start-up.  Fewer cycles than
     ``batches`` make as many batches as there are cycles.
@@ -49,7 +49,7 @@ def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
 
 
 def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
-    """``statistic`` of the sum of ``batches`` (n, ...), which it must not depend on the number of:
+    """Returns ``statistic`` of the sum of ``batches`` (n, ...), which it must not depend on the number of:
     a mean is a sum over a sum.  NaN where it is not defined."""
     total = batches.sum(axis=0)
     whole = statistic(total)
@@ -65,13 +65,14 @@ def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
 
 
 def mean(values: Array) -> Estimate:
-    """Of values (cycles,), by batches."""
+    """Returns the mean of values (cycles,), by batches."""
     ones = np.column_stack([values, np.ones(len(values))])
     return estimate(lambda sums: sums[0] / sums[1], batch_sums(ones))
 
 
 def half_width(values: Array) -> float:
-    """Of the mean of n batches: Student's t with the number of independent batches.
+    """Returns the half width of the interval of the mean of n batches: Student's t with the number of
+    independent batches.
 
     With correlation r between neighbours, n values are worth n (1 - r) / (1 + r) independent ones
     (first-order autoregression; Bayley and Hammersley, Suppl. J. R. Stat. Soc. 8, 1946, 184-197).

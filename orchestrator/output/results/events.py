@@ -54,7 +54,7 @@ class Exits:
     products: tuple[str, ...]
 
     def of(self, product: str) -> Indices:
-        """Numbers of the exits of a product, in the case's order."""
+        """Returns the numbers of the exits of a product, in the case's order."""
         return np.array([i for i, own in enumerate(self.products) if own == product], dtype=int)
 
 
@@ -111,8 +111,8 @@ class SteadyState:
 
 
 def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadyState:
-    """``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole cycle, ``start_kg`` what is
-    there at the first one's beginning."""
+    """Finds the steady state, where ``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole
+    cycle, ``start_kg`` what is there at the first one's beginning."""
     cycles = len(fed_kg)
     feeding = np.flatnonzero(fed_kg)
     if not len(feeding):
@@ -140,8 +140,8 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
 
 
 def find_truncation(values: Array) -> int:
-    """How many of the first values to leave out: at most half of them, at least
-    ``FEWEST_CYCLES`` staying."""
+    """Returns how many of the first values to leave out: at most half of them, at least ``FEWEST_CYCLES``
+    staying."""
     candidates = range(min(len(values) // 2, len(values) - FEWEST_CYCLES) + 1)
     errors = [float(values[d:].var()) / (len(values) - d) for d in candidates]
     return int(np.argmin(errors))
@@ -187,21 +187,21 @@ class Events:
         return inside & (self.removed.exit != LOST)
 
     def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
-        """``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""
+        """Returns ``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""
         if self.steady.reason:
             value = statistic(cycles[self.window].sum(axis=0))
             return Estimate(float(value) if np.isfinite(value) else None)
         return estimate(statistic, batch_sums(cycles[self.window]))
 
     def rate(self, per_cycle: Array) -> Estimate:
-        """Of something summed per cycle (cycles,), per second."""
+        """Returns the rate of something summed per cycle (cycles,), per second."""
         length_s = float(self.edges_s[1] - self.edges_s[0])
         pairs = np.column_stack([per_cycle, np.full(len(per_cycle), length_s)])
         return self.figure(lambda sums: sums[0] / sums[1], pairs)
 
 
 def balance_events(fed: FedParticles, removed: RemovedParticles, exits: Exits, edges_s: Array) -> Events:
-    """With the steady state found.  Particles of t = 0 are there at the start, not fed."""
+    """Returns the events with the steady state found.  Particles of t = 0 are there at the start, not fed."""
     later = fed.time_s > 0
     fed_kg = sum_per_cycle(fed.time_s[later], fed.mass_kg[later], edges_s)
     out_kg = sum_per_cycle(removed.time_s, removed.mass_kg, edges_s)
@@ -210,5 +210,5 @@ def balance_events(fed: FedParticles, removed: RemovedParticles, exits: Exits, e
 
 
 def sum_per_cycle(time_s: Array, mass_kg: Array, edges_s: Array) -> Array:
-    """(cycles,) mass in each of the cycles."""
+    """Returns the (cycles,) mass in each of the cycles."""
     return per_cycle(time_s, mass_kg, edges_s, np.zeros(len(time_s), dtype=int), 1)[:, 0]

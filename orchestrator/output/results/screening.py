@@ -29,12 +29,12 @@ FINE, COARSE = 0, 1
 
 
 def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
-    """``FINE`` below the cut size, else ``COARSE``."""
+    """Returns ``FINE`` below the cut size, else ``COARSE``."""
     return np.where(diameter_m < cut_m, FINE, COARSE)
 
 
 def products_kg(out_kg: Array, exits: Exits) -> tuple[Array, Array]:
-    """Undersize and oversize, each (2,): fine, coarse."""
+    """Returns undersize and oversize, each (2,): fine, coarse."""
     return (
         np.asarray(out_kg[exits.of(UNDERSIZE)].sum(axis=0)),
         np.asarray(out_kg[exits.of(OVERSIZE)].sum(axis=0)),
@@ -42,57 +42,57 @@ def products_kg(out_kg: Array, exits: Exits) -> tuple[Array, Array]:
 
 
 def fine_placement(out_kg: Array, exits: Exits) -> float:
-    """Share of the feed's fines that pass: the recovery of undersize."""
+    """Returns the share of the feed's fines that pass: the recovery of undersize."""
     under, over = products_kg(out_kg, exits)
     return share(under[FINE], under[FINE] + over[FINE])
 
 
 def coarse_placement(out_kg: Array, exits: Exits) -> float:
-    """Share of the feed's coarse that is held back."""
+    """Returns the share of the feed's coarse that is held back."""
     under, over = products_kg(out_kg, exits)
     return share(over[COARSE], under[COARSE] + over[COARSE])
 
 
 def efficiency(out_kg: Array, exits: Exits) -> float:
-    """Fine plus coarse placement less one: 1 for a perfect screen, 0 for a mere splitter."""
+    """Returns fine plus coarse placement less one: 1 for a perfect screen, 0 for a mere splitter."""
     return fine_placement(out_kg, exits) + coarse_placement(out_kg, exits) - 1.0
 
 
 def misplaced(out_kg: Array, exits: Exits) -> float:
-    """Fines in the oversize and coarse in the undersize, over the feed."""
+    """Returns fines in the oversize and coarse in the undersize, over the feed."""
     under, over = products_kg(out_kg, exits)
     return share(over[FINE] + under[COARSE], float(out_kg.sum()))
 
 
 def fines_in_oversize(out_kg: Array, exits: Exits) -> float:
-    """Share of the oversize that is fine."""
+    """Returns the share of the oversize that is fine."""
     over = products_kg(out_kg, exits)[1]
     return share(over[FINE], float(over.sum()))
 
 
 def oversize_yield(out_kg: Array, exits: Exits) -> float:
-    """Oversize over feed."""
+    """Returns oversize over feed."""
     return share(float(products_kg(out_kg, exits)[1].sum()), float(out_kg.sum()))
 
 
 def section_yield(out_kg: Array, section: int) -> float:
-    """What passes in a section (the number of its exit) over the feed."""
+    """Returns what passes in a section (the number of its exit) over the feed."""
     return share(float(out_kg[section].sum()), float(out_kg.sum()))
 
 
 def cumulative_efficiency(out_kg: Array, sections: Indices, last: int) -> float:
-    """Fines passed in sections 0 to ``last`` (included) over the feed's fines."""
+    """Returns the fines passed in sections 0 to ``last`` (included) over the feed's fines."""
     return share(float(out_kg[sections[: last + 1], FINE].sum()), float(out_kg[:, FINE].sum()))
 
 
 def local_efficiency(out_kg: Array, sections: Indices, section: int) -> float:
-    """Fines passed in a section over the fines that arrive there."""
+    """Returns the fines passed in a section over the fines that arrive there."""
     before = float(out_kg[sections[:section], FINE].sum())
     return share(float(out_kg[sections[section], FINE]), float(out_kg[:, FINE].sum()) - before)
 
 
 def share(part: float, whole: float) -> float:
-    """NaN where there is nothing to share."""
+    """Returns the part over the whole; NaN where there is nothing to share."""
     return float(part) / float(whole) if whole > 0 else float("nan")
 
 
@@ -101,7 +101,7 @@ FEWEST_IN_CLASS = 10
 
 
 def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
-    """(classes + 1,) edges: evenly spaced in the logarithm, one of them at the cut size, with at
+    """Returns (classes + 1,) edges: evenly spaced in the logarithm, one of them at the cut size, with at
     least ``FEWEST_IN_CLASS`` particles in each (neighbours are joined until they have)."""
     low, high = float(diameter_m.min()), float(diameter_m.max())
     if high <= low * (1 + 1e-9):
@@ -122,14 +122,14 @@ def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
 
 
 def partition(under_kg: Array, over_kg: Array) -> Array:
-    """Share (classes,) that goes to the oversize; NaN where a class is empty."""
+    """Returns the share (classes,) that goes to the oversize; NaN where a class is empty."""
     all_kg = under_kg + over_kg
     return np.divide(over_kg, all_kg, out=np.full(len(all_kg), np.nan), where=all_kg > 0)
 
 
 def size_at(share: float, size_m: Array, partition_number: Array) -> float:
-    """Size at which the curve first rises through ``share``, straight between the classes' mean
-    sizes (classes,); NaN if it does not."""
+    """Returns the size at which the curve first rises through ``share``, straight between the classes'
+    mean sizes (classes,); NaN if it does not."""
     there = np.isfinite(partition_number)
     size, number = size_m[there], partition_number[there]
     rises = np.flatnonzero((number[:-1] < share) & (number[1:] >= share))
@@ -141,13 +141,13 @@ def size_at(share: float, size_m: Array, partition_number: Array) -> float:
 
 
 def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
-    """d50 and the probable error Ep = (d75 - d25) / 2; NaN where the curve does not reach."""
+    """Returns d50 and the probable error Ep = (d75 - d25) / 2; NaN where the curve does not reach."""
     d25, d50, d75 = (size_at(share, size_m, number) for share in (0.25, 0.5, 0.75))
     return d50, (d75 - d25) / 2
 
 
 def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
-    """Every figure that needs no more than what went in and out."""
+    """Returns every metric that needs no more than what went in and out."""
     removed, exits = events.removed, events.exits
     fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
     group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)

@@ -19,8 +19,8 @@ HOUR_S = 3600.0
 def wear_metrics(
     run: RunReader, start_s: float, end_s: float, is_steady: bool, deck: DeckLine | None
 ) -> dict[str, Any] | None:
-    """From the output times from ``start_s`` to ``end_s``; intervals only where it is steady.
-    None if fewer than two output times lie there."""
+    """Returns the wear from the output times from ``start_s`` to ``end_s``; intervals only where it is
+    steady. None if fewer than two output times lie there."""
     names = [panel.name for panel in single_panels(run.case)]
     time = run.read(f"wear/{names[0]}/time_s")
     there = np.flatnonzero((time >= start_s - 1e-9) & (time <= end_s + 1e-9))

@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
-from orchestrator.output.records.summary import iteration_lines, watch_lines
+from orchestrator.output.records.summary import iteration_lines, monitor_lines
 from tests.case.cases import loaded
 
 
@@ -76,8 +76,8 @@ def test_intervals_run_in_parts_are_warned_of(intervals: int) -> None:
         "shortened_share": intervals / 100,
         "shortest_interval_s": 2.5e-5,
     }
-    said = ["the watch ran 12 sync intervals (12 %) in parts, down to 2.5e-05 s"]
-    assert [line[9:].split(";")[0] for line in watch_lines(watch)] == said[: bool(intervals)]
+    said = ["the monitor ran 12 sync intervals (12 %) in parts, down to 2.5e-05 s"]
+    assert [line[9:].split(";")[0] for line in monitor_lines(watch)] == said[: bool(intervals)]
 
 
 def test_the_cycle_is_that_of_the_slowest_that_moves(tmp_path: Path) -> None:
