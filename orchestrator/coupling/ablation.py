@@ -1,4 +1,4 @@
-"""Hand-overs turned off one by one, to see what each of them does (``[exchange]`` in a case).
+"""Ablation: hand-overs turned off one by one, to see what each of them does (``[exchange]`` in a case).
 
 Each is a wrapper around one solver, put on while the machine is built; a run with every
 hand-over on knows nothing of this file.  What is turned off is physics left out: momentum and
@@ -71,8 +71,8 @@ class UnpushedFrames:
         self._frames.close()
 
 
-def unloaded(panel: Panel) -> AlteredPanel:
-    """A panel that does not feel the particles; of its masses they need to know nothing."""
+def ignore_load(panel: Panel) -> AlteredPanel:
+    """Returns the panel without the particles' load; its masses are not told to them."""
 
     def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return panel.advance(interval, clamps, Load.zero(len(load)))
@@ -83,8 +83,8 @@ def unloaded(panel: Panel) -> AlteredPanel:
     return AlteredPanel(panel, advance, inertia=inertia)
 
 
-def still_clamped(panel: Panel) -> AlteredPanel:
-    """A panel whose clamps stay where they were at t = 0."""
+def fix_clamps(panel: Panel) -> AlteredPanel:
+    """Returns the panel with clamps that stay where they were at t = 0."""
     still = Motion(panel.mount.position_m, 0.0 * panel.mount.position_m)
     known = Known(still, np.ones(len(still), dtype=np.bool_))
     follow = surface_ahead(panel)
@@ -112,7 +112,7 @@ class ParticlesOnStillSurface:
         return self._particles.advance(interval, HermitePath(self._still, self._still, path.length_s))
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
-        """The surface's motion does not matter."""
+        """Predicts a load that does not depend on the surface's motion."""
         told = cast(Predicting, self._particles).contact_tangent(length_s)
         return replace(told, impedance_N_s_per_m=0.0 * told.impedance_N_s_per_m)
 

@@ -1,4 +1,4 @@
-"""From a case to a machine of open solvers."""
+"""From a case to a machine: plans, open solvers, and where everybody's points lie."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from orchestrator.case.deck.opening_places import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.planning import bushings, frames_plan, particles_plan
 from orchestrator.case.tables.case import Case
-from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, still_clamped, unloaded
+from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, fix_clamps, ignore_load
 from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import (
@@ -40,7 +40,7 @@ from orchestrator.coupling.surface_indexing import (
     touched_surface,
 )
 from orchestrator.coupling.surface_parts import frame_parts, panel_parts, wall_parts
-from orchestrator.ports import Frames, Panel, Particles, Wearing
+from orchestrator.ports import Frames, Load, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from orchestrator.preflight.check import mistakes_at_rest
 from orchestrator.preflight.effort import effort
@@ -49,65 +49,88 @@ from orchestrator.preflight.stability.choice import settled
 
 
 def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Opens every solver the case calls for; one that fails closes those before.  ``world``: MPI
-    communicator or None.
+    """Plans a case, opens its solvers and puts them together as a machine.
 
-    Raises SolverMissing, SolverFailed, and CaseError where a solver refuses the case.
+    Parameters
+    ----------
+    loaded
+        The case.
+    folder
+        The run's folder, for files that solvers keep.
+    world
+        An MPI communicator, or None in a run of one process.
+    stopwatch
+        Takes the time of every solver.
+
+    Raises
+    ------
+    SolverMissing, SolverFailed
+        A solver cannot be opened; those opened before are closed.
+    CaseError
+        The case is wrong in a way that only open panels show, or a solver refuses it.
     """
     with ExitStack() as opened:
-        machine = _built(loaded, folder, world, stopwatch, opened)
+        machine = _open_machine(loaded, folder, world, stopwatch, opened)
         opened.pop_all()  # the machine closes them from here on
         return machine
 
 
-def _built(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack) -> Machine:
+def _open_machine(
+    loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
+) -> Machine:
     case = settled(loaded.case)
+    # panels first: how they rest decides what particles and frames begin with
     panels = panel_parts(case, loaded.folder, stopwatch, world)
     walls, frames = wall_parts(case, loaded.folder), frame_parts(case)
     parts = [*panels, *walls, *frames]
-    together = PanelSet(len(parts), lambda i: parts[i].open(), world)
-    opened.callback(together.close)
-    start = together.initial()
-    surface = touched_surface(case, [*panels, *walls], together, start.surface.position_m)
+    panel_set = PanelSet(len(parts), lambda i: parts[i].open(), world)
+    opened.callback(panel_set.close)
+    rest = panel_set.initial()
+    # indices in the whole surface
+    surface = touched_surface(case, [*panels, *walls], panel_set, rest.surface.position_m)
     triangle_panels = panel_of_triangle([*panels, *walls], len(panels))
-    gone_through = penetrations(case, parts, len(panels), together)
+    gone_through = penetrations(case, parts, len(panels), panel_set)
+    clamps_of_frames = panel_set.clamps[len(panels) + len(walls) :]
+    centres = {part.name: clamps.start for part, clamps in zip(frames, clamps_of_frames, strict=True)}
+    # plans of the other solvers
     particles_wanted = particles_plan(case, surface, world, folder)
     start_list = particles_wanted.particles if particles_wanted is not None else nobody()
-    found = mistakes_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
-    if found:
-        raise CaseError(found)
-    held_N = start.reaction.force_N
-    if not case.exchange.panel_reaction:  # frames at rest do not hold what they do not feel
-        held_N = np.zeros_like(held_N)
-    frames_wanted = frames_plan(case, together.mount.position_m, together.mount.frame, held_N)
-    centres = {
-        part.name: together.clamps[len(panels) + len(walls) + number].start
-        for number, part in enumerate(frames)
-    }
+    problems = mistakes_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
+    if problems:
+        raise CaseError(problems)
+    frames_wanted = _plan_frames(case, panel_set, rest.reaction)
+    # solvers
     material, particles, wearing = _particles(case, particles_wanted, stopwatch)
     if particles is not None:
         opened.callback(particles.close)
     opened_frames = _frames(case, frames_wanted, world)
     members = MeteredSolvers(
         MeteredFrames(opened_frames, f"frames ({case.frames.solver})", stopwatch),
-        MeteredPanel(together, "panels", "mapping", stopwatch),
+        MeteredPanel(panel_set, "panels", "mapping", stopwatch),
         particles,
     )
     return Machine(
-        solvers=_handed_over(case, members),
+        solvers=_ablated(case, members),
         members=members,
         scheme=create_scheme(case.coupling.scheme, effort(case)),
         stopwatch=stopwatch,
         surface=surface,
         panel_of_triangle=triangle_panels,
-        panels=panel_points(case, panels, together),
+        panels=panel_points(case, panels, panel_set),
         penetrations=gone_through,
         centres=centres,
-        probes=probes(case, parts, together),
-        bushings=BushingForces.of(bushings(case), centres, together.mount.position_m),
+        probes=probes(case, parts, panel_set),
+        bushings=BushingForces.of(bushings(case), centres, panel_set.mount.position_m),
         material=material,
         wearing=wearing,
     )
+
+
+def _plan_frames(case: Case, panel_set: PanelSet, reaction: Load) -> FramesPlan:
+    held_N = reaction.force_N
+    if not case.exchange.panel_reaction:  # frames at rest do not hold what they do not feel
+        held_N = np.zeros_like(held_N)
+    return frames_plan(case, panel_set.mount.position_m, panel_set.mount.frame, held_N)
 
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
@@ -133,8 +156,8 @@ def _particles(
     return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 
-def _handed_over(case: Case, members: MeteredSolvers) -> Solvers:
-    """The solvers as the coupling sees them: with the hand-overs that the case wants."""
+def _ablated(case: Case, members: MeteredSolvers) -> Solvers:
+    """Returns the solvers as the coupling sees them: with the hand-overs that the case wants."""
     wanted = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel
@@ -142,9 +165,9 @@ def _handed_over(case: Case, members: MeteredSolvers) -> Solvers:
     if not wanted.panel_reaction:
         frames = UnpushedFrames(frames)
     if not wanted.frame_motion:
-        panel = still_clamped(panel)
+        panel = fix_clamps(panel)
     if not wanted.particle_load:
-        panel = unloaded(panel)
+        panel = ignore_load(panel)
     if particles is not None and not wanted.panel_motion:
         particles = ParticlesOnStillSurface(particles, panel.initial().surface)
     return Solvers(frames, panel, particles)

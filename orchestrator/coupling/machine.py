@@ -71,7 +71,7 @@ class Machine:
 
     @property
     def particle_runs(self) -> int:
-        """How often the particles were moved over an interval in this process."""
+        """How often this process has moved the particles over an interval."""
         return self.members.particles.runs if self.members.particles is not None else 0
 
     def close(self) -> None:

@@ -18,8 +18,10 @@ from orchestrator.ports.optional import surface_ahead, surface_inertia
 
 
 def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
-    """The panel seen through other points of its surface; ``H`` (new points, panel's surface
-    points), from ``MeshedPanel.interpolation``."""
+    """Returns the panel as seen through other points of its surface.
+
+    ``H`` (new points, panel's surface points) comes from ``MeshedPanel.interpolation``.
+    """
     HT, sizes = csr_array(H.T), abs(H)
     follow = surface_ahead(panel)
 

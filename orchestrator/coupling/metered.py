@@ -43,7 +43,8 @@ from orchestrator.ports.state import restorable, restore_attributes, save_attrib
 
 
 class Stopwatch:
-    """Entering a part pauses the one outside it, so the parts add up to the time inside any."""
+    """Measures exclusive wall time by part: entering a part pauses the one outside it, so the parts
+    add up to the time inside any."""
 
     def __init__(self) -> None:
         self.wall_s: dict[str, float] = {}
@@ -81,25 +82,31 @@ _OF_PANELS = (
 
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
-    """(3,) what a mean load hands over in the interval."""
+    """Returns the impulse (3,) that a mean load hands over in the interval."""
     return np.asarray(interval.length_s * load.force_N.sum(axis=0))
 
 
 def size_N_s(load: Load, interval: Interval) -> float:
-    """The same, but of the sizes of all components at all points: loads that cancel count."""
+    """Returns the sum of the sizes of all components of the impulse at all points, so that loads
+    that cancel count."""
     return float(interval.length_s * np.abs(load.force_N).sum())
 
 
 def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
-    """(3,) about the world's origin: what a mean load hands over in the interval to points that
-    move smoothly from ``start`` to ``end`` (cubic Hermite), by the mean of their places."""
+    """Returns the angular impulse (3,) about the world's origin that a mean load hands over.
+
+    The points move smoothly (cubic Hermite) from ``start`` to ``end``; the mean of their places
+    counts.
+    """
     mean_m = (start.position_m + end.position_m) / 2.0
     mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s - end.velocity_m_per_s)
     return np.asarray(interval.length_s * np.cross(mean_m, load.force_N).sum(axis=0))
 
 
 class MeteredFrames:
-    """``received_N_s`` (3,): impulse of the panels on the frames since t = 0, ``through_N_s`` the
+    """Frames with a meter.
+
+    ``received_N_s`` (3,): impulse of the panels on the frames since t = 0, ``through_N_s`` the
     sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` what
     they felt last, and where that took them."""
 
@@ -145,7 +152,9 @@ class MeteredFrames:
 
 
 class MeteredPanel:
-    """``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0, and
+    """A panel with a meter.
+
+    ``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0, and
     ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s`` (3,) their
     moments about the world's origin; ``last`` where the clamps were told to go, under which load,
     and what came of it."""
@@ -201,7 +210,9 @@ class MeteredPanel:
 
 
 class MeteredParticles:
-    """``given_N_s`` (3,): impulse of the particles on the surface since t = 0, ``through_N_s`` the
+    """Particles with a meter.
+
+    ``given_N_s`` (3,): impulse of the particles on the surface since t = 0, ``through_N_s`` the
     sum of its sizes; ``last`` the path that the surface took last, and the load on it.  Their
     ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts intervals
     run, those taken back, too."""
@@ -261,7 +272,8 @@ class MeteredParticles:
 
 
 def meter_panel(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPanel:
-    """The panel says its ``name`` when it fails; its time is booked under ``part``."""
+    """Returns the panel with a meter: it says its ``name`` when it fails, and its time is booked under
+    ``part``."""
     follow = surface_ahead(panel)
 
     def initial() -> PanelState:

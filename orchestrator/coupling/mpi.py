@@ -23,7 +23,7 @@ _LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
 
 
 def communicator() -> Any:
-    """The world's communicator, or None in a run of one process (mpi4py is not even imported)."""
+    """Returns the world's communicator, or None in a run of one process, which does not import mpi4py."""
     if not any(name in os.environ for name in _LAUNCHERS):
         return None
     from mpi4py import MPI
@@ -32,12 +32,12 @@ def communicator() -> Any:
 
 
 def is_first(world: Any) -> bool:
-    """True on the rank that writes files and speaks to the user."""
+    """Tells whether this is the rank that writes files and speaks to the user."""
     return world is None or world.rank == 0
 
 
 def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
-    """What rank 0 returned or raised, on every rank."""
+    """Calls ``act`` on rank 0 alone, and returns or raises the outcome on every rank."""
     if world is None:
         return act()
     answer: Any = None
@@ -61,8 +61,8 @@ def end_all(world: Any, code: int) -> int:
 
 
 def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
-    """For what usually goes wrong on all ranks alike: the first speaks and ends all; another one
-    speaks only if nobody before it did."""
+    """Reports what usually goes wrong on all ranks alike: the first rank speaks and ends all; another
+    one speaks only if no rank before it did."""
     if world is not None:
         time.sleep(2.0 * world.rank)
     speak()

@@ -66,7 +66,7 @@ class PanelSet:
         return sum_accounts(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
 
     def save(self) -> Saved:
-        """Of the panels on this rank."""
+        """Returns the states of the panels on this rank."""
         return {str(i): restorable(panel).save() for i, panel in self._own.items()}
 
     def restore(self, saved: Saved) -> None:
@@ -78,20 +78,20 @@ class PanelSet:
             panel.close()
 
     def _exchanged(self, own: Mapping[int, Any]) -> list[Any]:
-        """One value per panel, in order, from the ranks that own them."""
+        """Returns one value per panel, in order, from the ranks that own the panels."""
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
 
 
 def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:
-    """Consecutive slices of the given lengths."""
+    """Returns consecutive slices of the given lengths."""
     ends = np.cumsum([0, *lengths]).tolist()
     return tuple(slice(a, b) for a, b in itertools.pairwise(ends))
 
 
 def concatenate_states(states: Sequence[PanelState]) -> PanelState:
-    """One state with the points of all."""
+    """Returns one state with the points of all panels, one panel after the other."""
     return PanelState(
         concatenate_motions([s.surface for s in states]),
         Load(np.concatenate([s.reaction.force_N for s in states])),
@@ -99,7 +99,7 @@ def concatenate_states(states: Sequence[PanelState]) -> PanelState:
 
 
 def concatenate_motions(motions: Sequence[Motion]) -> Motion:
-    """The points of all, one after the other."""
+    """Returns the points of all motions, one after the other."""
     return Motion(
         np.concatenate([motion.position_m for motion in motions]),
         np.concatenate([motion.velocity_m_per_s for motion in motions]),
@@ -107,7 +107,7 @@ def concatenate_motions(motions: Sequence[Motion]) -> Motion:
 
 
 def sum_accounts(accounts: Sequence[Account]) -> Account:
-    """The sum of accounts, name by name."""
+    """Returns the sum of accounts, name by name, without angular momentum, which no panel tells."""
 
     def added(name: str) -> Any:
         values = [getattr(account, name) for account in accounts]
@@ -116,5 +116,4 @@ def sum_accounts(accounts: Sequence[Account]) -> Account:
         keys = dict.fromkeys(key for value in values for key in value)
         return {key: sum(value.get(key, 0.0) for value in values) for key in keys}
 
-    # no panel tells its angular momentum
     return Account(**{f.name: added(f.name) for f in fields(Account) if f.name != "angular"})

@@ -7,7 +7,7 @@ pushed back along the top's normal with the pressure
 
 of a Winkler layer with a damper.  It acts on points of the panel's mesh through the solver's own
 interpolation and on three points of the top, so that force, torque and virtual work pass without
-loss.  It is taken in the middle of the interval, as the motion at its start foretells it, and is
+loss.  It is taken in the middle of the interval, as the motion at its start predicts it, and is
 constant over it: exact in momentum, of second order in energy, stable up to k = 4 m / dt^2 for a
 mass m per area (docs/theory/panel_stops.md).
 """
@@ -61,20 +61,22 @@ class Tops:
     damping_N_s_per_m: Array
 
     def through(self, corners_m: Array, place_m: Array) -> Through:
-        """Points at ``place_m`` (n, 3), tops with ``corners_m`` (stops, 3, 3): the first, one along
-        from it, one across from it."""
+        """Returns how deep points at ``place_m`` (n, 3) have come through their tops.
+
+        ``corners_m`` (stops, 3, 3): the first corner, one along from it, one across from it.
+        """
         foot = foot_on_triangle(corners_m[self.stop], place_m)
         return Through(-foot.height_m, foot.normal, foot.share)
 
     def onto_corners(self, share: Array, force_N: Array, stops: int) -> Array:
-        """(stops, 3, 3) of forces (n, 3) at the points' feet."""
+        """Returns the forces (stops, 3, 3) on the tops' corners from forces (n, 3) at the points' feet."""
         given = np.zeros((stops, 3, 3))
         np.add.at(given, self.stop, share[:, :, None] * force_N[:, None, :])
         return given
 
 
 def tops(stops: tuple[Stop, ...], rectangle: Rectangle, spacing_m: Array) -> Tops:
-    """Points in the middles of cells of ``spacing_m`` (2,) at most, along and across."""
+    """Returns all tops, with points in the middles of cells of ``spacing_m`` (2,) at most."""
     coordinates, number, areas = [], [], []
     for place, stop in enumerate(stops):
         sides_m = np.array([stop.to_m - stop.from_m, rectangle.width_m])
@@ -90,7 +92,7 @@ def tops(stops: tuple[Stop, ...], rectangle: Rectangle, spacing_m: Array) -> Top
 
 
 def corners_m(stop: Stop, rectangle: Rectangle) -> Array:
-    """(3, 3) of the top in the world at t = 0, with the panel straight between its clamps."""
+    """Returns the top's corners (3, 3) in the world at t = 0, with the panel straight between its clamps."""
     below_m = rectangle.corner_m - stop.gap_m * rectangle.normal
     ends = np.array([[stop.from_m, 0.0], [stop.to_m, 0.0], [stop.from_m, rectangle.width_m]])
     return np.asarray(rectangle.mounted(ends) - rectangle.corner_m + below_m)

@@ -1,4 +1,4 @@
-"""Which points and triangles of the whole surface are whose, once the parts are one."""
+"""Indices of points and triangles in the whole surface, which all parts make up together."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
 def touched_surface(
     case: Case, touched: list[SurfacePart], together: PanelSet, position_m: Array
 ) -> TriangleSurface:
-    """All that particles touch; points on frames belong to it, but to no triangle."""
+    """Returns all that particles touch; points on frames belong to it, but to no triangle."""
     number = material_numbers(case)
     return TriangleSurface(
         position_m,
@@ -38,7 +38,7 @@ def touched_surface(
 
 
 def panel_points(case: Case, panels: list[SurfacePart], together: PanelSet) -> tuple[PanelPoints, ...]:
-    """Where the panels' points lie; a clamp is the first up to the middle of the span."""
+    """Returns where the panels' points lie; a clamp is the first up to the middle of the span."""
     found = []
     for number, (part, single) in enumerate(zip(panels, single_panels(case), strict=True)):
         surface, clamps, at = together.surface[number], together.clamps[number], single.rectangle
@@ -66,7 +66,7 @@ def panel_points(case: Case, panels: list[SurfacePart], together: PanelSet) -> t
 
 
 def panel_of_triangle(touched: list[SurfacePart], panels: int) -> Indices:
-    """The number of each triangle's panel, of which there are ``panels``; -1 for walls."""
+    """Returns the number of each triangle's panel, of which there are ``panels``; -1 for walls."""
     return np.concatenate(
         [
             NONE,
@@ -79,8 +79,8 @@ def panel_of_triangle(touched: list[SurfacePart], panels: int) -> Indices:
 
 
 def penetrations(case: Case, parts: list[SurfacePart], panels: int, together: PanelSet) -> Penetrations:
-    """Who may go through whom: the first ``panels`` of the parts, where no clamp and no stop holds
-    them, through all that have triangles."""
+    """Returns the search for penetrations: of the first ``panels`` parts, where no clamp and no stop
+    holds them, through everything that has triangles."""
     bodies = [
         Body(part.name, part.triangles + points.start)
         for part, points in zip(parts, together.surface, strict=True)
@@ -94,8 +94,8 @@ def penetrations(case: Case, parts: list[SurfacePart], panels: int, together: Pa
 
 
 def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
-    """(k, 2): the points of a panel's triangles, as pairs of equal ones, and its edges that are
-    longer than it is thick, where their middles are held neither by a clamp nor by a stop."""
+    """Returns pairs (k, 2) of points: those of a panel's triangles, as pairs of equal ones, and its edges
+    that are longer than it is thick, where neither a clamp nor a stop holds their middles."""
     at, points = single.rectangle, np.unique(part.triangles)
     long = part.edges.points[part.edges.length_m > single.table.thickness_m]
     pairs = np.concatenate([np.column_stack([points, points]), long])
@@ -107,7 +107,7 @@ def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
 
 
 def probes(case: Case, parts: list[SurfacePart], together: PanelSet) -> tuple[Probe, ...]:
-    """The case's probes; points of frames are read from the clamps, which are exact."""
+    """Returns the case's probes; points of frames are read from the clamps, which are exact."""
     found = []
     for number, part in enumerate(parts):
         on_frame = part.name in case.screen.frames

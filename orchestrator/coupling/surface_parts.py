@@ -37,7 +37,7 @@ def _nothing(*shape: int) -> Callable[[], Indices]:
 
 @dataclass(frozen=True)
 class SurfacePart:
-    """How to open one part, and what is known of its points before.
+    """One part of the surface: how to open it, and what is known of its points before.
 
     ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its
     clamps.  ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the
@@ -59,7 +59,7 @@ class SurfacePart:
 
 
 def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[SurfacePart]:
-    """One part per panel, in the order of the case, alike on every rank of ``world``."""
+    """Returns one part per panel, in the order of the case, alike on every rank of ``world``."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
@@ -114,7 +114,7 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
-    """One part per rigid surface."""
+    """Returns one part per rigid surface."""
 
     def part(wall: Wall) -> SurfacePart:
         opened = carried(wall.position_m, wall.frame)
@@ -125,7 +125,7 @@ def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
 
 
 def frame_parts(case: Case) -> list[SurfacePart]:
-    """One part per frame: its centre of mass (under the frame's name), the ends of three arms of
+    """Returns one part per frame: its centre of mass (under the frame's name), the ends of three arms of
     1 m from there along the world's axes, which tell its rotation, and its probes."""
     return [_looked_at(case, name) for name in case.screen.frames]
 
@@ -144,6 +144,6 @@ def _looked_at(case: Case, frame: str) -> SurfacePart:
 
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
-    """Opens a rigid surface of points (n, 3) that ``frame`` carries."""
+    """Returns a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
     made = "adapters.panel.common.carried"
     return lambda: cast(Panel, import_module(made).build(position_m, frame))

@@ -14,47 +14,71 @@ from functools import cache
 
 @cache
 def exact(value_s: float) -> Fraction:
-    """The decimal number a user wrote: 1e-4 is 1/10000 exactly."""
+    """Returns the decimal number that a user wrote as a fraction: 1e-4 is 1/10000 exactly."""
     return Fraction(repr(float(value_s)))
 
 
 @dataclass(frozen=True)
 class Interval:
-    """Interval ``index`` (from 0) of constant length: a sync interval, or one of ``parts`` equal
-    parts of one, which then are counted."""
+    """One interval of a row of equal ones that begins at t = 0.
+
+    Parameters
+    ----------
+    index
+        The interval's number, from 0.
+    length_s
+        The length of each in s.
+    parts
+        1 for a sync interval; n where the row consists of n equal parts of each sync interval.
+
+    Examples
+    --------
+    >>> Interval(3, 0.1).end_s
+    0.4
+    >>> Interval(0, 1e-3).steps(3e-4)
+    4
+    """
 
     index: int
     length_s: float
     parts: int = 1
 
     def divided(self, parts: int) -> list[Interval]:
-        """Equal parts of a sync interval.  Halves of halves of a decimal number are again exact."""
+        """Returns the equal parts of a sync interval; halves of halves of a decimal number are exact."""
         first, length_s = parts * self.index, self.length_s / parts
         return [Interval(first + part, length_s, parts) for part in range(parts)]
 
     @property
     def start_s(self) -> float:
+        """The time at which the interval begins."""
         return float(self.index * exact(self.length_s))
 
     @property
     def end_s(self) -> float:
+        """The time at which the interval ends."""
         return float((self.index + 1) * exact(self.length_s))
 
     def steps(self, largest_step_s: float) -> int:
-        """The fewest whole steps of at most ``largest_step_s`` that fill the interval."""
+        """Returns the fewest equal steps of at most ``largest_step_s`` that fill the interval."""
         return steps_in(self.length_s, largest_step_s)
 
 
 @cache
 def steps_in(length_s: float, largest_step_s: float) -> int:
-    """The fewest whole steps of at most ``largest_step_s`` (> 0) that fill ``length_s``."""
+    """Returns the fewest equal steps of at most ``largest_step_s`` that fill ``length_s``.
+
+    Raises
+    ------
+    ValueError
+        The step is not positive.
+    """
     if largest_step_s <= 0:
         raise ValueError(f"a step must be positive, got {largest_step_s} s")
     return max(1, -(-exact(length_s) // exact(largest_step_s)))
 
 
 def intervals(duration_s: float, length_s: float, first: int = 0) -> Iterator[Interval]:
-    """The sync intervals, from number ``first``, that cover ``duration_s``; the last may reach
+    """Yields the sync intervals, from number ``first``, that cover ``duration_s``; the last may reach
     beyond it."""
     for index in range(first, steps_in(duration_s, length_s)):
         yield Interval(index, length_s)

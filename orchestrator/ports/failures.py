@@ -24,8 +24,23 @@ class NamedSolverFailed(SolverFailed):
 
 @contextmanager
 def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
-    """A failure inside says which member failed, and when (None: at the start); said once, by
-    the innermost of nested members.  Any other exception gets it as a note."""
+    """Makes failures inside the context say which solver failed, and when.
+
+    Only the innermost of nested contexts speaks.  Exceptions that are no failures of a solver get
+    the same words as a note.
+
+    Parameters
+    ----------
+    member
+        The solver's name in the message.
+    interval
+        The interval that was running; None at t = 0.
+
+    Raises
+    ------
+    NamedSolverFailed
+        In place of SolverFailed, BrokenRecord, FloatingPointError and MemoryError.
+    """
     try:
         yield
     except NamedSolverFailed:
@@ -53,7 +68,20 @@ def _when(interval: Interval | None) -> str:
 
 @contextmanager
 def write_failure_context(what: str, time_s: float) -> Iterator[None]:
-    """An error of the disk inside, or too little memory, says of what, and when it came."""
+    """Makes an error of the disk, or of memory, say what could not be written, and when.
+
+    Parameters
+    ----------
+    what
+        What is being written.
+    time_s
+        The simulated time.
+
+    Raises
+    ------
+    OSError
+        With the reason and these words.
+    """
     try:
         yield
     except MemoryError as error:

@@ -35,20 +35,37 @@ class Rectangle:
 
     @property
     def normal(self) -> Array:
+        """The unit vector (3,) that points up, to the bed."""
         return np.cross(self.along, self.across)
 
     def mounted(self, coordinates_m: Array) -> Array:
-        """World positions (n, 3) of material coordinates (n, 2) with the panel straight between
-        its clamps (a slack panel is compressed to ``span_m`` here; solvers find its sag)."""
+        """Returns where points are with the panel straight between its clamps.
+
+        A slack panel is compressed to ``span_m`` here; solvers find its sag.
+
+        Parameters
+        ----------
+        coordinates_m
+            Material coordinates (n, 2).
+
+        Returns
+        -------
+        Array
+            World positions (n, 3).
+        """
         s, y = coordinates_m[:, 0], coordinates_m[:, 1]
         free = np.clip(s, 0.0, self.length_m)
         x = free * (self.span_m / self.length_m) + (s - free)
         return np.asarray(self.corner_m + np.outer(x, self.along) + np.outer(y, self.across))
 
     def end(self, coordinates_m: Array) -> Array:
-        """0 for points under the first clamp, 1 under the second, NaN for free points.
+        """Tells which clamp holds points of material coordinates (n, 2).
 
-        The inner edges themselves belong to the clamps.
+        Returns
+        -------
+        Array
+            (n,): 0 under the first clamp, 1 under the second, NaN for free points.  The inner edges
+            belong to the clamps.
         """
         s = coordinates_m[:, 0]
         slack = 1e-9 * self.length_m
@@ -96,20 +113,20 @@ class Apertures:
         return 1.0 - (1.0 - self.solid_share) * region_m2 / (rectangle.length_m * rectangle.width_m)
 
     def counts(self, rectangle: Rectangle) -> tuple[int, int]:
-        """Cells along and across; 0 where the margins leave no room."""
+        """Returns the numbers of cells along and across; 0 where the margins leave no room."""
         along_m = rectangle.length_m - 2 * self.margin_along_m
         across_m = rectangle.width_m - 2 * self.margin_across_m
         whole = (along_m / self.pitch_along_m + 1e-6, across_m / self.pitch_across_m + 1e-6)
         return max(int(whole[0]), 0), max(int(whole[1]), 0)
 
     def region_m(self, rectangle: Rectangle) -> Array:
-        """(2, 2): lowest and highest (s, y) of the perforated region, a whole number of cells."""
+        """Returns the lowest and highest (s, y) of the perforated region, (2, 2): whole cells."""
         middle = np.array([rectangle.length_m, rectangle.width_m]) / 2
         half = np.multiply(self.counts(rectangle), (self.pitch_along_m, self.pitch_across_m)) / 2
         return np.stack([middle - half, middle + half])
 
     def centres_m(self, rectangle: Rectangle) -> Array:
-        """(openings, 2) row by row."""
+        """Returns the material coordinates (openings, 2) of the openings' centers, row by row."""
         rows, columns = self.counts(rectangle)
         low, high = self.region_m(rectangle)
         row, column = (n.ravel() for n in np.mgrid[:rows, :columns])
@@ -119,7 +136,7 @@ class Apertures:
         return np.asarray(np.column_stack([s, y])[fits])
 
     def outline_m(self) -> Array:
-        """(corners, 2) polygon of one opening about its centre, anticlockwise.
+        """Returns one opening as a polygon (corners, 2) about its center, anticlockwise.
 
         Round ends are inscribed polygons with the fewest corners that keep 98 % of the area.
         """
@@ -145,9 +162,17 @@ def _lost_m2(radius_m: float, pieces: int) -> float:
 
 @dataclass(frozen=True)
 class TriangleSurface:
-    """What particles touch: ``position_m`` (n, 3) at t = 0, ``triangles`` (m, 3) of point
-    numbers, ``material`` (m,) the index of each triangle's material.  Triangles are two-sided.
-    Points that no triangle uses (probes) are allowed."""
+    """The surface that particles touch; its triangles are two-sided.
+
+    Parameters
+    ----------
+    position_m
+        (n, 3) at t = 0; points that no triangle uses (probes) are allowed.
+    triangles
+        (m, 3) numbers of points.
+    material
+        (m,) the index of each triangle's material.
+    """
 
     position_m: Array
     triangles: Indices
@@ -156,9 +181,17 @@ class TriangleSurface:
 
 @dataclass(frozen=True)
 class Foot:
-    """Where perpendiculars from points (n,) meet the planes of triangles: ``height_m`` (n,) of the
-    points on the side of the triangles' normals, which are ``normal`` (n, 3), and ``share`` (n, 3)
-    of the three corners in the foot.  The shares add up to one; none is negative inside."""
+    """Where perpendiculars from points meet the planes of triangles.
+
+    Parameters
+    ----------
+    height_m
+        (n,) of the points, positive on the side of the triangles' normals.
+    normal
+        (n, 3) the triangles' unit normals.
+    share
+        (n, 3) of the three corners in the foot; they add up to one, and none is negative inside.
+    """
 
     height_m: Array
     normal: Array
@@ -166,7 +199,7 @@ class Foot:
 
 
 def foot_on_triangle(corners_m: Array, place_m: Array) -> Foot:
-    """Of each point (n, 3) on its own triangle (n, 3, 3)."""
+    """Returns the foot of each point (n, 3) on the plane of its own triangle (n, 3, 3)."""
     first, second, third = (corners_m[:, k] for k in range(3))
     edges_m = np.stack([second - first, third - first], axis=1)
     normal = np.cross(edges_m[:, 0], edges_m[:, 1])
@@ -180,7 +213,7 @@ def foot_on_triangle(corners_m: Array, place_m: Array) -> Foot:
 
 
 def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
-    """Barycentric weights (n, 3) of the point of triangle i closest to ``point_m`` i.
+    """Returns barycentric weights (n, 3) of the point of triangle i closest to ``point_m`` i.
 
     ``point_m`` (n, 3), ``corners_m`` (n, 3, 3).  Ericson, C., Real-Time Collision Detection,
     Morgan Kaufmann 2005, section 5.1.5: the seven regions of a triangle, all points at once.
@@ -223,14 +256,14 @@ def _products(a: Array, b: Array) -> Array:
 
 @dataclass(frozen=True)
 class Edges:
-    """Pairs of points (n, 2), and how far apart they are, (n,)."""
+    """Edges of a triangulation: pairs of points (n, 2), and their lengths (n,)."""
 
     points: Indices
     length_m: Array
 
     @staticmethod
     def of(coordinates_m: Array, triangles: Indices) -> Edges:
-        """Of triangles (m, 3), each once."""
+        """Returns the edges of triangles (m, 3), each once."""
         all_of_them = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
         points = np.unique(np.sort(all_of_them, axis=1), axis=0)
         ends_m = coordinates_m[points]
@@ -241,8 +274,20 @@ TOUCHING = 1e-9  # of a box's size: rounding where a triangle stands against its
 
 
 def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
-    """(n,): by how much spheres at ``position_m`` (n, 3) overlap the nearest of the triangles
-    ``corners_m`` (m, 3, 3); no more than zero for those that overlap none."""
+    """Returns by how much spheres overlap the nearest of some triangles.
+
+    Parameters
+    ----------
+    position_m, radius_m
+        The spheres, (n, 3) and (n,).
+    corners_m
+        The triangles, (m, 3, 3).
+
+    Returns
+    -------
+    Array
+        (n,), zero for spheres that overlap none.
+    """
 
     from scipy.spatial import cKDTree
 
@@ -262,8 +307,7 @@ def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
 
 
 def reach_into(corners_m: Array, box_m: Array) -> npt.NDArray[np.bool_]:
-    """(m,): which triangles ``corners_m`` (m, 3, 3) reach into the box ``box_m`` (2, 3: its lowest
-    and highest corner).
+    """Tells which (m,) of the triangles (m, 3, 3) reach into a box (2, 3: lowest and highest corner).
 
     Two convex bodies are apart if one of these directions parts them: the normals of both and the
     products of their edges (Akenine-Moeller, T., Journal of Graphics Tools 6, 2001, 29-33,

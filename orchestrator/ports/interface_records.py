@@ -1,6 +1,6 @@
-"""The records that cross between solvers, points with a vector at each, and the accounts they give.
+"""The records that cross between solvers (points with a vector at each) and the accounts they give.
 
-What crosses checks itself: a wrong shape, a wrong dtype or a NaN cannot cross a port.
+Records check themselves: a wrong shape, a wrong dtype or a NaN cannot cross a port.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Indices = npt.NDArray[np.int64]
 
 
 class BrokenRecord(ValueError):
-    """A record with a wrong shape, a wrong dtype or a value that is not finite.
+    """A record has a wrong shape, a wrong dtype or a value that is not finite.
 
-    The message names record, field and the first bad point.
+    The message names the record, the field and the first bad point.
     """
 
 
@@ -42,7 +42,18 @@ def _checked(record: str, field_name: str, value: Array) -> None:
 
 @dataclass(frozen=True)
 class Motion:
-    """Where points are and how fast they go: two float64 arrays of shape (points, 3)."""
+    """Where points are, and how fast they move.
+
+    Parameters
+    ----------
+    position_m, velocity_m_per_s
+        float64 arrays of shape (points, 3), in the world frame.
+
+    Raises
+    ------
+    BrokenRecord
+        The shapes differ or are wrong, or a value is not finite.
+    """
 
     position_m: Array
     velocity_m_per_s: Array
@@ -59,16 +70,20 @@ class Motion:
         return len(self.position_m)
 
     def part(self, points: slice | Indices) -> Motion:
-        """The motion of some of the points."""
+        """Returns the motion of some of the points."""
         return Motion(self.position_m[points], self.velocity_m_per_s[points])
 
 
 @dataclass(frozen=True)
 class Known:
-    """Where some of the points are going to be at the end of an interval, whatever pushes them.
+    """Where some of the points will be at the end of an interval, whatever pushes them.
 
-    ``which`` (points,), bool: the points of which this is known.  ``motion`` has a row for every
-    point; the rows of the others mean nothing.
+    Parameters
+    ----------
+    motion
+        A row for every point; the rows of points that are not known mean nothing.
+    which
+        Bool, (points,): the points of which the motion is known.
     """
 
     motion: Motion
@@ -76,16 +91,15 @@ class Known:
 
     @staticmethod
     def nothing(points: int) -> Known:
-        """Of that many points, none is known."""
+        """Returns the record of that many points of which none is known."""
         return Known(Motion(*np.zeros((2, points, 3))), np.zeros(points, dtype=np.bool_))
 
     def part(self, points: slice | Indices) -> Known:
-        """What is known of some of the points."""
+        """Returns what is known of some of the points."""
         return Known(self.motion.part(points), self.which[points])
 
     def among(self, points: int, at: Indices) -> Known:
-        """These points as the numbers ``at`` among so many, of the others of which nothing is
-        known."""
+        """Returns these points as the numbers ``at`` among ``points``; the others are not known."""
         found = Known.nothing(points)
         found.which[at] = self.which
         found.motion.position_m[at] = self.motion.position_m
@@ -93,7 +107,7 @@ class Known:
         return found
 
     def over(self, otherwise: Motion) -> Motion:
-        """The motion of all points: ``otherwise`` where it is not known."""
+        """Returns the motion of all points: ``otherwise`` where it is not known."""
         which = self.which[:, None]
         return Motion(
             np.where(which, self.motion.position_m, otherwise.position_m),
@@ -103,7 +117,18 @@ class Known:
 
 @dataclass(frozen=True)
 class Load:
-    """A force at each point, float64 of shape (points, 3): the mean over a sync interval."""
+    """A force at each point, of the giver on the receiver: the mean over a sync interval.
+
+    Parameters
+    ----------
+    force_N
+        float64 array of shape (points, 3), in the world frame.
+
+    Raises
+    ------
+    BrokenRecord
+        The shape is wrong, or a value is not finite.
+    """
 
     force_N: Array
 
@@ -115,21 +140,42 @@ class Load:
 
     @staticmethod
     def zero(points: int) -> Load:
+        """Returns no force at that many points."""
         return Load(np.zeros((points, 3)))
 
 
 def check_point_count(what: str, record: Motion | Load, points: int) -> None:
-    """Refuse a record that has not exactly ``points`` points (BrokenRecord names both numbers)."""
+    """Refuses a record of another number of points.
+
+    Parameters
+    ----------
+    what
+        The record's name in the message.
+    record
+        The record to look at.
+    points
+        The number of points that it must have.
+
+    Raises
+    ------
+    BrokenRecord
+        The numbers differ; the message has both.
+    """
     if len(record) != points:
         raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
 
 
 @dataclass(frozen=True)
 class PanelState:
-    """What a panel hands over: its surface points' motion, and its force on the frames.
+    """What a panel hands over at a sync point.
 
-    ``surface`` has the panel's own surface points, ``reaction`` its clamp points (mean force of
-    the panel on the frames over the interval that ended; at t = 0 the static force).
+    Parameters
+    ----------
+    surface
+        The motion of the panel's own surface points.
+    reaction
+        The panel's mean force on the frames over the interval that ended, one row per clamp point;
+        at t = 0 the static force.
     """
 
     surface: Motion
@@ -138,10 +184,14 @@ class PanelState:
 
 @dataclass(frozen=True)
 class Mount:
-    """Clamp points of a panel: where frames hold it.
+    """The clamp points of a panel, where frames hold it.
 
-    ``position_m`` (clamps, 3) in the world at t = 0; ``frame`` (clamps,) the name of the frame
-    that holds each point.
+    Parameters
+    ----------
+    position_m
+        (clamps, 3) in the world at t = 0.
+    frame
+        The name of the frame that holds each point, (clamps,).
     """
 
     position_m: Array
@@ -150,9 +200,18 @@ class Mount:
 
 @dataclass(frozen=True)
 class AngularAccount:
-    """Angular momentum about the world's origin, (3,) each: ``momentum_kg_m2_per_s`` now,
-    ``outside_impulse_N_m_s`` received since t = 0 from everything that is not a port, and
-    ``received_N_m_s`` through each port, from the solver's own places inside the interval."""
+    """Angular momentum of a solver about the world's origin; all vectors (3,).
+
+    Parameters
+    ----------
+    momentum_kg_m2_per_s
+        The angular momentum now.
+    outside_impulse_N_m_s
+        Received since t = 0 from everything that is not a port.
+    received_N_m_s
+        Received since t = 0 through each port by name, from the solver's own places of the points
+        inside the intervals.
+    """
 
     momentum_kg_m2_per_s: Array
     outside_impulse_N_m_s: Array
@@ -161,15 +220,28 @@ class AngularAccount:
 
 @dataclass(frozen=True)
 class Account:
-    """What a solver owns and what went through it since t = 0 (all SI, world frame).
+    """What a solver owns, and what went through it since t = 0.
 
-    ``momentum_kg_m_per_s`` (3,) now; ``outside_impulse_N_s`` (3,) the impulse received so far from
-    everything that is *not* a port (gravity, ground, exciters, drives, particles fed or removed).
-    ``stored_J`` by name, now; ``lost_J`` (dissipated), ``supplied_J`` (exciters, drives, feed) by
-    name, summed since t = 0; ``received_J`` the work received through each port since t = 0,
-    positive into the solver, computed from the solver's own motion inside the interval.
-    A solver's own defect is  d(stored) + lost - supplied - received, zero for a perfect one.
-    ``angular`` is the same for angular momentum, None of a solver that does not tell.
+    The solver's own defect is  d(stored) + lost - supplied - received, zero for a perfect one.
+
+    Parameters
+    ----------
+    momentum_kg_m_per_s
+        The momentum now, (3,).
+    outside_impulse_N_s
+        The impulse (3,) received since t = 0 from everything that is *not* a port: gravity, ground,
+        exciters, drives, particles fed or removed.
+    stored_J
+        Energy now, by name (kinetic, elastic, ...).
+    lost_J
+        Energy dissipated since t = 0, by name.
+    supplied_J
+        Energy that exciters, drives, gravity or feeds supplied since t = 0, by name.
+    received_J
+        Work received through each port since t = 0, positive into the solver, from the solver's own
+        motion inside the intervals.
+    angular
+        The same for angular momentum; None of a solver that does not tell it.
     """
 
     momentum_kg_m_per_s: Array
@@ -183,14 +255,21 @@ class Account:
 
 @dataclass(frozen=True)
 class ContactTangent:
-    """How the particles' mean load on the surface over an interval answers to the surface's motion:
-    at each point, moving with the constant velocity v from where the particles last saw it,
+    """How the particles' mean load over an interval depends on the surface's velocity.
+
+    At each point that moves with the constant velocity v from where the particles last saw it,
 
         load = push_N - impedance_N_s_per_m v.
 
-    ``push_N`` (points, 3), ``impedance_N_s_per_m`` (points, 3, 3) symmetric and not negative; the part
-    of a contact inside a triangle stands at its corners, by the same shares as its load.  It knows
-    only the contacts that there are when it is asked for, each linear about its present place.
+    Only contacts that exist when the tangent is asked for count, each linear about its present place.
+
+    Parameters
+    ----------
+    push_N
+        The load on a surface at rest, (points, 3).
+    impedance_N_s_per_m
+        (points, 3, 3), symmetric and not negative.  The part of a contact inside a triangle stands
+        at the triangle's corners, by the same shares as its load.
     """
 
     push_N: Array
@@ -199,11 +278,20 @@ class ContactTangent:
 
 @dataclass(frozen=True)
 class Inertia:
-    """Free masses ``mass_kg`` (masses,) that carry surface points: the points' velocity is
-    ``shapes`` (points, masses), sparse, times the masses' (masses, 3), and the masses feel its
-    transpose times the points' load.  ``held`` (masses, 3): the unit vector along which a mass
-    does not yield, zero where it yields every way.  The row of a point that nothing is known of is
-    empty.
+    """Free masses that carry surface points.
+
+    The points' velocity is ``shapes`` times the masses', and the masses feel the transpose of
+    ``shapes`` times the points' load.
+
+    Parameters
+    ----------
+    shapes
+        (points, masses), sparse; the row of a point of which nothing is known is empty.
+    mass_kg
+        (masses,).
+    held
+        (masses, 3): the unit vector along which a mass does not yield, zero where it yields every
+        way.
     """
 
     shapes: csr_array
@@ -211,12 +299,13 @@ class Inertia:
     held: Array
 
     def yielding(self, values: Array) -> Array:
-        """The part of vectors (masses, 3) in which the masses yield."""
+        """Returns the part of vectors (masses, 3) along which the masses yield."""
         along = np.einsum("mk,mk->m", values, self.held)
         return np.asarray(values - along[:, None] * self.held)
 
     @staticmethod
     def unknown(points: int) -> Inertia:
+        """Returns the record of that many points behind which no mass is known."""
         from scipy.sparse import csr_array  # takes long to import, and few commands need it
 
         return Inertia(csr_array((points, 0)), np.empty(0), np.empty((0, 3)))
@@ -224,14 +313,30 @@ class Inertia:
 
 @dataclass(frozen=True)
 class HermitePath:
-    """Points moving from ``start`` to ``end`` in ``length_s`` with continuous velocity."""
+    """The smooth path of points between two motions: cubic Hermite in position and velocity.
+
+    Parameters
+    ----------
+    start, end
+        The motions at both ends.
+    length_s
+        The time between them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> still = np.zeros((1, 3))
+    >>> path = HermitePath(Motion(still, still), Motion(still + 1.0, still), 2.0)
+    >>> float(path.position_m(0.5)[0, 0]), float(path.velocity_m_per_s(0.5)[0, 0])
+    (0.5, 0.75)
+    """
 
     start: Motion
     end: Motion
     length_s: float
 
     def position_m(self, fraction: float) -> Array:
-        """(points, 3) at ``fraction`` (0 ... 1) of the interval."""
+        """Returns the places (points, 3) at ``fraction`` (0 ... 1) of the time."""
         t, h = fraction, self.length_s
         value: Array = (
             (1 + 2 * t) * (1 - t) ** 2 * self.start.position_m
@@ -242,6 +347,7 @@ class HermitePath:
         return value
 
     def velocity_m_per_s(self, fraction: float) -> Array:
+        """Returns the velocities (points, 3) at ``fraction`` of the time."""
         t, h = fraction, self.length_s
         value: Array = (
             6 * t * (t - 1) / h * (self.start.position_m - self.end.position_m)
@@ -251,6 +357,7 @@ class HermitePath:
         return value
 
     def acceleration_m_per_s2(self, fraction: float) -> Array:
+        """Returns the accelerations (points, 3) at ``fraction`` of the time."""
         t, h = fraction, self.length_s
         value: Array = (
             (12 * t - 6) / h**2 * (self.start.position_m - self.end.position_m)
@@ -260,4 +367,5 @@ class HermitePath:
         return value
 
     def at(self, fraction: float) -> Motion:
+        """Returns places and velocities at ``fraction`` of the time."""
         return Motion(self.position_m(fraction), self.velocity_m_per_s(fraction))

@@ -1,4 +1,4 @@
-"""gmsh, opened for one mesh and closed again."""
+"""A session of gmsh that makes one mesh."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from orchestrator.ports.failures import SolverMissing
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """The module ``gmsh``, quiet and on one thread.  Raises SolverMissing without it."""
+    """Yields the module ``gmsh``, quiet and on one thread; raises SolverMissing where it is not installed."""
     try:
         import gmsh
     except (ImportError, OSError) as missing:

@@ -14,12 +14,25 @@ Ahead = Callable[[Interval, Known], Known]
 
 
 def find_driven_points(frames: Frames, interval: Interval) -> Known | None:
-    """Where the points that drives move are at the interval's end; None where nothing is driven."""
+    """Tells where the points that drives move are at the interval's end.
+
+    Parameters
+    ----------
+    frames
+        Any frames, ``Scheduled`` or not.
+    interval
+        The next interval.
+
+    Returns
+    -------
+    Known or None
+        None where nothing is driven.
+    """
     return frames.ahead(interval) if isinstance(frames, Scheduled) else None
 
 
 def surface_ahead(panel: Panel) -> Ahead:
-    """``panel.ahead``; of a panel that knows nothing ahead, one that says just that."""
+    """Returns ``panel.ahead``, or for a panel without it a call that knows no point ahead."""
     if isinstance(panel, Following):
         return panel.ahead
     nothing = Known.nothing(len(panel.initial().surface))
@@ -27,14 +40,14 @@ def surface_ahead(panel: Panel) -> Ahead:
 
 
 def surface_inertia(panel: Panel) -> Inertia:
-    """What a panel tells of its masses; unknown if nothing."""
+    """Returns the masses behind a panel's surface points, unknown ones for a panel that tells none."""
     if isinstance(panel, Inert):
         return panel.inertia()
     return Inertia.unknown(len(panel.initial().surface))
 
 
 def concatenate_inertias(parts: Sequence[Inertia]) -> Inertia:
-    """Points and masses of all, one after the other."""
+    """Returns the points and masses of all parts, one after the other."""
     return Inertia(
         csr_array(block_diag([part.shapes for part in parts])),
         np.concatenate([part.mass_kg for part in parts]),

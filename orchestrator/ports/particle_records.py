@@ -18,7 +18,19 @@ radius the centre is through the surface."""
 
 @dataclass(frozen=True)
 class ParticleSnapshot:
-    """All particles at one instant, sorted by id.  Arrays of n rows; complete on rank 0 only."""
+    """All particles at one instant, sorted by id; complete on rank 0 only.
+
+    Parameters
+    ----------
+    id
+        (n,) each particle's own number.
+    position_m, velocity_m_per_s, spin_rad_per_s
+        (n, 3) in the world frame, of the centers.
+    diameter_m, density_kg_per_m3
+        (n,).
+    material
+        (n,) the index of each particle's material in the plan.
+    """
 
     id: Indices
     position_m: Array
@@ -31,11 +43,18 @@ class ParticleSnapshot:
 
 @dataclass(frozen=True)
 class Removed:
-    """Particles taken out, in the order of time, then id.  Arrays of n rows; complete on rank 0
-    only.
+    """Particles that were taken out, in the order of time, then id; complete on rank 0 only.
 
-    State of each when it was taken out; ``exit`` is the number of the exit that it was in, -1 of
-    one that was lost: it left the domain.
+    Parameters
+    ----------
+    id, time_s
+        (n,) who was taken out, and when.
+    position_m, velocity_m_per_s
+        (n, 3) at that time.
+    diameter_m, density_kg_per_m3, material
+        (n,) as in ``ParticleSnapshot``.
+    exit
+        (n,) the number of the exit that the particle was in, -1 for one that left the domain.
     """
 
     id: Indices
@@ -50,9 +69,15 @@ class Removed:
 
 @dataclass(frozen=True)
 class Overlaps:
-    """The deepest contacts of all steps in some time, 0 where nothing touched: the largest overlap
-    between particles and with the surface, and the largest over the diameter of the (smaller)
-    particle."""
+    """The deepest contacts of all steps in some time; 0 where nothing touched.
+
+    Parameters
+    ----------
+    between_m, surface_m
+        The largest overlap between particles, and with the surface.
+    between_per_diameter, surface_per_diameter
+        The largest overlap over the diameter of the (smaller) particle.
+    """
 
     between_m: float = 0.0
     between_per_diameter: float = 0.0
@@ -69,20 +94,25 @@ class Overlaps:
         }
 
     def deepest(self, other: Overlaps) -> Overlaps:
-        """Of both times together."""
+        """Returns the deepest of both times together."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return Overlaps(*(max(pair) for pair in pairs))
 
 
 @dataclass(frozen=True)
 class Crossings:
-    """How often a particle's centre changed the side of the surface through one of its triangles
-    since t = 0, and which was the first: its id, when, and where it was (3,); zeros where there was
-    none.
+    """How often a particle's centre went through one of the surface's triangles since t = 0.
 
     A contact pushes a centre back to the side that it is on, so a centre that comes to the other
     side was pushed through by contacts too soft or jumped through in steps too long.  Who goes
     through an opening, past a free edge or between two panels goes through no triangle.
+
+    Parameters
+    ----------
+    number
+        How often it happened.
+    first_id, first_time_s, first_position_m
+        Who was the first, when, and where it was (3,); zeros where there was none.
     """
 
     number: int
@@ -92,14 +122,16 @@ class Crossings:
 
     @staticmethod
     def none() -> Crossings:
+        """Returns the record of particles of which none went through."""
         return Crossings(0, 0, 0.0, np.zeros(3))
 
     def first_in_words(self) -> str:
+        """Returns who was the first, where and when, for a message."""
         place = ", ".join(f"{x:.4g}" for x in self.first_position_m)
         return f"particle {self.first_id} at ({place}) m at t = {self.first_time_s:.6g} s"
 
     def figures(self) -> dict[str, Any]:
-        """For ``summary.json``; nulls where there was none."""
+        """Returns the entry of ``summary.json``; nulls where there was none."""
         some = self.number > 0
         return {
             "number": self.number,
@@ -109,7 +141,7 @@ class Crossings:
         }
 
     def followed_by(self, later: Crossings) -> Crossings:
-        """These, then those."""
+        """Returns the record of these crossings and of ``later`` ones."""
         first = self if self.number else later
         return replace(first, number=self.number + later.number)
 
@@ -118,7 +150,7 @@ Bed = tuple[ParticleSnapshot, Overlaps]
 
 
 def sort_removed(parts: Sequence[Removed]) -> Removed:
-    """All of several, none included, in the order of time, then id."""
+    """Returns the particles of several records (of none, too) in the order of time, then id."""
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
     places = np.empty((0, 3))
     none = Removed(nobody, nothing, places, places, nothing, nothing, nobody, nobody)

@@ -1,4 +1,4 @@
-"""Panels that have gone through a rigid surface or through another panel.
+"""Search for panels that have gone through a rigid surface or through another panel.
 
 Particles touch panels and surfaces; these do not touch each other, so that nothing holds a panel
 that sags, or is thrown, through a plate.  Here it is found, from where everything is drawn (panels
@@ -53,7 +53,17 @@ class Penetration:
 
 
 class Penetrations:
-    """``drawn_m`` (n, 3) are all points as drawn."""
+    """Finds panels that have gone through a surface since they were drawn.
+
+    Parameters
+    ----------
+    drawn_m
+        All points (n, 3) as drawn.
+    bodies
+        Everything that has triangles.
+    panels
+        What is looked at.
+    """
 
     def __init__(self, drawn_m: Array, bodies: Sequence[Body], panels: Sequence[ProbedPanel]) -> None:
         self._bodies, self._panels = tuple(bodies), tuple(panels)
@@ -65,13 +75,13 @@ class Penetrations:
         self._drawn_boxes_m = boxes_of(drawn_m[self._triangles])
 
     def deepest(self, position_m: Array) -> Penetration | None:
-        """Of all panels, with the points now at ``position_m`` (n, 3); None if there is none."""
+        """Returns the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
         boxes_m = np.stack([self._drawn_boxes_m, boxes_of(position_m[self._triangles])])
         found = [one for panel in self._panels for one in self._of(panel, position_m, boxes_m)]
         return max(found, key=lambda one: one.thicknesses, default=None)
 
     def _of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> list[Penetration]:
-        """The deepest of one panel, if any."""
+        """Returns the deepest penetration of one panel, if there is any."""
         drawn_m, now_m = (points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m))
         row, triangle = self._near(panel, drawn_m, now_m, boxes_m)
         was_m, is_m = (
@@ -97,7 +107,7 @@ class Penetrations:
     def _near(
         self, panel: ProbedPanel, drawn_m: Array, now_m: Array, boxes_m: Array
     ) -> tuple[Indices, Indices]:
-        """Pairs of a point (row) and a triangle (number) that the point may have gone through: on
+        """Returns pairs of a point (row) and a triangle (number) that it may have gone through: on
         no axis is the point beyond the same side of the triangle's box before and after, or it
         would be beyond it all the way.  ``boxes_m`` (2, m, 2, 3): of all triangles as drawn and
         now, lowest and highest corner."""
@@ -120,13 +130,13 @@ class Penetrations:
 
 
 def boxes_of(corners_m: Array) -> Array:
-    """(m, 2, 3): lowest and highest corner of the boxes around triangles (m, 3, 3)."""
+    """Returns the lowest and highest corners (m, 2, 3) of the boxes around triangles (m, 3, 3)."""
     return np.stack([corners_m.min(axis=1), corners_m.max(axis=1)], axis=1)
 
 
 def height_m(corners_m: Array, triangle: Indices, place_m: Array) -> Array:
-    """Of places (n, 3) over the planes of their own triangles: numbers (n,) of ``corners_m``
-    (m, 3, 3); below is negative."""
+    """Returns the heights (n,) of places (n, 3) over the planes of their own triangles, which are the
+    numbers ``triangle`` (n,) of ``corners_m`` (m, 3, 3); below is negative."""
     first, second, third = (corners_m[:, k] for k in range(3))
     normal = np.cross(second - first, third - first)
     normal /= np.linalg.norm(normal, axis=1)[:, None]

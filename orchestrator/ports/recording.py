@@ -26,7 +26,7 @@ class RecordedGrid:
 
     @staticmethod
     def of(rectangle: Rectangle, cells: tuple[int, int]) -> RecordedGrid:
-        """``cells`` equal ones along the free length and across, and one row under each clamp."""
+        """Returns the grid of ``cells`` equal cells along and across, and one row under each clamp."""
         free = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
         under = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
         rows = [*(-c for c in under), *free, *(rectangle.length_m + c for c in under)]
@@ -34,24 +34,26 @@ class RecordedGrid:
 
     @property
     def points_m(self) -> Array:
-        """Material coordinates (points, 2)."""
+        """The material coordinates (points, 2)."""
         s, y = np.meshgrid(self.rows_m, self.columns_m, indexing="ij")
         return np.column_stack([s.ravel(), y.ravel()])
 
     def corners_m(self, rectangle: Rectangle) -> Array:
-        """Material coordinates (corners, 2) of the clamps' corners, row by row."""
+        """Returns the material coordinates (corners, 2) of the clamps' corners, row by row."""
         return np.array([(s, y) for s in _edges_m(rectangle) for y in (0.0, rectangle.width_m)])
 
     def carried(self, rectangle: Rectangle) -> Array:
-        """N (points, corners): points = N @ corners where the clamps alone carry them."""
+        """Returns N (points, corners): points = N @ corners where the clamps alone carry them."""
         s, y = self.points_m.T
         along = hats(s, _edges_m(rectangle))
         across = hats(y, np.array([0.0, rectangle.width_m]))
         return both_ways(along, across)
 
     def mass_kg(self, rectangle: Rectangle, per_area_kg_per_m2: float, share: float) -> Array:
-        """Lumped mass (points,): every cell gives a quarter to each of its corners.  ``share``:
-        how much of the free length openings leave."""
+        """Returns the lumped masses (points,): every cell gives a quarter to each of its corners.
+
+        ``share`` is how much of the free length openings leave.
+        """
         middle = (self.rows_m[1:] + self.rows_m[:-1]) / 2
         free = (middle > 0) & (middle < rectangle.length_m)
         along = _halves(np.diff(self.rows_m) * np.where(free, share, 1.0))
@@ -105,12 +107,12 @@ class Playback:
 
 
 def hats(places: Array, nodes: Array) -> Array:
-    """(places, nodes): linear between increasing nodes."""
+    """Returns linear interpolation between increasing nodes as a matrix (places, nodes)."""
     return np.column_stack([np.interp(places, nodes, unit) for unit in np.eye(len(nodes))])
 
 
 def both_ways(along: Array, across: Array) -> Array:
-    """Row by row the products of (n, a) and (n, b): (n, a b)."""
+    """Returns, row by row, all products of (n, a) and (n, b): (n, a b)."""
     return np.asarray((along[:, :, None] * across[:, None, :]).reshape(len(along), -1))
 
 

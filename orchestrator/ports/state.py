@@ -16,25 +16,63 @@ from orchestrator.ports import Restorable, Saved
 
 
 def save_attributes(owner: object, *names: str) -> Saved:
-    """The attributes ``names``, without the underscore that marks them as private."""
+    """Returns copies of some attributes as arrays.
+
+    Parameters
+    ----------
+    owner
+        The object that has them.
+    names
+        The attributes; the result's keys lack the underscore that marks them as private.
+
+    Returns
+    -------
+    Saved
+        Arrays, or dictionaries of these, by name.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> ball = SimpleNamespace(_height_m=0.5, hits=3)
+    >>> saved = save_attributes(ball, "_height_m", "hits")
+    >>> ball._height_m, ball.hits = 0.0, 4
+    >>> restore_attributes(ball, saved, "_height_m", "hits")
+    >>> ball._height_m, ball.hits
+    (0.5, 3)
+    """
     return {name.lstrip("_"): as_arrays(getattr(owner, name)) for name in names}
 
 
 def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
-    """The reverse; the attributes' present values tell what they are made of."""
+    """Sets attributes to what ``save_attributes`` copied.
+
+    Parameters
+    ----------
+    owner
+        The object that has them; the present values tell of which kind the restored ones must be.
+    saved
+        What ``save_attributes`` returned.
+    names
+        The attributes.
+
+    Raises
+    ------
+    KeyError
+        ``saved`` lacks one of them.
+    """
     for name in names:
         setattr(owner, name, like(getattr(owner, name), saved[name.lstrip("_")]))
 
 
 def restorable(solver: object) -> Restorable:
-    """The solver, as one that can be saved; TypeError names one that cannot."""
+    """Returns the solver as one that can be saved and restored; raises TypeError for one that cannot."""
     if not isinstance(solver, Restorable):
         raise TypeError(f"{type(solver).__name__} can be neither saved nor restored")
     return solver
 
 
 def as_arrays(value: Any) -> Any:
-    """Copies of all that a value holds, in arrays."""
+    """Returns copies of all that a value holds, in arrays."""
     if is_dataclass(value):
         return {field.name: as_arrays(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
@@ -43,7 +81,7 @@ def as_arrays(value: Any) -> Any:
 
 
 def like(present: Any, saved: Any) -> Any:
-    """A value of the kind of ``present`` with the saved arrays in it."""
+    """Returns a value of the kind of ``present`` with the saved arrays in it."""
     if is_dataclass(present) and not isinstance(present, type):
         names = [field.name for field in fields(present)]
         return replace(present, **{n: like(getattr(present, n), saved[n]) for n in names})

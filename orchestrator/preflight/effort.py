@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.bed.particle_sizes import mass_kg
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import sphere_mass_kg
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def effort(case: Case) -> Effort:
     tolerance = case.coupling.tolerance
     lightest_kg = min(
         (
-            float(mass_kg(np.array(diameter_m), case.materials[name].density_kg_per_m3))
+            float(sphere_mass_kg(np.array(diameter_m), case.materials[name].density_kg_per_m3))
             for name, diameter_m in smallest_diameters_m(case).items()
         ),
         default=0.0,

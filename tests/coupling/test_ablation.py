@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, still_clamped, unloaded
+from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, fix_clamps, ignore_load
 from orchestrator.coupling.schemes import SCHEMES, create_scheme
 from orchestrator.coupling.schemes.scheme import Solvers, State, initial_state
 from orchestrator.ports import Saved
@@ -28,11 +28,11 @@ def without_reaction(whole: Solvers) -> Solvers:
 
 
 def without_frame_motion(whole: Solvers) -> Solvers:
-    return Solvers(whole.frames, still_clamped(whole.panel), whole.particles)
+    return Solvers(whole.frames, fix_clamps(whole.panel), whole.particles)
 
 
 def without_load(whole: Solvers) -> Solvers:
-    return Solvers(whole.frames, unloaded(whole.panel), whole.particles)
+    return Solvers(whole.frames, ignore_load(whole.panel), whole.particles)
 
 
 def without_panel_motion(whole: Solvers) -> Solvers:

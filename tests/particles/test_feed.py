@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 from orchestrator.case.bed.feed import Feeds, Inlet, RateFeed
-from orchestrator.case.bed.particle_sizes import mass_kg
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
 from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
 
@@ -29,7 +29,7 @@ INLET = Inlet(
     stop_s=0.06,
 )
 LUMPS = (Sizes(0.008, 0.013, 1.0),)
-LARGEST_KG = float(mass_kg(np.array(0.013), 1430.0))
+LARGEST_KG = float(sphere_mass_kg(np.array(0.013), 1430.0))
 
 
 def all_accepted(feed: RateFeed | Feeds, intervals: int, length_s: float) -> list[ParticleList]:
@@ -41,7 +41,7 @@ def all_accepted(feed: RateFeed | Feeds, intervals: int, length_s: float) -> lis
 
 
 def total_kg(offers: list[ParticleList]) -> float:
-    return sum(float(np.sum(mass_kg(offer.diameter_m, 1430.0))) for offer in offers)
+    return sum(float(np.sum(sphere_mass_kg(offer.diameter_m, 1430.0))) for offer in offers)
 
 
 @settings(max_examples=25, deadline=None)

@@ -21,6 +21,7 @@ from orchestrator.case.bed.contact_times import (
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import Jkr, Sjkr
 
 STEPS_PER_CONTACT = 20  # of an adhesive contact, at least
@@ -85,7 +86,7 @@ def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]
     """Particle and particle, then particle and surface, as far as the case has them."""
     grains = {}
     for name, diameter_m in smallest_diameters_m(case).items():
-        mass_kg = math.pi / 6 * diameter_m**3 * case.materials[name].density_kg_per_m3
+        mass_kg = sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
         grains[name] = (diameter_m / 2, mass_kg)
     one, two = between
     if one in grains and two in grains:

@@ -12,10 +12,11 @@ import numpy.typing as npt
 
 from orchestrator.case.bed.packing import places
 from orchestrator.case.bed.particle_lists import joined, nobody
-from orchestrator.case.bed.particle_sizes import SizeClass, mass_kg, shares
+from orchestrator.case.bed.particle_sizes import SizeClass, shares
 from orchestrator.case.bed.random_state import set_words, words
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -65,7 +66,7 @@ class Inlet:
     def largest_kg(self) -> float:
         """Mass of the largest particle."""
         largest_m = np.array(max(row.largest_m for row in self.sizes))
-        return float(mass_kg(largest_m, self.density_kg_per_m3))
+        return float(sphere_mass_kg(largest_m, self.density_kg_per_m3))
 
     @property
     def corners_m(self) -> Array:
@@ -97,7 +98,7 @@ class RateFeed:
     @property
     def next_kg(self) -> float:
         """Mass of the particle that is drawn next; it comes when half of it is due."""
-        return float(mass_kg(self._next_m, self.inlet.density_kg_per_m3))
+        return float(sphere_mass_kg(self._next_m, self.inlet.density_kg_per_m3))
 
     @property
     def backlog_kg(self) -> float:
@@ -118,7 +119,7 @@ class RateFeed:
         if len(accepted) != len(self._offered):
             raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
         fed = self._offered[accepted]
-        self.fed_kg += float(np.sum(mass_kg(self._waiting_m[fed], self.inlet.density_kg_per_m3)))
+        self.fed_kg += float(np.sum(sphere_mass_kg(self._waiting_m[fed], self.inlet.density_kg_per_m3)))
         self._waiting_m = np.delete(self._waiting_m, fed)
         self._offered = np.empty(0, dtype=np.int64)
 

@@ -14,9 +14,9 @@ import numpy.typing as npt
 
 from orchestrator.case.bed.feed import Feeds, RateFeed
 from orchestrator.case.bed.material_watch import MaterialWatch
-from orchestrator.case.bed.particle_sizes import mass_kg
 from orchestrator.ports import Array, Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import Exit, ParticleList, SolverFailed
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
@@ -109,7 +109,7 @@ class Amount:
 
     def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
         self.number += len(some.diameter_m[rows])
-        self.mass_kg += float(np.sum(mass_kg(some.diameter_m[rows], some.density_kg_per_m3[rows])))
+        self.mass_kg += float(np.sum(sphere_mass_kg(some.diameter_m[rows], some.density_kg_per_m3[rows])))
 
 
 _SINCE_START = ("fed", "on_deck", "lost", "escaped", "deepest", "crossings")

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from orchestrator.case.bed.particle_sizes import SizeClass, diameters_m
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.ports.plans import ParticleList
 
 ROUNDS = 200  # of proposals before a block's box counts as full
@@ -38,7 +39,7 @@ def block(
     diameter_m = np.sort(diameters_m(sizes, count, generator))[::-1].copy()
     position_m, placed = places(diameter_m / 2.0, box_m, generator, ROUNDS)
     if not placed.all():
-        share = np.pi / 6.0 * np.sum(diameter_m**3) / np.prod(box_m[1] - box_m[0])
+        share = np.sum(sphere_volume_m3(diameter_m)) / np.prod(box_m[1] - box_m[0])
         raise ValueError(
             f"the box has room for {placed.sum()} of {count} particles: all would fill "
             f"{share:.0%} of it, random places end at 25 to 35 %; enlarge the box"

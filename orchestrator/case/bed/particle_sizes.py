@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.physics import sphere_volume_m3
 
 
 class SizeClass(Protocol):
@@ -57,12 +57,7 @@ def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Gen
     return np.concatenate([generator.uniform(r.smallest_m, r.largest_m, n) for r, n in rows])
 
 
-def mass_kg(diameter_m: Array, density_kg_per_m3: float) -> Array:
-    """Of solid spheres."""
-    return np.asarray(math.pi / 6.0 * density_kg_per_m3 * diameter_m**3)
-
-
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:
     """Of a particle: a class with mass share p has p / (its mean mass) of the number."""
-    each_kg = math.pi / 6.0 * density_kg_per_m3 * mean_cube_m3(sizes)
+    each_kg = density_kg_per_m3 * sphere_volume_m3(1.0) * mean_cube_m3(sizes)
     return float(1.0 / np.sum(shares(sizes) / each_kg))

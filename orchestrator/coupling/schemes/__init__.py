@@ -1,4 +1,4 @@
-"""The schemes by the names that a case knows them by."""
+"""The coupling schemes, under the names that a case uses."""
 
 from __future__ import annotations
 
@@ -18,5 +18,5 @@ SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
 
 
 def create_scheme(name: str, effort: Effort | None = None) -> Scheme:
-    """A scheme that has not begun; without ``effort`` with the usual one."""
+    """Returns a scheme that has not begun; without ``effort`` it takes the usual one."""
     return SCHEMES[name](effort or Effort())

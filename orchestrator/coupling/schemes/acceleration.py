@@ -1,4 +1,4 @@
-"""Ways to the load that particles and panel agree on.
+"""Acceleration of the iteration for the load on which particles and panel agree.
 
 Each is told which load was tried and which was the answer, and says what to try next.  The residual
 is r = answer - tried; zero is wanted.
@@ -92,11 +92,11 @@ class LeastSquares:
 
 
 def secant_share(tried_N: Array, residual_N: Array) -> float:
-    """The share w with which these changes would have led on:  |tried + w residual|  is least."""
+    """Returns the share w for which  |tried + w residual|  would have been least."""
     square = float(np.vdot(residual_N, residual_N))
     return -float(np.vdot(tried_N, residual_N)) / square if square > 0 else FIRST_SHARE
 
 
 def first_share(share: float) -> float:
-    """Of an interval, after one that ended with ``share``."""
+    """Returns the first share of an interval after one that ended with ``share``."""
     return share if 0 < share <= 1 else FIRST_SHARE

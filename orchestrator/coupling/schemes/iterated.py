@@ -1,4 +1,4 @@
-"""Intervals repeated until particles and panel agree.
+"""Schemes that repeat each interval until particles and panel agree on the load.
 
 The particles move on the chord of the surface's motion, the straight path from where it is to
 where the panel ends, and the panel ends there under their mean load.  Then that load does the same
@@ -38,20 +38,22 @@ _COUNTS = ("_intervals", "_runs", "_longest", "_unsolved", "_worst")
 
 
 class Acceleration(Restorable, Protocol):
-    """Says under which load the next try is made; begins anew in each interval."""
+    """A method that finds the load for the next try; it begins anew in each interval."""
 
     def begin(self) -> None: ...
 
     def next(self, tried_N: Array, answer_N: Array) -> Array:
-        """After ``tried_N`` made the particles answer with ``answer_N``; any shape."""
+        """Returns the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
         ...
 
 
 def aitken(effort: Effort) -> Scheme:
+    """Returns the scheme with Aitken's acceleration."""
     return _scheme(effort, Aitken())
 
 
 def quasi_newton(effort: Effort) -> Scheme:
+    """Returns the scheme with quasi-Newton acceleration by least squares."""
     return _scheme(effort, LeastSquares())
 
 
@@ -61,7 +63,7 @@ def _scheme(effort: Effort, acceleration: Acceleration) -> Scheme:
 
 
 class Iterated:
-    """The scheme, and the count of what it took."""
+    """The iteration, and the count of what it took."""
 
     def __init__(self, effort: Effort, acceleration: Acceleration) -> None:
         self._effort, self._acceleration = effort, acceleration
@@ -103,7 +105,7 @@ class Iterated:
         return moved, load
 
     def figures(self) -> dict[str, Any]:
-        """For ``summary.json``."""
+        """Returns the entry of ``summary.json``: numbers of runs, and what stayed unsolved."""
         mean = self._runs / self._intervals if self._intervals else 0.0
         return {"mean": mean, "most": self._longest, "unsolved": self._unsolved, "worst": self._worst}
 

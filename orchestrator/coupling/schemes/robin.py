@@ -1,20 +1,21 @@
-"""The particles' contacts stand in for the particles while the surface's way is sought.
+"""The scheme ``robin``: a tangent of the contacts stands in for the particles.
 
 ``robin`` runs each solver once in an interval, and the panel a second time, for a trial: under the
-last interval's load, after which it is taken back.  With that and with what the particles foretell
-of their load (``ContactTangent``) the chord is found along which the surface will go,
+last interval's load, after which it is restored.  From that and from the particles' contact tangent
+(``ContactTangent``) follows the chord along which the surface will go,
 
     v = v_trial + s H / (2 M) (push - Z v - load_before),
 
-for all masses M of the surface at once: H / (2 M) is what a constant load moves of a free mass, s
-the share of that which the panel showed in the last interval.  The particles then move on that
-chord, the panel under the mean load that they give, and momentum is exact.  The chord starts where
-the particles last saw the surface, so that their path has no jumps.  The name is that of Robin's
-condition, which ties force to velocity (for fluids: Badia, S., Nobile, F. and Vergara, C., Journal
-of Computational Physics 227, 2008, 7027-7051, doi 10.1016/j.jcp.2008.04.006).
+for all masses M of the surface at once: H / (2 M) is the mean velocity that a constant unit load
+gives a free mass, and s is the share of it that the panel showed in the last interval.  The
+particles then move on that chord, the panel under the mean load that they give, and momentum is
+exact.  The chord starts where the particles last saw the surface, so that their path has no jumps.
+The name is that of Robin's condition, which ties force to velocity (for fluids: Badia, S., Nobile,
+F. and Vergara, C., Journal of Computational Physics 227, 2008, 7027-7051,
+doi 10.1016/j.jcp.2008.04.006).
 
-Where nothing is known of a surface's masses it goes on as with ``particles_first``: where a drive
-has it, or else at its velocity.  Where nothing is known of any (rigid panels), that is the scheme.
+Points behind which no mass is known move as in ``particles_first``: as a drive moves them, or else
+at their velocity.  Where no mass is known at all (rigid panels), the scheme is ``particles_first``.
 """
 
 from __future__ import annotations
@@ -51,7 +52,9 @@ LEAST_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class SurfaceCompliance:
-    """``transposed``: the inertia's shapes; ``spread``: the sizes of their entries, each times its
+    """How the masses behind a surface yield to a constant load, while the particles answer.
+
+    ``transposed``: the inertia's shapes; ``spread``: the sizes of their entries, each times its
     row's sum, transposed; ``known`` (points,): whether anything is known of a point's mass."""
 
     inertia: Inertia
@@ -61,6 +64,7 @@ class SurfaceCompliance:
 
     @staticmethod
     def of(panel: Panel) -> SurfaceCompliance:
+        """Returns the compliance of a panel's surface."""
         inertia = surface_inertia(panel)
         shapes, sizes = inertia.shapes, abs(inertia.shapes)
         spread = sizes.multiply(np.asarray(sizes.sum(axis=1))[:, None])
@@ -68,7 +72,7 @@ class SurfaceCompliance:
         return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
 
     def to(self, excess_N: Array, response: ContactTangent, length_s: float, share: Array) -> Array:
-        """Mean velocity (points, 3) by which the points give way to ``excess_N`` (points, 3) over
+        """Returns the mean velocity (points, 3) by which the points give way to ``excess_N`` (points, 3) over
         an interval: shapes u, where the masses' velocity u solves
 
             (2 M / (s H) + shapes' Z shapes) u = shapes' excess,
@@ -100,9 +104,12 @@ class SurfaceCompliance:
         return np.asarray(shapes @ u.reshape(wanted.shape))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
-        """Of what free masses would have done (3,), by direction: the work of the load ``more`` on
-        the mean velocity ``gave_m_per_s`` (points, 3) that it really caused.  1 for a free mass, less
-        where the panel's stiffness holds it; ``before`` where nothing changed."""
+        """Returns which share of free masses' motion the surface showed, (3,) by direction.
+
+        It is the work of the load ``more`` on the mean velocity ``gave_m_per_s`` (points, 3) that it
+        really caused, over its work on free masses: 1 for a free mass, less where the panel's
+        stiffness holds it; ``before`` where nothing changed.
+        """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
         found = before.copy()
@@ -111,16 +118,17 @@ class SurfaceCompliance:
         return np.clip(found, LEAST_SHARE, 1.0)
 
     def _on_masses(self, points_N: Array) -> Array:
-        """What the masses yield to."""
+        """Returns the part of the points' load to which the masses yield."""
         return self.inertia.yielding(self.transposed @ points_N)
 
 
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
-    """(points, 3): by how much less the particles push a surface that moves."""
+    """Returns by how much less the particles push a surface that moves, (points, 3)."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
 def robin() -> Scheme:
+    """Returns the scheme before its first interval."""
     scheme = Robin()
     return Scheme(scheme.advance, memory=scheme)
 
@@ -140,10 +148,10 @@ class Robin:
         compliance = self._compliance = self._compliance or SurfaceCompliance.of(solvers.panel)
         if not compliance.known.any():
             return particles_first(solvers, interval, now)
-        response = cast(Predicting, solvers.particles).contact_tangent(interval.length_s)
+        tangent = cast(Predicting, solvers.particles).contact_tangent(interval.length_s)
         known = forecast(solvers, interval, now)
         trial = trial_surface(solvers, interval, now, known)
-        path = known.path(self._foreseen(compliance, response, trial, interval, now))
+        path = known.path(self._predicted_path(compliance, tangent, trial, interval, now))
         load = solvers.particles.advance(interval, path)
         panel = solvers.panel.advance(interval, known.clamps, load)
         self._seen_m = path.end.position_m
@@ -152,28 +160,28 @@ class Robin:
         self._share = compliance.share(more, gave_m_per_s, interval.length_s, self._share)
         return finish_interval(solvers, interval, now, panel, load)
 
-    def _foreseen(
+    def _predicted_path(
         self,
         compliance: SurfaceCompliance,
-        response: ContactTangent,
+        tangent: ContactTangent,
         trial: Motion,
         interval: Interval,
         now: State,
     ) -> HermitePath:
-        """The straight path of the surface."""
+        """Returns the chord along which the surface will go: the formula at the head of this file."""
         length_s, surface, known = interval.length_s, now.panel.surface, compliance.known[:, None]
         start_m = surface.position_m
         if self._seen_m is not None:
             start_m = np.where(known, self._seen_m, start_m)
         trial_m_per_s = (trial.position_m - start_m) / length_s
         velocity_m_per_s = np.where(known, trial_m_per_s, surface.velocity_m_per_s)
-        excess_N = response.push_N - resisting_force(response, velocity_m_per_s) - now.load.force_N
-        velocity_m_per_s += compliance.to(excess_N, response, length_s, self._share)
+        excess_N = tangent.push_N - resisting_force(tangent, velocity_m_per_s) - now.load.force_N
+        velocity_m_per_s += compliance.to(excess_N, tangent, length_s, self._share)
         end_m = start_m + length_s * velocity_m_per_s
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
     def figures(self) -> dict[str, Any]:
-        """An interval is never repeated."""
+        """Returns nothing for ``summary.json``, since no interval is ever repeated."""
         return {}
 
     def save(self) -> Saved:
@@ -186,7 +194,7 @@ class Robin:
 
 
 def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
-    """The surface at the interval's end, were the load the last one's; the panel stays as it is."""
+    """Returns the surface at the interval's end under the last load; the panel is restored."""
     panel = restorable(solvers.panel)
     before = panel.save()
     moved = solvers.panel.advance(interval, known.clamps, now.load)

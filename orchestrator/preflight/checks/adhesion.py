@@ -8,10 +8,10 @@ from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surfac
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
 WIDEST_NECK = 0.5  # of the smaller radius; JKR's paraboloids have no flanks
 STRONGEST_PULL = 1e6  # weights of the smallest particle
-G_M_PER_S2 = 9.81
 
 
 def works_of_adhesion(case: Case) -> Iterator[CaseProblem]:
@@ -36,7 +36,7 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
             what = f"{who} would stick with a neck as wide as {neck:.2g} of their radius"
             hint = f"up to {WIDEST_NECK:g} the law holds: less work, or stiffer contacts"
             yield CaseProblem(key, what, hint)
-        pull = pair.pull_off_N / (pair.reduced_kg * G_M_PER_S2)
+        pull = pair.pull_off_N / (pair.reduced_kg * STANDARD_GRAVITY_M_PER_S2)
         if pull > STRONGEST_PULL:
             what = f"{who} would stick with {pull:.2g} times their weight"
             yield CaseProblem(key, what, "is the unit right? Surface energies are given in mJ/m2, too")

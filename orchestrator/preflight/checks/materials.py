@@ -9,6 +9,7 @@ from itertools import combinations_with_replacement
 from orchestrator.case.bed.size_distribution import Source, classes, faults, finer_share
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import sphere_volume_m3
 
 
 def complete_materials(case: Case) -> Iterator[CaseProblem]:
@@ -117,7 +118,7 @@ def crowded_blocks(case: Case) -> Iterator[CaseProblem]:
     before anybody tries to place them."""
     for name, block in case.bed.blocks.items():
         smallest_m = min(size.smallest_m for size in classes(block))
-        least_m3 = block.count * math.pi / 6 * smallest_m**3
+        least_m3 = block.count * sphere_volume_m3(smallest_m)
         box_m3 = math.prod(b - a for a, b in zip(*block.box_m, strict=True))
         if least_m3 > FULLEST * box_m3:
             what = f"{block.count} particles fill {least_m3 / box_m3:.3g} times the box or more"

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.preflight.scene.contact_law import contact_law
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.preflight.scene.scene import Scene
@@ -40,7 +41,9 @@ def _pulls(case: Case) -> Iterator[tuple[float, float]]:
         if math.isinf(min(radii)):
             continue
         name = row.between[radii.index(min(radii))]
-        weight_N = 9.81 * 4 / 3 * math.pi * min(radii) ** 3 * case.materials[name].density_kg_per_m3
+        weight_N = STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(
+            2 * min(radii), case.materials[name].density_kg_per_m3
+        )
         reduced_m = 1 / (1 / radii[0] + 1 / radii[1])
         yield 1.5 * math.pi * reduced_m / weight_N, row.work_of_adhesion_J_per_m2 / k
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.file.contents import has_particles
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
@@ -21,7 +20,7 @@ def judge(scene: Scene) -> Verdict | None:
         return None
     diameter_m = largest_diameter_m(scene.case)
     densest = max(scene.case.materials[name].density_kg_per_m3 for name in smallest_diameters_m(scene.case))
-    layers = scene.bed_kg_per_m2 / (math.pi / 6 * densest * diameter_m)
+    layers = scene.bed_kg_per_m2 / (sphere_mass_kg(diameter_m, densest) / diameter_m**2)
     return Verdict(
         number="layers of coarse particles",
         value=layers,

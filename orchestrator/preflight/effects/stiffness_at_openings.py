@@ -16,6 +16,7 @@ from orchestrator.case.bed.particle_sizes import mean_mass_kg
 from orchestrator.case.bed.size_distribution import Class, classes
 from orchestrator.case.deck.opening_places import smaller_sides_m
 from orchestrator.case.file.contents import has_particles
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.softness import STEP_COST, softened, softness
@@ -53,7 +54,7 @@ def pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
     case, cap_Pa = scene.case, scene.case.particles.largest_youngs_modulus_Pa
     found = []
     for grain in smallest_diameters_m(case):
-        mass_kg = math.pi / 6 * case.materials[grain].density_kg_per_m3 * diameter_m**3
+        mass_kg = sphere_mass_kg(diameter_m, case.materials[grain].density_kg_per_m3)
         force_N = mass_kg * scene.gravity_m_per_s2 * (1 + scene.throw)
         for panel in {row.panel.table.material for row in scene.panels}:
             moduli = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, panel))
@@ -84,7 +85,7 @@ def _masses(scene: Scene) -> Iterator[tuple[float, Class]]:
     """Mass in kg of every class, of real particles."""
     case, k = scene.case, scene.case.particles.coarse_graining
     for one in case.bed.particles.values():
-        mass_kg = math.pi / 6 * case.materials[one.material].density_kg_per_m3 * one.diameter_m**3
+        mass_kg = sphere_mass_kg(one.diameter_m, case.materials[one.material].density_kg_per_m3)
         yield mass_kg, Class(one.diameter_m / k, one.diameter_m / k, 1.0)
     blocks = (
         (classes(block), block.count * mean_mass_kg(classes(block), _density(scene, block.material)))

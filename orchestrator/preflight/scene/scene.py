@@ -21,12 +21,12 @@ from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.file.contents import has_particles
 from orchestrator.case.planning import frames_plan, hyperelastic
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.plans import FramesPlan
 from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_answer
 from orchestrator.preflight.scene.seen import Seen
 from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, shakings
 
-STANDARD_GRAVITY_M_PER_S2 = 9.81
 RESONANT = (0.7, 1.4)  # of the lowest frequency: one oscillator answers twice as much or more
 ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
 NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
@@ -192,12 +192,13 @@ def bed_kg(case: Case) -> float:
 def _lying_kg_per_m2(case: Case) -> float:
     """Of the largest particle."""
     densest = max(case.materials[name].density_kg_per_m3 for name in smallest_diameters_m(case))
-    return math.pi / 6 * densest * largest_diameter_m(case)
+    largest_m = largest_diameter_m(case)
+    return sphere_mass_kg(largest_m, densest) / largest_m**2
 
 
 def _masses_kg(case: Case) -> Iterator[float]:
     for one in case.bed.particles.values():
-        yield math.pi / 6 * case.materials[one.material].density_kg_per_m3 * one.diameter_m**3
+        yield sphere_mass_kg(one.diameter_m, case.materials[one.material].density_kg_per_m3)
     for block in case.bed.blocks.values():
         density = case.materials[block.material].density_kg_per_m3
         yield block.count * mean_mass_kg(classes(block), density)

@@ -12,6 +12,7 @@ from orchestrator.case.bed.contact_times import (
     smallest_diameters_m,
 )
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.scene import Scene
 
 STEP_COST = "the particles' step goes with 1/sqrt(stiffness)"
@@ -79,5 +80,5 @@ def _overlap(scene: Scene, grain: str, other: str, both: bool) -> float:
     one, two = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, other))
     reduced_Pa = reduced_modulus_Pa(one, two)
     half = 0.5 if both else 1.0
-    mass_kg = half * 4 / 3 * math.pi * case.materials[grain].density_kg_per_m3
+    mass_kg = half * sphere_mass_kg(2.0, case.materials[grain].density_kg_per_m3)
     return hertz_overlap_m(mass_kg, half, reduced_Pa, scene.impact_m_per_s)

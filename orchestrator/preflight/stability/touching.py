@@ -14,6 +14,7 @@ from orchestrator.case.bed.contact_times import (
     smallest_diameters_m,
 )
 from orchestrator.case.tables.case import Case
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.scene import Scene, bed_kg
 
 HEXAGONAL = math.sqrt(3) / 2  # of the square of the diameter: what each needs, lying side by side
@@ -65,7 +66,7 @@ def _touch(scene: Scene, name: str, diameter_m: float, panel_material: str) -> T
     reduced_Pa = reduced_modulus_Pa(
         contact_moduli(grain, cap_Pa), contact_moduli(case.materials[panel_material], cap_Pa)
     )
-    mass_kg, radius_m = math.pi / 6 * diameter_m**3 * grain.density_kg_per_m3, diameter_m / 2
+    mass_kg, radius_m = sphere_mass_kg(diameter_m, grain.density_kg_per_m3), diameter_m / 2
     area_m2 = HEXAGONAL * diameter_m**2
     pressed_N = _pressure_Pa(scene) * area_m2
     pressed_m = _pressed_m(pressed_N, reduced_Pa, radius_m)
