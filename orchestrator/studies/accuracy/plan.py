@@ -214,7 +214,7 @@ class Clock:
 class Timing:
     """The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``;
     ``particles`` is their share of its stepping, ``filling`` how many there are in runs of other
-    lengths (filling.py)."""
+    lengths."""
 
     study_start_s: float
     simulated_s: float
