@@ -46,7 +46,7 @@ def test_a_browser_shows_all_of_it(folder: Path, tmp_path: Path) -> None:
     assert page.asked == []
     assert page.overflow <= 0
     screen = (folder / "particles.pvd").is_file()
-    assert len(page.images) == (11 if screen else 6)
+    assert len(page.images) == (10 if screen else 5)
     assert min(min(size) for size in page.images) > 100  # 0 is what does not decode
     assert len(page.tables) >= 7
     assert all(cell for table in page.tables for cell in table)
