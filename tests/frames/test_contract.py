@@ -186,3 +186,21 @@ def test_what_drives_move_is_known_ahead(case: Case) -> None:
             motion.velocity_m_per_s[which], abs=1e-11
         )
     assert differences(frames.save(), unasked.save()) == []
+
+
+@every_adapter
+def test_matrices_are_those_of_the_present_interval(case: Case) -> None:
+    """A solver that has made intervals of one length goes on with others as one that is opened there:
+    neither keeps matrices of a step that is no more."""
+    used, force_N = case.open(case.moving(0.0)), loads(6)
+    for index in range(3):
+        used.advance(Interval(index, INTERVAL_S), Load(force_N[index]))
+    opened = case.open(case.moving(0.0))
+    opened.restore(used.save())
+    for index, length_s in ((1, 3 * INTERVAL_S), (4, 1.5 * INTERVAL_S), (10, 0.75 * INTERVAL_S)):
+        interval = Interval(index, length_s)
+        found, wanted = (one.advance(interval, Load(force_N[3])) for one in (used, opened))
+        assert found.position_m == pytest.approx(wanted.position_m, abs=1e-13)
+        assert found.velocity_m_per_s == pytest.approx(wanted.velocity_m_per_s, abs=1e-10)
+        opened = case.open(case.moving(0.0))
+        opened.restore(used.save())

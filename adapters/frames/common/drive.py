@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adapters.frames.common.poses import cross
+from adapters.frames.common.linear import skew
 from orchestrator.ports import Array, Known, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Drive, FramesPlan
@@ -31,14 +31,13 @@ class Driving:
     spin_rad_per_s: Array
 
     def carried(self, arm_m: Array) -> tuple[Array, Array]:
-        """Position and velocity of points ``arm_m`` (n, 3) away from the centre as drawn."""
+        """Return position and velocity of points ``arm_m`` (n, 3) away from the centre as drawn."""
         arm_m = self.rotation.apply(arm_m)
-        spin_rad_per_s = np.broadcast_to(self.spin_rad_per_s, arm_m.shape)
-        return self.center_m + arm_m, self.velocity_m_per_s + cross(spin_rad_per_s, arm_m)
+        return self.center_m + arm_m, self.velocity_m_per_s + arm_m @ skew(self.spin_rad_per_s).T
 
 
 def driving(drive: Drive, time_s: float) -> Driving:
-    """The motion that the drive prescribes."""
+    """Return the motion that the drive prescribes."""
     from scipy.spatial.transform import Rotation
 
     when_s = np.array([time_s])
@@ -53,7 +52,7 @@ def driving(drive: Drive, time_s: float) -> Driving:
 
 
 def moved(drive: Drive, points_m: Array, time_s: float) -> tuple[Array, Array]:
-    """Position and velocity, (n, 3) each, of points that a driven body carries."""
+    """Return position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
 
 
@@ -67,7 +66,7 @@ class DrivenPoints:
         self.still_or_driven = np.isin(carrier, ["ground", *(d.body for d in plan.drives)])
 
     def at(self, time_s: float) -> Motion:
-        """Exact."""
+        """Return the exact motion of all points."""
         position_m = self._points_m.copy()
         velocity_m_per_s = np.zeros_like(position_m)
         for drive, points in self._driven:
@@ -75,25 +74,26 @@ class DrivenPoints:
         return Motion(position_m, velocity_m_per_s)
 
     def ahead(self, interval: Interval) -> Known | None:
-        """At the interval's end, of the points on driven bodies and on the ground; None without
-        drives."""
+        """Return the motion at the interval's end of the points on driven bodies and on the ground.
+
+        None without drives."""
         if not self._driven:
             return None
         return Known(self.at(interval.end_s), self.still_or_driven)
 
 
 def shifted(drive: Drive, time_s: Array) -> tuple[Array, Array]:
-    """Displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
+    """Return displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
 
 
 def turned(drive: Drive, time_s: Array) -> tuple[Array, Array]:
-    """Rotation vector and its rate, (n, 3) each, at the times (n,)."""
+    """Return the rotation vector and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
 
 
 def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
-    """World angular velocity (3,) of a body turned by the rotation vector ``turn_rad`` that
+    """Return the world angular velocity (3,) of a body turned by the rotation vector ``turn_rad`` that
     changes at ``rate_rad_per_s``: the left Jacobian of the exponential map times the rate
     (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, 2012, ch. 10)."""
     square = float(turn_rad @ turn_rad)
@@ -103,13 +103,13 @@ def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
     else:
         one_minus_cos = 2 * math.sin(angle / 2) ** 2 / square
         one_minus_sinc = (1 - math.sin(angle) / angle) / square
-    turn = turn_rad[None]
-    across = cross(turn, rate_rad_per_s[None])
-    return np.asarray(rate_rad_per_s + (one_minus_cos * across + one_minus_sinc * cross(turn, across))[0])
+    turn = skew(turn_rad)
+    across = turn @ rate_rad_per_s
+    return np.asarray(rate_rad_per_s + one_minus_cos * across + one_minus_sinc * (turn @ across))
 
 
 def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
-    """Value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
+    """Return value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
     ramp, ramp_1_s = (one[:, None] for one in _ramp(drive.run_up_s, time_s))
     angle = drive.speed_rad_per_s * time_s[:, None] + phase_rad
     value = ramp * size * np.sin(angle)
@@ -118,7 +118,7 @@ def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: Array) -> tup
 
 
 def _ramp(run_up_s: float, time_s: Array) -> tuple[Array, Array]:
-    """Value and rate (n,) of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
+    """Return value and rate (n,) of  (1 - cos(pi t / run_up_s)) / 2  until ``run_up_s``, then 1."""
     if run_up_s <= 0:
         return np.ones_like(time_s), np.zeros_like(time_s)
     angle = np.pi * np.minimum(time_s / run_up_s, 1.0)

@@ -22,19 +22,17 @@ import numpy as np
 
 from adapters.frames.common import linear
 from adapters.frames.common.drive import DrivenPoints
-from adapters.frames.common.poses import Attached, Poses, cross
-from adapters.frames.exudyn import LARGEST_TILT_RAD, trapezoidal
-from adapters.frames.exudyn.books import Books
-from adapters.frames.exudyn.spatial_shaft import shafts
+from adapters.frames.exudyn import LARGEST_TILT_RAD
+from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger
+from adapters.frames.exudyn.poses import Attached, Poses, cross
+from adapters.frames.exudyn.shaft import shafts
 from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 try:
-    from adapters.frames.common import newmark
-    from adapters.frames.exudyn import multibody
-    from adapters.frames.exudyn.driven import Driven, place_at_start
+    from adapters.frames.exudyn import system as exudyn_system
 except ImportError as missing:
     raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
 
@@ -42,8 +40,10 @@ _STATE = ("_wrench", "_instant", "_couple_N_m", "_points")
 
 
 def build(plan: FramesPlan) -> ExudynFrames:
-    """Raises ValueError for unknown bodies, drives that make no sense, or bushings that cannot
-    hold the weight.
+    """Open the frames of ``plan``.
+
+    Raises ValueError for unknown bodies, drives that make no sense, or bushings that cannot hold the
+    weight.
 
     ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency, exciter or drive speed),
     whose error in a frequency is (w h)^2 / 24 = 1e-4."""
@@ -56,7 +56,7 @@ class ExudynFrames:
     def __init__(self, plan: FramesPlan) -> None:
         self._plan = plan
         self._driven = tuple(
-            Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
+            exudyn_system.Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
             for number, drive in zip(linear.driven(plan), plan.drives, strict=True)
         )
         self._driven_points = DrivenPoints(plan)
@@ -66,7 +66,7 @@ class ExudynFrames:
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         machine = linear.linearised(plan, linear.SPACE)
-        self._largest_step_s = newmark.largest_step_s(plan, machine)
+        self._largest_step_s = exudyn_system.largest_step_s(plan, machine)
         sag = np.zeros(6 * len(self._free))
         if plan.drawn_at_rest:
             sag = machine.sag(linear.resting_load(plan).ravel(), linear.in_play_N(plan))
@@ -76,15 +76,15 @@ class ExudynFrames:
         self._shafts = shafts(plan, self._drawn_m)
         steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
         prescribed = replace(plan, exciters=steady)
-        self._forces = trapezoidal.Forces(prescribed, self._drawn_m, sag_m)
-        self._bodies = multibody.assembled(prescribed, sag_m)
+        self._forces = SpatialForces(prescribed, self._drawn_m, sag_m)
+        self._bodies = exudyn_system.assemble_system(prescribed, sag_m)
         self._wrench = np.zeros((len(plan.bodies), 6))
         self._solver: Any = None
         self._open()
         self._instant = self._forces.at(self._read(), self._forces.exciter_N(0.0))
         self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
         self._points = self._moved()
-        self._books = Books(plan, self._forces, self._carried, self._instant)
+        self._ledger = SpatialLedger(plan, self._forces, self._carried, self._instant.poses)
 
     def initial(self) -> Motion:
         return self._points
@@ -97,33 +97,36 @@ class ExudynFrames:
         self._apply(wrench)
         steps = interval.steps(self._largest_step_s)
         step_s = interval.length_s / steps
-        newmark.start_interval(self._solver, step_s)
+        exudyn_system.start_interval(self._solver, step_s)
         for step in range(1, steps + 1):
             self._step(interval.start_s + step * step_s, step_s)
         before, self._points = self._points, self._moved()
         moved_m = self._points.position_m - before.position_m
-        self._books.interval(reaction.force_N, moved_m, interval.length_s)
+        self._ledger.interval(reaction.force_N, moved_m, interval.length_s)
         return self._points
 
     def ahead(self, interval: Interval) -> Known | None:
         return self._driven_points.ahead(interval)
 
     def account(self) -> Account:
-        return self._books.account(self._instant, self._shafts)
+        now = self._instant.poses
+        shafts = [(shaft, shaft.velocity_m_per_s(now)) for shaft in self._shafts]
+        elastic_J = self._forces.elastic_J(self._instant)
+        return self._ledger.account(self._ledger.sums(now), elastic_J, shafts)
 
     def save(self) -> Saved:
-        system = newmark.save(self._bodies.system, self._solver)
+        system = exudyn_system.save_system(self._bodies.system, self._solver)
         turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
         return save_attributes(self, *_STATE) | {
             "system": system,
-            "books": self._books.save(),
+            "ledger": self._ledger.save(),
             "shafts": turning,
         }
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_STATE)
-        newmark.restore(self._bodies.system, self._solver, saved["system"])
-        self._books.restore(saved["books"])
+        exudyn_system.restore_system(self._bodies.system, self._solver, saved["system"])
+        self._ledger.restore(saved["ledger"])
         for number, shaft in enumerate(self._shafts):
             shaft.restore(saved["shafts"][str(number)])
 
@@ -133,9 +136,9 @@ class ExudynFrames:
             self._solver = None
 
     def _open(self) -> None:
-        self._settings = newmark.settings(self._plan)
-        place_at_start(self._bodies.system.systemData, self._driven, len(self._plan.bodies))
-        self._solver = newmark.opened(self._bodies.system, self._settings)
+        self._settings = exudyn_system.settings(self._plan)
+        exudyn_system.place_at_start(self._bodies.system.systemData, self._driven, len(self._plan.bodies))
+        self._solver = exudyn_system.open_solver(self._bodies.system, self._settings)
 
     def _read(self) -> Poses:
         data = self._bodies.system.systemData
@@ -199,7 +202,7 @@ class ExudynFrames:
             raise SolverFailed(f"exudyn frames at {end_s} s: {reason}")
         before, self._instant = self._instant, self._forces.at(self._read(), exciter_N)
         self._couple_N_m = before.couple_N_m
-        self._books.step(before, self._instant, step_s)
+        self._ledger.step(before, self._instant, step_s)
         for shaft in self._shafts:
             shaft.feel(self._instant.poses, end_s, step_s)
-            self._books.turned(shaft.wrench[:3], step_s)
+            self._ledger.outside_N_s += step_s * shaft.wrench[:3]

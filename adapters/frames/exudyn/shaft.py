@@ -12,7 +12,7 @@ import numpy as np
 
 from adapters.frames.common import linear
 from adapters.frames.common.exciter import Shaft
-from adapters.frames.common.poses import Attached, Poses
+from adapters.frames.exudyn.poses import Attached, Poses
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Exciter, FramesPlan, Motor, SolverFailed
 
