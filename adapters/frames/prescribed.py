@@ -46,7 +46,7 @@ class PrescribedFrames:
         return self._now
 
     def ahead(self, interval: Interval) -> Known | None:
-        """Of all points: what no drive moves stands still here."""
+        """Return the motion of all points: what no drive moves stands still here."""
         if not self._drives:
             return None
         return Known(self._points.at(interval.end_s), np.ones(len(self._now), dtype=np.bool_))

@@ -61,11 +61,11 @@ def test_a_shaken_and_loaded_panel(pattern, branches):
     motion, the reaction and every entry of the account: the shape at rest, of 1e-7 N out of
     balance, and rounding are all that differs."""
     from adapters.panel import sheet
-    from adapters.panel.finite_element import opening
+    from adapters.panel.finite_element import elastic_panel
     from adapters.panel.finite_element.sheet_forms import sheet as forms
 
     wanted = given(pattern, branches)
-    panels = opening.open_panel(wanted, *forms(wanted)), sheet.build(wanted)
+    panels = elastic_panel.open_panel(wanted, *forms(wanted)), sheet.build(wanted)
     rest_m, length_s = panels[0].initial().surface.position_m, 1e-4
     rng = np.random.default_rng(2)
     for k in range(1200):

@@ -42,7 +42,7 @@ class LinearMachine:
         return np.asarray(self.stretch.T @ (self.damping_N_s_per_m[:, None] * self.stretch))
 
     def fastest_rad_per_s(self) -> float:
-        """Highest undamped natural frequency, 0 without bushings or without free bodies."""
+        """Return the highest undamped natural frequency, 0 without bushings or without free bodies."""
         import scipy.linalg
 
         if not len(self.mass):
@@ -51,7 +51,7 @@ class LinearMachine:
         return float(np.sqrt(max(highest, 0.0)))
 
     def sag(self, load: Array, in_play_N: float) -> Array:
-        """Static coordinates (coordinates,) under a constant load, the sum of forces of which the
+        """Return the static coordinates (coordinates,) under a constant load, the sum of forces of which the
         sizes add up to ``in_play_N``.
 
         What those leave by rounding, and the panels by the tolerance of their resting shapes, need
@@ -73,7 +73,8 @@ class LinearMachine:
 
 
 def linearised(plan: FramesPlan, coordinates: tuple[int, ...]) -> LinearMachine:
-    """The bodies that no drive moves, with these of their six coordinates in this order."""
+    """Return the linear machine of the bodies that no drive moves, with these of their six coordinates in
+    this order."""
     import scipy.linalg
 
     each = len(coordinates)
@@ -94,8 +95,8 @@ def linearised(plan: FramesPlan, coordinates: tuple[int, ...]) -> LinearMachine:
 
 
 def resting_load(plan: FramesPlan) -> Array:
-    """Weight and initial reaction as forces and moments about the centres of mass of the bodies
-    that no drive moves, (free bodies, 6)."""
+    """Return weight and initial reaction as forces and moments about the centres of mass of the bodies that
+    no drive moves, (free bodies, 6)."""
     load = np.zeros((len(plan.bodies), 6))
     carrier = numbers(plan, plan.carrier)
     for number, body in enumerate(plan.bodies):
@@ -108,7 +109,7 @@ def resting_load(plan: FramesPlan) -> Array:
 
 
 def in_play_N(plan: FramesPlan) -> float:
-    """The sum of the sizes of all forces that ``resting_load`` adds up."""
+    """Return the sum of the sizes of all forces that ``resting_load`` adds up."""
     weight_N = sum(body.mass_kg for body in plan.bodies) * np.linalg.norm(plan.gravity_m_per_s2)
     return float(weight_N + np.linalg.norm(plan.reaction_N, axis=1).sum())
 
@@ -125,7 +126,7 @@ def skew(vector: Array) -> Array:
 
 
 def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
-    """The bodies' places in the plan, -1 for "ground".  ValueError for a name unknown."""
+    """Return the bodies' places in the plan, -1 for "ground".  ValueError for a name unknown."""
     known = {body.name: number for number, body in enumerate(plan.bodies)} | {"ground": -1}
     if unknown := set(names) - set(known):
         raise ValueError(f"no such body: {sorted(unknown)}; there are {sorted(known)}")
@@ -133,13 +134,13 @@ def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
 
 
 def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:
-    """(bodies, points): sums what acts on points over the bodies that carry them."""
+    """Return the matrix (bodies, points) that sums what acts on points over the bodies that carry them."""
     carried = np.arange(len(plan.bodies))[:, None] == carrier
     return np.asarray(carried, dtype=np.float64)
 
 
 def driven(plan: FramesPlan) -> Indices:
-    """Numbers of the bodies that drives move, in the order of the drives.
+    """Return the numbers of the bodies that drives move, in the order of the drives.
 
     Raises ValueError for a body unknown, driven twice, or driven and excited.
     """
@@ -155,12 +156,12 @@ def driven(plan: FramesPlan) -> Indices:
 
 
 def free(plan: FramesPlan) -> Indices:
-    """Numbers of the bodies that no drive moves."""
+    """Return the numbers of the bodies that no drive moves."""
     return np.setdiff1d(np.arange(len(plan.bodies)), driven(plan))
 
 
 def free_first(plan: FramesPlan) -> FramesPlan:
-    """The same machine with its driven bodies last, in the order of the drives."""
+    """Return the same machine with its driven bodies last, in the order of the drives."""
     order = [*free(plan), *driven(plan)]
     return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
 

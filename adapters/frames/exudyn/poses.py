@@ -24,7 +24,7 @@ class Poses:
 
     @staticmethod
     def of(drawn_m: Array, coordinates: Array, rates: Array) -> Poses:
-        """From (bodies, 6) each of displacements and Tait-Bryan angles (rotation Rx Ry Rz), and
+        """Make poses from (bodies, 6) each of displacements and Tait-Bryan angles (rotation Rx Ry Rz), and
         their rates; ``drawn_m`` (bodies, 3) are the centres at t = 0."""
         bodies = len(drawn_m)
         center_m, velocity_m_per_s, spin_rad_per_s = np.zeros((3, bodies + 1, 3))
@@ -37,7 +37,7 @@ class Poses:
 
 
 def turning(angles_rad: Array) -> tuple[Array, Array]:
-    """Rotation Rx Ry Rz (bodies, 3, 3), and the axes of the three rates as columns."""
+    """Return the rotation Rx Ry Rz (bodies, 3, 3), and the axes of the three rates as columns."""
     (sx, sy, sz), (cx, cy, cz) = np.sin(angles_rad.T), np.cos(angles_rad.T)
     one, zero = np.ones_like(sx), np.zeros_like(sx)
     rotation = [
@@ -59,11 +59,11 @@ class Attached:
 
     @staticmethod
     def at(position_m: Array, body: Indices, drawn_m: Array) -> Attached:
-        """Points at ``position_m`` (n, 3) in the drawn position."""
+        """Attach points at ``position_m`` (n, 3) in the drawn position."""
         return Attached(body, position_m - np.vstack([drawn_m, np.zeros(3)])[body])
 
     def motion(self, poses: Poses) -> tuple[Array, Array]:
-        """Positions and velocities (n, 3)."""
+        """Return positions and velocities (n, 3)."""
         arm_m = turned(poses.rotation[self.body], self.arm_m)
         position_m = poses.center_m[self.body] + arm_m
         velocity_m_per_s = poses.velocity_m_per_s[self.body] + cross(poses.spin_rad_per_s[self.body], arm_m)
@@ -71,12 +71,12 @@ class Attached:
 
 
 def turned(rotation: Array, vector: Array) -> Array:
-    """Each vector (n, 3) by its matrix (n, 3, 3)."""
+    """Turn each vector (n, 3) by its matrix (n, 3, 3)."""
     return np.asarray((rotation @ vector[:, :, None])[:, :, 0])
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Cross products (n, 3); ten times faster than np.cross for few rows."""
+    """Return cross products (n, 3); ten times faster than np.cross for few rows."""
     product = np.empty_like(b)
     product[:, 0] = a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]
     product[:, 1] = a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2]

@@ -54,7 +54,7 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
     centers = [system.AddMarker(items.MarkerBodyRigid(bodyNumber=number)) for number in bodies]
 
     def marker(number: int, position_m: Array, axes: Array) -> int:
-        """On a body or the ground (-1), with ``axes`` (rows) for its own."""
+        """Add a marker on a body or the ground (-1), with ``axes`` (rows) for its own."""
         place_m = position_m - plan.bodies[number].center_of_mass_m if number >= 0 else position_m
         body = bodies[number] if number >= 0 else ground
         pose = homogeneous(rotation=axes.T, translation=place_m)

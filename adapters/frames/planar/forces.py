@@ -50,8 +50,8 @@ class Bushings:
         self._damping = Symmetric.of(back @ (damping * axes))
 
     def pulls(self, poses: PlanarPoses) -> Pulls:
-        """The spring axes turn with the first body, which therefore gets the couple stretch x
-        pull besides: no moment is lost between the ends."""
+        """Return the pulls.  The spring axes turn with the first body, which therefore gets the couple
+        stretch x pull besides: no moment is lost between the ends."""
         turn = poses.turn @ self._first + self._on_ground
         stretch_m, stretch_m_per_s = poses.place @ self._stretching, poses.rate @ self._stretching
         back = turn.conj()
@@ -63,18 +63,18 @@ class Bushings:
         return Pulls(stretch_m, stretch_m_per_s, elongation_m, drag_N, pull_N, force, couple_N_m)
 
     def lost_W(self, poses: PlanarPoses, pulls: Pulls) -> Array:
-        """(times,): damping forces times the elongations' rates along the turning axes."""
+        """Return (times,): damping forces times the elongations' rates along the turning axes."""
         turning_m_per_s = 1j * (poses.spin_rad_per_s @ self._first) * pulls.stretch_m
         return np.asarray(power(pulls.drag_N, pulls.stretch_m_per_s - turning_m_per_s).sum(axis=1))
 
     def work_W(self, poses: PlanarPoses, pulls: Pulls, body: int) -> Array:
-        """(times,): what they do on one body."""
+        """Return (times,): what they do on one body."""
         both = [body, body + poses.turn.shape[1]]
         pushed_W = power(pulls.force[:, both], poses.rate[:, both]).sum(axis=1)
         return np.asarray(pushed_W + pulls.couple_N_m[:, body] * poses.spin_rad_per_s[:, body])
 
     def elastic_J(self, pulls: Pulls) -> float:
-        """At one time."""
+        """Return the energy in the bushings at one time."""
         elongation_m = pulls.elongation_m
         return float(power(self._stiffness.times(elongation_m), elongation_m).sum()) / 2
 
@@ -96,22 +96,22 @@ class OutsideForces:
         self._onto_bodies = carried.conj().T
 
     def exciter_N(self, time_s: Array) -> Complex:
-        """(times, exciters)"""
+        """Return the exciters' forces, (times, exciters)."""
         force_N = np.zeros((len(time_s), len(self._unbalances)), dtype=np.complex128)
         for number, unbalance in enumerate(self._unbalances):
             force_N[:, number] = in_plane(unbalance.force_N(time_s))
         return force_N
 
     def reaction(self, force_N: Array) -> Complex:
-        """(2 bodies,) of forces (n, 3) on the carried points."""
+        """Return the force (2 bodies,) on the natural coordinates of forces (n, 3) on the carried points."""
         return np.asarray(in_plane(force_N) @ self._onto_bodies)
 
     def given(self, exciter_N: Complex, reaction: Complex) -> Complex:
-        """(times, 2 bodies): all that does not depend on where the bodies are."""
+        """Return (times, 2 bodies): all that does not depend on where the bodies are."""
         return np.asarray(exciter_N @ self._excited.conj().T + (reaction + self._weight))
 
     def exciter_W(self, poses: PlanarPoses, exciter_N: Complex) -> Array:
-        """(times,)"""
+        """Return the exciters' power, (times,)."""
         return np.asarray(power(exciter_N, poses.rate @ self._excited).sum(axis=1))
 
 

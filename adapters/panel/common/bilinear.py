@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 
 def points_m(rows_m: Array, width_m: float) -> Array:
-    """Material coordinates (2 rows, 2) of the rows at s = ``rows_m`` (increasing)."""
+    """Return the material coordinates (2 rows, 2) of the rows at s = ``rows_m`` (increasing)."""
     return np.array([(s, y) for s in rows_m for y in (0.0, width_m)])
 
 
 def interpolation(rows_m: Array, width_m: float, coordinates_m: Array) -> csr_array:
-    """Bilinear shape functions (n, points) at ``coordinates_m`` (n, 2).
+    """Return bilinear shape functions (n, points) at ``coordinates_m`` (n, 2).
 
     Raises ValueError for coordinates off the panel.
     """
@@ -43,8 +43,8 @@ def interpolation(rows_m: Array, width_m: float, coordinates_m: Array) -> csr_ar
 
 
 def half_row_mass_kg(rows_m: Array, mass_per_length_kg_per_m: float | Array) -> Array:
-    """Lumped mass (points,): each cell gives equal parts to its four corners.  The mass per
-    length is one number or one of each cell."""
+    """Return the lumped mass (points,): each cell gives equal parts to its four corners.  The mass per length
+    is one number or one of each cell."""
     cell = mass_per_length_kg_per_m * np.diff(rows_m)
     row = np.zeros(len(rows_m))
     row[:-1] += cell / 2
@@ -53,17 +53,17 @@ def half_row_mass_kg(rows_m: Array, mass_per_length_kg_per_m: float | Array) -> 
 
 
 def middle(points: Array) -> Array:
-    """Mean of each row's two points, (rows, 3)."""
+    """Return the mean of each row's two points, (rows, 3)."""
     return np.asarray((points[::2] + points[1::2]) / 2)
 
 
 def half(points: Array) -> Array:
-    """Half the difference of each row's two points, (rows, 3)."""
+    """Return half the difference of each row's two points, (rows, 3)."""
     return np.asarray((points[1::2] - points[::2]) / 2)
 
 
 def joined(middle: Array, half: Array) -> Array:
-    """The points (2 rows, 3) of given middles and halves."""
+    """Return the points (2 rows, 3) of given middles and halves."""
     points = np.empty((len(middle), 2, 3))
     np.subtract(middle, half, out=points[:, 0])
     np.add(middle, half, out=points[:, 1])

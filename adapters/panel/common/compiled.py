@@ -158,19 +158,19 @@ def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
 
 
 def form(integral: Any) -> Any:
-    """The compiled form of a UFL integral."""
+    """Return the compiled form of a UFL integral."""
     with _compiling():
         return fem.form(integral, form_compiler_params=CODE, jit_params=_options())
 
 
 def expression(value: Any, points: Array) -> Any:
-    """The compiled UFL expression at reference ``points`` (n, cell dimension) of each cell."""
+    """Return the compiled UFL expression at reference ``points`` (n, cell dimension) of each cell."""
     with _compiling():
         return fem.Expression(value, points, CODE, _options())
 
 
 def function_space(mesh: Any, element: Any) -> Any:
-    """The finite-element space of a UFL element on a mesh."""
+    """Return the finite-element space of a UFL element on a mesh."""
     with _compiling():
         return fem.FunctionSpace(mesh, element, None, CODE, _options())
 

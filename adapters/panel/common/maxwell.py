@@ -18,7 +18,7 @@ _STATE = ("_stress", "energy_J", "lost_J")
 
 
 def checked(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
-    """Ratios and relaxation times in s, (branches,) each; ValueError if one is not positive."""
+    """Return ratios and relaxation times in s, (branches,) each; ValueError if one is not positive."""
     if any(ratio <= 0.0 or time_s <= 0.0 for ratio, time_s in branches):
         raise ValueError(f"Maxwell branches need positive pairs (ratio, s), got {branches}")
     ratio, time_s = np.array(branches, dtype=float).reshape(-1, 2).T.copy()

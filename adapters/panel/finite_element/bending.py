@@ -30,7 +30,7 @@ Moment = Callable[[Any], Any]  # of a curvature, both 2 x 2 and symmetric
 
 
 def plate(stiffness_N_per_m: float, poisson_ratio: float) -> Moment:
-    """An isotropic plate of stiffness D = ``stiffness_N_per_m`` (in N m)."""
+    """Return the moments' law of an isotropic plate of stiffness D = ``stiffness_N_per_m`` (in N m)."""
 
     def moment(k: Any) -> Any:
         return stiffness_N_per_m * ((1 - poisson_ratio) * k + poisson_ratio * ufl.tr(k) * ufl.Identity(2))
@@ -69,7 +69,7 @@ def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
 
 
 def stiffness_matrix(scalar_space: Any, law: Moment) -> csr_matrix:
-    """(nodes, nodes) in N/m for a plate whose moments, in N, follow ``law``."""
+    """Return the matrix (nodes, nodes) in N/m for a plate whose moments, in N, follow ``law``."""
     trial, test = ufl.TrialFunction(scalar_space), ufl.TestFunction(scalar_space)
     return assembled_matrix(_bilinear_form(trial, test, law))
 

@@ -1,14 +1,20 @@
-"""The panel port around a structure and a time integrator."""
+"""The panel port around a structure and a time integrator, and how it is opened at rest."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from contextlib import ExitStack, closing
+from typing import Any, Protocol
 
 import numpy as np
 from scipy.sparse import csr_array, identity
 
 from adapters.panel.common.body import Action, BodyState, HeldForce
-from adapters.panel.finite_element.grid import Interpolating
+from adapters.panel.finite_element import integrators
+from adapters.panel.finite_element.grid import Interpolating, Surface
+from adapters.panel.finite_element.resting_shape import first_guess_m, settle
+from adapters.panel.finite_element.structure import Structure
+from adapters.panel.finite_element.tangent import Tangent
 from orchestrator.ports import (
     Account,
     Array,
@@ -88,7 +94,7 @@ class ElasticPanel:
         return self._grid.interpolation(coordinates_m)
 
     def inertia(self) -> Inertia:
-        """The free nodes on the surface."""
+        """Return the inertia of the free nodes on the surface."""
         nodes = len(self._body.mass_kg)
         on_surface = np.arange(nodes)[self._surface]
         free = np.setdiff1d(on_surface, self._body.held)
@@ -123,7 +129,7 @@ class ElasticPanel:
         return PanelState(self._surface_motion(), Load(reaction))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Of the held nodes on the surface."""
+        """Return the motion of the held nodes on the surface."""
         nodes = len(self._body.mass_kg)
         return clamps.among(nodes, self._body.held).part(np.arange(nodes)[self._surface])
 
@@ -178,3 +184,59 @@ def _mount(plan: PanelPlan, held_m: Array) -> Mount:
     along_m = (held_m - plan.rectangle.corner_m) @ plan.rectangle.along
     second = along_m > 0.5 * plan.rectangle.span_m
     return Mount(held_m, tuple(plan.frames[int(end)] for end in second))
+
+
+# From plan, structure, surface, resting shape (nodes, 3) and step in s; owns the structure.
+Explicitly = Callable[[PanelPlan, Structure, Surface[Any], Array, float], ElasticPanel]
+
+
+def explicit(
+    plan: PanelPlan, structure: Structure, surface: Surface[Any], resting_m: Array, step_s: float
+) -> ElasticPanel:
+    """Open a panel with explicit steps in Python, for any structure."""
+    state = _at_rest(structure, resting_m)
+    integrator = integrators.Explicit(structure, step_s)
+    return ElasticPanel(plan, structure, integrator, state, surface.grid, surface.nodes)
+
+
+def open_panel(
+    plan: PanelPlan, structure: Structure, surface: Surface[Any], explicitly: Explicitly = explicit
+) -> ElasticPanel:
+    """Open the panel at rest between its clamps; ``explicitly`` makes the one with explicit steps.
+
+    ValueError for a step that is too large, SolverFailed if no resting shape is found.
+    """
+    with ExitStack() as failed:
+        failed.callback(structure.close)
+        tangent = failed.enter_context(closing(Tangent(structure)))
+        resting_m = _resting_m(plan, structure, tangent)
+        step_s = integrators.step_s(plan, tangent)
+        if plan.integrator == "explicit":
+            panel = explicitly(plan, structure, surface, resting_m, step_s)
+            tangent.close()
+        else:
+            integrator = integrators.GeneralizedAlpha(structure, tangent, step_s, plan.name)
+            state = _at_rest(structure, resting_m)
+            grid, nodes = surface.grid, surface.nodes
+            panel = ElasticPanel(plan, structure, integrator, state, grid, nodes)
+        failed.pop_all()
+    return panel
+
+
+def largest_step_s(plan: PanelPlan, structure: Structure) -> float:
+    """Return the largest ``plan.step_s`` that ``open_panel`` accepts."""
+    with closing(structure), closing(Tangent(structure)) as tangent:
+        _resting_m(plan, structure, tangent)
+        return integrators.largest_step_s(plan, tangent)
+
+
+def _at_rest(structure: Structure, resting_m: Array) -> BodyState:
+    structure.rest(resting_m)
+    return BodyState.at_rest(resting_m, structure.force_N(resting_m))
+
+
+def _resting_m(plan: PanelPlan, structure: Structure, tangent: Tangent) -> Array:
+    """Positions (nodes, 3) at rest, left in the structure's field."""
+    start_m = first_guess_m(plan.rectangle, plan.gravity_m_per_s2, structure.material_m)
+    weight_N = structure.mass_kg[:, None] * plan.gravity_m_per_s2
+    return settle(structure, tangent, start_m, weight_N, plan.name)

@@ -56,8 +56,8 @@ class Grid:
 
     @staticmethod
     def of(rectangle: Rectangle, cells: tuple[int, int], region_m: Array | None = None) -> Grid:
-        """``cells`` cells along the free length and across, and one more column under each
-        clamp (none where ``clamp_m`` is 0: such an edge is held at its points only, a hinge).
+        """Make ``cells`` cells along the free length and across, and one more column under each clamp (none
+        where ``clamp_m`` is 0: such an edge is held at its points only, a hinge).
 
         They are equal, or, with the lowest and highest (s, y) of a region in the middle, (2, 2),
         equal inside and outside of it, unless its border is nearer than half a cell to the edge.
@@ -76,12 +76,12 @@ class Grid:
         return len(self.s_m) - 1, len(self.y_m) - 1
 
     def nodes_m(self) -> Array:
-        """Material coordinates (nodes, 2)."""
+        """Return the material coordinates (nodes, 2)."""
         s, y = np.meshgrid(_with_middles(self.s_m), _with_middles(self.y_m), indexing="ij")
         return np.column_stack((s.ravel(), y.ravel()))
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Shape functions (n, nodes) at ``coordinates_m`` (n, 2); ValueError outside the grid."""
+        """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2); ValueError outside the grid."""
         slack = 1e-9 * (self.s_m[-1] - self.s_m[0])
         row, along = _quadratic(self.s_m, coordinates_m[:, 0], slack)
         column, across = _quadratic(self.y_m, coordinates_m[:, 1], slack)
@@ -95,13 +95,13 @@ class Grid:
         return csr_array((values.ravel(), nodes.ravel(), starts), shape=size)
 
     def numbers_of(self, coordinates_m: Array) -> Indices:
-        """(nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more)
-        stands there."""
+        """Return (nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more) stands
+        there."""
         return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
 
 
 def numbers_at_nodes(interpolation: csr_array) -> Indices:
-    """(nodes,): for each node the row of ``interpolation`` (nodes, nodes) that is at it."""
+    """Return (nodes,): for each node the row of ``interpolation`` (nodes, nodes) that is at it."""
     at = interpolation.tocoo()
     there = at.data > 0.5
     numbers = np.empty(interpolation.shape[1], dtype=np.int64)
@@ -111,7 +111,7 @@ def numbers_at_nodes(interpolation: csr_array) -> Indices:
 
 class Interpolating(Protocol):
     def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Shape functions (n, nodes) at ``coordinates_m`` (n, 2)."""
+        """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2)."""
         ...
 
 

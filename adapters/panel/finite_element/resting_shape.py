@@ -29,7 +29,7 @@ STEEPEST_RAD = 2.0
 
 
 def first_guess_m(rectangle: Rectangle, gravity_m_per_s2: Array, material_m: Array) -> Array:
-    """World positions (n, 3) of material points (n, 3): s, y, and height over the mid-surface.
+    """Return world positions (n, 3) of material points (n, 3): s, y, and height over the mid-surface.
 
     A taut panel is straight between its clamps.  A slack one is unstretched with the slope angle
     of a lightly buckled clamped beam (a sine), bulging with gravity or, without it, downwards.
@@ -68,8 +68,8 @@ def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:
 
 
 def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array, name: str) -> Array:
-    """Positions (nodes, 3) at which ``weight_N`` and the internal force balance, from
-    ``start_m``; SolverFailed with ``name`` if they cannot be found.
+    """Return the positions (nodes, 3) at which ``weight_N`` and the internal force balance, from ``start_m``;
+    SolverFailed with ``name`` if they cannot be found.
 
     Found means: out of balance by less than ``TOLERANCE`` of the clamps' force, or, where
     rounding forbids that, moved by less than ``NEGLIGIBLE_MOVE`` by a Newton iteration.

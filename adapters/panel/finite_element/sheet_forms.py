@@ -29,7 +29,7 @@ POISSON_RATIO = 0.5
 
 
 def flat_mesh(grid: Grid) -> Any:
-    """One quadrilateral per cell of ``grid``, in its material coordinates."""
+    """Make a mesh of one quadrilateral per cell of ``grid``, in its material coordinates."""
     along, across = grid.shape
     flat = mesh.create_rectangle(
         MPI.COMM_SELF, [[0, 0], [along, across]], [along, across], mesh.CellType.quadrilateral
@@ -47,7 +47,7 @@ def _membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
 
 
 def strain_entries(material: Hyperelastic, thickness_m: float) -> tuple[float, ...]:
-    """The entries of ``scaled_strain`` with which half its square is the small-strain plane-stress
+    """Return the entries of ``scaled_strain`` with which half its square is the small-strain plane-stress
     energy  mu t (E:E + (tr E)^2)."""
     root = (2.0 * material.shear_modulus_Pa * thickness_m) ** 0.5
     isochoric = root * 0.5**0.5
@@ -55,7 +55,7 @@ def strain_entries(material: Hyperelastic, thickness_m: float) -> tuple[float, .
 
 
 def scaled_strain(entries: Any, C: Any) -> Any:
-    """The vector (s0 E11 + s1 E22, s2 E11 + s3 E22, s4 2 E12) for five ``entries``."""
+    """Return the vector (s0 E11 + s1 E22, s2 E11 + s3 E22, s4 2 E12) for five ``entries``."""
     E = 0.5 * (C - ufl.Identity(2))
     return ufl.as_vector(
         [
@@ -67,7 +67,7 @@ def scaled_strain(entries: Any, C: Any) -> Any:
 
 
 def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
-    """The structure of ``plan``; its surface is all its nodes."""
+    """Make the structure of ``plan``; its surface is all its nodes."""
     pattern = plan.apertures
     region_m = pattern.region_m(plan.rectangle) if pattern else None
     grid = Grid.of(plan.rectangle, plan.cells, region_m)
@@ -87,7 +87,7 @@ def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
 
 
 def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
-    """Those of ``plan`` on its mesh."""
+    """Return the openings of ``plan`` on its mesh."""
     if plan.apertures is None:
         return None
     from adapters.panel.perforation.sheet import perforated
@@ -96,7 +96,7 @@ def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
 
 
 def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
-    """The membrane on the field ``position``."""
+    """Return the law of the membrane on the field ``position``."""
     gradient = ufl.grad(position)
     C = ufl.transpose(gradient) * gradient
     measure = ufl.dx(metadata={"quadrature_degree": QUADRATURE_DEGREE})
@@ -116,7 +116,7 @@ def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:
 
 
 def bending(plan: PanelPlan, scalars: Any, material_m: Array, holes: Perforated | None = None) -> Bending:
-    """Plate bending stiffness  E t^3 / (12 (1 - nu^2))  where there are no openings."""
+    """Make the bending, with plate stiffness  E t^3 / (12 (1 - nu^2))  where there are no openings."""
     rectangle, material = plan.rectangle, plan.material
     beam_N_m = material.youngs_modulus_Pa * plan.thickness_m**3 / 12
     moment = plate(beam_N_m / (1 - POISSON_RATIO**2), POISSON_RATIO)

@@ -11,7 +11,7 @@ from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 try:
     from adapters.panel.common import _petsc  # noqa: F401
-    from adapters.panel.finite_element import opening
+    from adapters.panel.finite_element import elastic_panel
     from adapters.panel.finite_element.elastic_panel import ElasticPanel
     from adapters.panel.finite_element.sheet_forms import sheet
 except ImportError as missing:
@@ -27,14 +27,14 @@ except ImportError as missing:
 
 
 def build(plan: PanelPlan) -> ElasticPanel:
-    """The sheet at rest between its clamps.
+    """Open the sheet at rest between its clamps.
 
     ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
-    return opening.open_panel(plan, *sheet(plan), compiled_sheet.panel)
+    return elastic_panel.open_panel(plan, *sheet(plan), compiled_sheet.panel)
 
 
 def largest_step_s(plan: PanelPlan) -> float:
-    """The largest ``step_s`` that ``build`` accepts for this plan."""
+    """Return the largest ``step_s`` that ``build`` accepts for this plan."""
     structure, _ = sheet(plan)
-    return opening.largest_step_s(plan, structure)
+    return elastic_panel.largest_step_s(plan, structure)

@@ -27,7 +27,7 @@ VOLUMETRIC_DEGREE = 2  # 2 x 2 x 2
 
 
 def box_mesh(grid: PiercedGrid, thickness_m: float) -> Any:
-    """One hexahedron per cell with material, from half the thickness below to half above."""
+    """Make a mesh of one hexahedron per cell with material, from half the thickness below to half above."""
     s_m, y_m = grid.whole.s_m, grid.whole.y_m
     shape = (len(s_m), len(y_m), 2)
     number = np.arange(np.prod(shape)).reshape(shape)
@@ -43,7 +43,7 @@ def box_mesh(grid: PiercedGrid, thickness_m: float) -> Any:
 
 
 def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGREE) -> Law:
-    """Isochoric invariants, and  K/2 (J - 1)^2  with its own quadrature degree."""
+    """Return the law: isochoric invariants, and  K/2 (J - 1)^2  with its own quadrature degree."""
     material = plan.material
     gradient = ufl.grad(position)
     C, J = ufl.transpose(gradient) * gradient, ufl.det(gradient)
@@ -76,7 +76,7 @@ def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
 
 
 def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
-    """The nodes that the clamps prescribe, of all nodes ``material_m`` (nodes, 3).
+    """Return the nodes that the clamps prescribe, of all nodes ``material_m`` (nodes, 3).
 
     A clamp with depth holds every node on and under it, so that the end cannot turn.  A clamp
     without depth (``clamp_m`` is 0) is a hinge as it is for the strip and for the sheet: it holds
@@ -88,7 +88,7 @@ def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
 
 
 def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
-    """The structure of ``plan``; its surface is the nodes of the mid-surface."""
+    """Make the structure of ``plan``; its surface is the nodes of the mid-surface."""
     grid = bearable_grid(plan)
     box = box_mesh(grid, plan.thickness_m)
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))

@@ -10,7 +10,7 @@ from orchestrator.ports.plans import PanelPlan, SolverMissing
 
 try:
     from adapters.panel.common import _petsc  # noqa: F401
-    from adapters.panel.finite_element import opening
+    from adapters.panel.finite_element import elastic_panel
     from adapters.panel.finite_element.elastic_panel import ElasticPanel
     from adapters.panel.finite_element.solid_forms import solid
 except ImportError as missing:
@@ -20,15 +20,15 @@ except ImportError as missing:
 
 
 def build(plan: PanelPlan) -> ElasticPanel:
-    """The solid at rest between its clamps.
+    """Open the solid at rest between its clamps.
 
     ValueError for openings with round ends, for a mesh that no machine carries and for a step that
     is too large, SolverFailed if no resting shape is found.
     """
-    return opening.open_panel(plan, *solid(plan))
+    return elastic_panel.open_panel(plan, *solid(plan))
 
 
 def largest_step_s(plan: PanelPlan) -> float:
-    """The largest ``step_s`` that ``build`` accepts for this plan."""
+    """Return the largest ``step_s`` that ``build`` accepts for this plan."""
     structure, _ = solid(plan)
-    return opening.largest_step_s(plan, structure)
+    return elastic_panel.largest_step_s(plan, structure)

@@ -88,7 +88,7 @@ class Tangent:
         matrix.assemble()
 
     def solve(self, force_N: Array) -> Array:
-        """Displacement (nodes, 3) under ``force_N`` (nodes, 3), zero at the held nodes."""
+        """Return the displacement (nodes, 3) under ``force_N`` (nodes, 3), zero at the held nodes."""
         self._right.array[:] = force_N.reshape(-1)
         self._right.array.reshape(-1, 3)[self._structure.held] = 0.0
         self._solver.solve(self._right, self._left)
@@ -96,8 +96,8 @@ class Tangent:
         return moved
 
     def highest_frequency_rad_per_s(self) -> float:
-        """The highest angular frequency of small free vibrations about the present positions
-        (Lanczos iteration on the stiffness scaled with the diagonal mass)."""
+        """Return the highest angular frequency of small free vibrations about the present positions (Lanczos
+        iteration on the stiffness scaled with the diagonal mass)."""
         self._sum(0.0, 1.0)
         starts, columns, values = self._matrix.getValuesCSR()
         scale = np.zeros((len(self._structure.mass_kg), 3))
@@ -109,7 +109,7 @@ class Tangent:
         return float(np.sqrt(largest[0]))
 
     def save(self) -> Saved:
-        """The entries of what was factorised last; its pattern is always the same."""
+        """Save the entries of what was factorised last; its pattern is always the same."""
         return {"entries": np.array(self._matrix.getValuesCSR()[2])}
 
     def restore(self, saved: Saved) -> None:

@@ -39,7 +39,8 @@ class Perforated:
         return solid_kg_per_m2 * (1.0 - (1.0 - self.solid_share) * self.share)
 
     def membrane_energy(self, solid: Any, stiffness_N_per_m: float, C: Any) -> Any:
-        """Energy per area in J/m2 from that of the ``solid`` sheet, and E t = ``stiffness_N_per_m``.
+        """Return the energy per area in J/m2 from that of the ``solid`` sheet, and E t =
+        ``stiffness_N_per_m``.
 
         The solid law to the greatest factor that leaves the rest of the cell's stiffness
         positive, and that rest on the strain (C - 1/C) / 4, which agrees with the logarithmic
@@ -54,18 +55,18 @@ class Perforated:
         return (1.0 - self.share) * solid + self.share * soft
 
     def split(self, stiffness_N_per_m: float) -> tuple[float, Array]:
-        """The factor of the solid law, and the stiffness (3, 3) on top of it, in N/m."""
+        """Return the factor of the solid law, and the stiffness (3, 3) on top of it, in N/m."""
         factor = float(eigh(self.cell.membrane, SOLID, eigvals_only=True)[0])
         return factor, stiffness_N_per_m * (self.cell.membrane - factor * SOLID)
 
     def strain_entries(self, stiffness_N_per_m: float) -> Array:
-        """(cells, 5) of the ``sheet_forms.scaled_strain`` whose half square is the small-strain
-        energy per area."""
+        """Return the entries (cells, 5) of the ``sheet_forms.scaled_strain`` whose half square is the
+        small-strain energy per area."""
         shares = self.share.x.array
         return np.array([_root(stiffness_N_per_m * self._membrane(share)) for share in shares])
 
     def strain_field(self, stiffness_N_per_m: float) -> Any:
-        """``strain_entries`` as a field, constant in each cell."""
+        """Return ``strain_entries`` as a field, constant in each cell."""
         table = self.strain_entries(stiffness_N_per_m)
         flat = self.share.function_space.mesh
         element = ufl.VectorElement("DG", flat.ufl_cell(), 0, dim=table.shape[1])
@@ -74,7 +75,7 @@ class Perforated:
         return field
 
     def moment(self, plate_N_m: float) -> Callable[[Any], Any]:
-        """Bending moment of a curvature (2 x 2), for E t^3 / 12 = ``plate_N_m``."""
+        """Return the bending moment of a curvature (2 x 2), for E t^3 / 12 = ``plate_N_m``."""
         flat = self.share.function_space.mesh
         solid = fem.Constant(flat, plate_N_m * SOLID)
         law = solid + self.share * fem.Constant(flat, plate_N_m * (self.cell.bending - SOLID))
@@ -90,7 +91,7 @@ class Perforated:
 
 
 def perforated(plan: PanelPlan, apertures: Apertures, flat: Any) -> Perforated:
-    """On the mesh ``flat`` in material coordinates."""
+    """Return the perforation on the mesh ``flat`` in material coordinates."""
     space = function_space(flat, ufl.FiniteElement("DG", flat.ufl_cell(), 0))
     share = fem.Function(space)
     region = apertures.region_m(plan.rectangle)

@@ -24,7 +24,7 @@ class Left:
 
 
 def left(plan: PanelPlan, low_m: Array, high_m: Array) -> Left:
-    """For pieces of the strip from s = ``low_m`` to ``high_m``, (pieces,) each.
+    """Return what is left of pieces of the strip from s = ``low_m`` to ``high_m``, (pieces,) each.
 
     SolverMissing without DOLFINx, which computes the pattern's stiffness.
     """

@@ -47,13 +47,13 @@ class CellStiffness:
 
 
 def along(stiffness: Array) -> float:
-    """Stiffness of a strip that may contract across: its modulus along, in units of E."""
+    """Return the stiffness of a strip that may contract across: its modulus along, in units of E."""
     return float(1.0 / np.linalg.inv(stiffness)[0, 0])
 
 
 @cache
 def cell_stiffness(apertures: Apertures, thickness_m: float) -> CellStiffness:
-    """Of the pattern in a sheet of ``thickness_m``; margins do not matter."""
+    """Return the stiffness of the pattern in a sheet of ``thickness_m``; margins do not matter."""
     cell = _mesh(*cell_triangles(apertures))
     area_m2 = float(np.prod(cell_m(apertures)))
     period_m = np.array(cell_m(apertures))
@@ -142,13 +142,13 @@ def _periodic(points_m: Array, period_m: Array, size: int) -> csr_matrix:
 
 
 def cell_m(apertures: Apertures) -> tuple[float, float]:
-    """The period along and across: two rows if they are staggered."""
+    """Return the period along and across: two rows if they are staggered."""
     rows = 2 if apertures.stagger else 1
     return rows * apertures.pitch_along_m, apertures.pitch_across_m
 
 
 def cell_triangles(apertures: Apertures) -> tuple[Array, Indices]:
-    """Points (n, 2) and triangles (m, 3) of the material in one period."""
+    """Return points (n, 2) and triangles (m, 3) of the material in one period."""
     with gmsh_session() as gmsh:
         return _meshed(gmsh, apertures)
 

@@ -45,8 +45,8 @@ class Potential:
 
 
 def settled(chain: Chain, start_m: Array, weight_N: Array, rectangle: Rectangle, name: str) -> Array:
-    """Positions (r, 3) in balance with ``weight_N`` (r, 3); held rows, and all rows across, stay
-    as in ``start_m``.
+    """Return positions (r, 3) in balance with ``weight_N`` (r, 3); held rows, and all rows across, stay as in
+    ``start_m``.
 
     A trust-region Newton method finds the valley (the straight slack chain is no minimum),
     plain Newton iterations the bottom.  SolverFailed if there is none.
@@ -71,14 +71,14 @@ def settled(chain: Chain, start_m: Array, weight_N: Array, rectangle: Rectangle,
 
 
 def elastic_N(chain: Chain, position_m: Array) -> Array:
-    """Elastic force (r, 3) on the rows."""
+    """Return the elastic force (r, 3) on the rows."""
     along, length_m = chain.stretched(position_m)
     moment = chain.bending_N_m3[:, None] * chain.curvature_1_m(position_m)
     return chain.force_N(along, chain.tension_N(length_m), moment)
 
 
 def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_per_s2: Array) -> Array:
-    """(r, 3): straight if taut; a slack chain is a cosine wave of the right length to second
+    """Return positions (r, 3): straight if taut; a slack chain is a cosine wave of the right length to second
     order, bulging with gravity or, without it, downwards."""
     middle = np.full_like(chain.rows_m, rectangle.width_m / 2)
     position_m = rectangle.mounted(np.column_stack([chain.rows_m, middle]))

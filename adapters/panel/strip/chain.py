@@ -46,13 +46,13 @@ class Chain:
     clamp_along: Array
 
     def stretched(self, position_m: Array) -> tuple[Array, Array]:
-        """Unit vectors (c, 3) along the axial springs and their lengths (c,)."""
+        """Return unit vectors (c, 3) along the axial springs and their lengths (c,)."""
         along = np.diff(position_m[self.springs], axis=0)
         length_m = np.sqrt(np.einsum("ij,ij->i", along, along))
         return along / length_m[:, None], length_m
 
     def curvature_1_m(self, position_m: Array) -> Array:
-        """(b, 3)"""
+        """Return the curvatures (b, 3)."""
         curvature_1_m: Array = self.curvature_1_m2 @ position_m
         along = curvature_1_m[self.at_clamps] @ self.clamp_along
         curvature_1_m[self.at_clamps] -= np.outer(along, self.clamp_along)
@@ -62,7 +62,7 @@ class Chain:
         return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
     def force_N(self, along: Array, tension_N: Array, moment: Array) -> Array:
-        """Force (r, 3) on the rows of spring tensions (c,) along ``along`` and of the bending
+        """Return the force (r, 3) on the rows of spring tensions (c,) along ``along`` and of the bending
         springs' ``moment`` (b, 3), the derivative of energy with respect to curvature."""
         force_N = -self.curvature_1_m2.T @ moment
         pull_N = tension_N[:, None] * along
@@ -81,7 +81,7 @@ class Chain:
         return float(self.bending_N_m3 @ (curvature_1_m**2).sum(axis=1)) / 2
 
     def tangent_N_per_m(self, position_m: Array) -> Array:
-        """Second derivative of the elastic energy, (3 r, 3 r)."""
+        """Return the second derivative of the elastic energy, (3 r, 3 r)."""
         along, length_m = self.stretched(position_m)
         rate_N_per_m = self.area_m2 / self.rest_m * stiffness_Pa(self.material, length_m / self.rest_m)
         turning_N_per_m = self.tension_N(length_m) / length_m
@@ -102,8 +102,8 @@ class Chain:
 
 
 def chain(plan: PanelPlan) -> Chain:
-    """``plan.cells[0]`` springs on the free length; a clamp of depth ``clamp_m`` holds position
-    and slope, one without depth is a hinge."""
+    """Make a chain of ``plan.cells[0]`` springs on the free length; a clamp of depth ``clamp_m`` holds
+    position and slope, one without depth is a hinge."""
     rectangle, cells = plan.rectangle, plan.cells[0]
     if cells < 2:
         raise ValueError(f"panel {plan.name}: a strip needs at least two cells, got {cells}")
@@ -140,12 +140,12 @@ def chain(plan: PanelPlan) -> Chain:
 
 
 def nominal_stress_Pa(material: Hyperelastic, stretch: Array) -> Array:
-    """Uniaxial, incompressible: force over the undeformed cross-section."""
+    """Return the uniaxial stress of incompressible material: force over the undeformed cross-section."""
     return np.asarray(2 * (stretch - stretch**-2) * (material.c10_Pa + material.c01_Pa / stretch))
 
 
 def stiffness_Pa(material: Hyperelastic, stretch: Array) -> Array:
-    """The derivative of the nominal stress; E at stretch 1."""
+    """Return the derivative of the nominal stress; E at stretch 1."""
     shear = material.c10_Pa + material.c01_Pa / stretch
     softening = (stretch - stretch**-2) * material.c01_Pa / stretch**2
     return np.asarray(2 * (1 + 2 * stretch**-3) * shear - 2 * softening)

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from adapters.panel._kernel import Chain as CompiledChain
-from adapters.panel.common.body import Action, CompiledBody
+from adapters.panel.common.body import CompiledBody
 from adapters.panel.common.maxwell import checked
 from adapters.panel.strip.chain import Chain
-from orchestrator.ports import Array, HermitePath
+from orchestrator.ports import Array
 
 
 class ChainMotion(CompiledBody):
@@ -65,21 +65,13 @@ class ChainMotion(CompiledBody):
         super().__init__(kernel, held, memory)
         kernel.rest()
 
-    def run(self, path: HermitePath, outside_N: Array, steps: int) -> tuple[Array, float]:
-        """Move over ``path`` (of the held rows) under ``outside_N`` (r, 3), constant.
-
-        Returns the impulse (held, 3) that the chain gives to the clamps, and its work on them.
-        """
-        on_held = self.move(Action(path, outside_N), steps)
-        return on_held.impulse_N_s, on_held.work_J
-
     def stretches(self) -> tuple[float, float]:
-        """The smallest and the largest of the springs."""
+        """Return the smallest and the largest of the springs."""
         stretch = self.memory["strain"][: self._springs] / self._chain.rest_m
         return float(stretch.min()), float(stretch.max())
 
     def stored_J(self) -> dict[str, float]:
-        """Elastic energy, and that of the branches' springs."""
+        """Return the elastic energy, and that of the branches' springs."""
         curvature_1_m = self._chain.curvature_1_m(self.position_m)
         return {
             "membrane": self._chain.membrane_J(self._chain.stretched(self.position_m)[1]),
@@ -88,15 +80,15 @@ class ChainMotion(CompiledBody):
         }
 
     def onto_held(self, force: Array) -> Array:
-        """(held, 3): how forces (r, 3) act on the held rows, across all of them."""
+        """Return (held, 3): how forces (r, 3) act on the held rows, across all of them."""
         held, across = force[self.held], self._across
         handed = self._share.T @ (force @ across) - held @ across
         return np.asarray(held + np.outer(handed, across))
 
 
 def shares(chain: Chain) -> Array:
-    """(rows, held rows): a quantity that varies linearly between the clamps' inner edges and is
-    the held rows' own under the clamps."""
+    """Return (rows, held rows): the shares by which rows follow the held ones, of a quantity that varies
+    linearly between the clamps' inner edges and is the held rows' own under the clamps."""
     held = np.flatnonzero(chain.held >= 0)
     share = (np.arange(len(chain.rows_m))[:, None] == held).astype(float)
     along = np.clip(chain.rows_m / chain.rows_m[chain.springs][-1], 0.0, 1.0)

@@ -1,7 +1,7 @@
 """A panel as a width-uniform strip: one chain of rows along the length.
 
 Each row moves as one line; its two surface points (y = 0 and y = width) stand to either side of
-its middle.  The middle obeys Newton's law (``chain.py``, ``chain_motion.py``).  The half widths
+its middle.  The middle obeys Newton's law (``chain.py``, ``motion.py``).  The half widths
 have no inertia: they follow the clamps', linearly along the free length, and hand the difference
 of a row's two loads to the clamps at once.  So linear momentum is exact and virtual work is
 conserved, while twist about the length is not resolved.
@@ -17,6 +17,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from adapters.panel.common import bilinear
+from adapters.panel.common.body import Action
 from adapters.panel.perforation.strip import left
 from adapters.panel.strip.at_rest import first_guess_m, settled
 from adapters.panel.strip.chain import Chain, chain
@@ -50,8 +51,8 @@ MARGIN = 0.8  # of the largest stable step, for compression, which stiffens the 
 
 
 def build(plan: PanelPlan) -> Strip:
-    """ValueError for an implicit integrator or a step above ``largest_step_s``; SolverFailed if
-    no resting shape is found.  ``plan.cells[1]`` is not used."""
+    """Open the strip.  ValueError for an implicit integrator or a step above ``largest_step_s``; SolverFailed
+    if no resting shape is found.  ``plan.cells[1]`` is not used."""
     if plan.integrator != "explicit":
         raise ValueError(f"panel {plan.name}: the strip is explicit only, not {plan.integrator!r}")
     limit_s = largest_step_s(plan)
@@ -64,8 +65,8 @@ def build(plan: PanelPlan) -> Strip:
 
 
 def largest_step_s(plan: PanelPlan) -> float:
-    """The stability limit 2 / w of the unstretched strip with w^2 = w_axial^2 + w_bending^2,
-    times 1 + the sum of the branches' ratios."""
+    """Return the stability limit 2 / w of the unstretched strip with w^2 = w_axial^2 + w_bending^2, times 1 +
+    the sum of the branches' ratios."""
     links = chain(plan)
     mass_kg = row_mass_kg(plan, links)
     free = np.flatnonzero(links.held < 0)
@@ -81,7 +82,7 @@ def largest_step_s(plan: PanelPlan) -> float:
 
 
 def row_mass_kg(plan: PanelPlan, links: Chain) -> Array:
-    """Lumped mass (r,) of the rows."""
+    """Return the lumped mass (r,) of the rows."""
     area_m2 = plan.rectangle.width_m * plan.thickness_m
     solid = left(plan, links.rows_m[:-1], links.rows_m[1:]).mass
     per_length = plan.material.density_kg_per_m3 * area_m2 * solid
@@ -115,8 +116,8 @@ class Strip:
         self._elapsed_s, self._received_J = 0.0, {"load": 0.0, "clamps": 0.0}
 
     def inertia(self) -> Inertia:
-        """The free rows: both points of a row go with its middle, whose force is their sum, and
-        not across, where it follows the clamps."""
+        """Return the inertia of the free rows: both points of a row go with its middle, whose force is their
+        sum, and not across, where it follows the clamps."""
         free = np.flatnonzero(self._chain.held < 0)
         points = np.arange(2 * len(self._mass_kg))
         rows = csr_array((np.ones(len(points)), (points, points // 2)))
@@ -134,20 +135,20 @@ class Strip:
         turning_N = self._halves.T @ (2 * bilinear.half(load.force_N))
         outside_N = 2 * bilinear.middle(load.force_N) + self._weight_N
         path = HermitePath(_middle(self._clamps), _middle(clamps), interval.length_s)
-        impulse_N_s, work_J = motion.run(path, outside_N, interval.steps(self._step_s))
+        on_held = motion.move(Action(path, outside_N), interval.steps(self._step_s))
         lowest, highest = motion.stretches()
         if not SANE_STRETCH[0] < lowest <= highest < SANE_STRETCH[1]:  # nor is NaN
             raise SolverFailed(
                 f"panel {self._name}: strip unstable before {interval.end_s} s: stretches are "
                 f"{lowest:.3g} ... {highest:.3g}"
             )
-        middle_N = impulse_N_s / interval.length_s
-        self._book(clamps, load, turning_N, work_J)
+        middle_N = on_held.impulse_N_s / interval.length_s
+        self._book(clamps, load, turning_N, on_held.work_J)
         self._elapsed_s += interval.length_s
         return PanelState(self._surface, Load(bilinear.joined(middle_N / 2, turning_N / 2)))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Of the held rows."""
+        """Return the motion of the held rows."""
         held = (2 * self._motion.held[:, None] + np.arange(2)).ravel()
         return clamps.among(len(self._surface), held)
 
@@ -174,7 +175,7 @@ class Strip:
         pass
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Bilinear in (s, y) between the rows."""
+        """Return shape functions, bilinear in (s, y) between the rows."""
         return bilinear.interpolation(self._chain.rows_m, self._width_m, coordinates_m)
 
     def _surface_now(self) -> Motion:
