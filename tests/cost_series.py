@@ -11,7 +11,7 @@ import sys
 from dataclasses import dataclass
 
 from orchestrator.preflight.cost import particles_at_start, predicted_range_s
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.measured import parts_s
 from orchestrator.studies.accuracy.plan import timed
 from tests.runs.outside import ROOT
@@ -77,7 +77,7 @@ def compared(name: str) -> Compared:
     folder, level, sets = CASES[name]
     sets = [*sets, "output.pictures=false"]
     path = ROOT / "cases" / folder
-    case = load(path, level, sets).case
+    case = load_judged(path, level, sets).case
     thin_s, thick_s = predicted_range_s(case, particles_at_start(case))
     return Compared(name, thin_s, thick_s, parts_s(timed(path, level, sets)))
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.plan import Candidate, Stored, by_study, stored, timed
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02)
@@ -21,7 +21,7 @@ OF_THE_STUDY = (0.5, 1.0, 1.5)
 
 
 def main(case: Path, level: str, file: Path) -> None:
-    study = stored(load(case, level), file)
+    study = stored(load_judged(case, level), file)
     assert study is not None
     ratios = []
     print("| settings | simulated / s | wall time, predicted / s | taken / s | ratio |")

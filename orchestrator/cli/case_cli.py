@@ -12,7 +12,7 @@ from orchestrator.cli.console import CONSOLE, ERRORS, checked, refuse, reported_
 from orchestrator.cli.options import CasePath, Level, Overrides
 
 if TYPE_CHECKING:
-    from orchestrator.preflight.levels import LoadedCase
+    from orchestrator.preflight.judge import JudgedCase
     from orchestrator.studies.accuracy.plan import Stored
     from orchestrator.studies.pairs import TriedEffects
 
@@ -78,7 +78,7 @@ def explain(
         print_explanation(loaded, measured, _tried(loaded, asked, budget), asked)
 
 
-def _stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
+def _stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
     """The study of accuracy that is given, or lies beside the case; None where there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
         return None
@@ -87,7 +87,7 @@ def _stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
     return stored(loaded, given)
 
 
-def _tried(loaded: LoadedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
+def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Makes runs with and without effects for results that are ``asked`` for; None where none are."""
     from orchestrator.case.scalars import scalar
     from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, for_results
@@ -117,12 +117,13 @@ def _case_lines(folder: Path) -> Iterator[str]:
     """Yields a line for each case in a folder, and one for its levels."""
     from orchestrator.case.file.errors import CaseError, visible
     from orchestrator.case.file.toml_file import read_toml
-    from orchestrator.preflight.levels import level_names, load
+    from orchestrator.case.load import level_names
+    from orchestrator.preflight.judge import load_judged
 
     for file in sorted(folder.glob("*/case.toml")):
         try:
             title = str(read_toml(file).get("title", "(no title)"))
-            default = load(file).level
+            default = load_judged(file).level
         except CaseError:
             title, default = f"(has problems: flipflow check {file.parent})", ""
         names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]

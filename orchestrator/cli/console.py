@@ -12,7 +12,7 @@ from rich.console import Console
 
 if TYPE_CHECKING:
     from orchestrator.case.file.errors import CaseProblem
-    from orchestrator.preflight.levels import LoadedCase
+    from orchestrator.preflight.judge import JudgedCase
 
 CONSOLE = Console(highlight=False, markup=False, soft_wrap=True)
 ERRORS = Console(stderr=True, highlight=False, markup=False, soft_wrap=True)
@@ -52,7 +52,7 @@ def _code(error: Exception) -> int | None:
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 
 
-def find_problems(loaded: LoadedCase) -> list[CaseProblem]:
+def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """Returns every problem that keeps a case from being run."""
     from orchestrator.preflight.check import mistakes
 
@@ -68,15 +68,15 @@ def checked(
     case: Path,
     level: str | None,
     overrides: list[str] | None,
-    find: Callable[[LoadedCase], list[CaseProblem]] = find_problems,
-) -> LoadedCase:
+    find: Callable[[JudgedCase], list[CaseProblem]] = find_problems,
+) -> JudgedCase:
     """Returns the case if it has no problem (by default, of any kind); else reports all of them and
     ends the program."""
     from orchestrator.case.file.errors import CaseError
-    from orchestrator.preflight.levels import load
+    from orchestrator.preflight.judge import load_judged
 
     with reported_errors():
-        loaded = load(case, level, overrides or [])
+        loaded = load_judged(case, level, overrides or [])
         if problems := find(loaded):
             raise CaseError(problems)
     return loaded

@@ -14,7 +14,7 @@ from orchestrator.case.scalars import SCALARS
 from orchestrator.preflight.judgement.catalogue import Judged, spared, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import doubted, weighed
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.scene.effect import Part, in_words
 from orchestrator.preflight.stability.choice import AUTO
 from orchestrator.studies.pairs import TriedEffects
@@ -30,7 +30,7 @@ NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels:
 
 
 def print_explanation(
-    loaded: LoadedCase,
+    loaded: JudgedCase,
     study: Stored | None = None,
     tried: TriedEffects | None = None,
     asked: Sequence[str] = (),
@@ -65,7 +65,7 @@ def _measured(one: Judged, study: Stored) -> Judged:
 
 
 def judge_effects(
-    loaded: LoadedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
+    loaded: JudgedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
 ) -> dict[Part, list[Judged]]:
     """Judges the effects of the case as it describes itself, by part.
 
@@ -136,7 +136,7 @@ def _by_auto(one: Judged, going: Collection[str]) -> str:
     return "leaves out" if one.effect in going else "keeps"
 
 
-def summary_lines(loaded: LoadedCase, verdicts: list[Judged]) -> Iterator[str]:
+def summary_lines(loaded: JudgedCase, verdicts: list[Judged]) -> Iterator[str]:
     """Yields what the case lacks, and what it could do without."""
     lacking = [one for one in verdicts if one.lacking]
     spare = [one for one in verdicts if one.spare]

@@ -32,10 +32,10 @@ from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable
 from orchestrator.output.report.headline import headline
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import Entry, account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import agree, key_of
-from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.preflight.stability import plain, words
 from orchestrator.preflight.stability.choice import settled_card
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
@@ -51,7 +51,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     """Runs a case on every rank, and returns the exit code."""
     world = mpi.communicator()
     try:
-        loaded = load(path, level, overrides)
+        loaded = load_judged(path, level, overrides)
         require_runnable(loaded)
         loaded = _decide_effects(loaded, path, level, overrides, world)
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
@@ -64,8 +64,8 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
 
 
 def _decide_effects(
-    loaded: LoadedCase, path: Path, level: str | None, overrides: Sequence[str], world: Any
-) -> LoadedCase:
+    loaded: JudgedCase, path: Path, level: str | None, overrides: Sequence[str], world: Any
+) -> JudgedCase:
     """Returns the case with what short runs with and without effects say of those that "auto" cannot
     decide about.  The first rank makes or remembers them, and all ranks choose alike."""
     if not loaded.choice.asked:
@@ -77,12 +77,12 @@ def _decide_effects(
     known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
     read = loaded.origin.read()
     agree({key_of(read, name): known.get(name) for name in EFFECTS})
-    loaded = load(path, level, overrides)
+    loaded = load_judged(path, level, overrides)
     require_runnable(loaded)
     return loaded
 
 
-def require_runnable(loaded: LoadedCase) -> None:
+def require_runnable(loaded: JudgedCase) -> None:
     """Raises CaseError for a case with problems, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_problems(loaded):
@@ -105,7 +105,7 @@ def report_refusal(world: Any, error: Exception) -> int:
 
 
 def execute(
-    loaded: LoadedCase,
+    loaded: JudgedCase,
     entries: Mapping[str, Entry],
     folder: Path,
     world: Any,

@@ -24,12 +24,12 @@ from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_range_s
 from orchestrator.preflight.judgement.account import account, at_start
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.stability import plain, words
 from orchestrator.preflight.stability.choice import settled_card, with_scheme
 
 
-def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
+def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     """Yields lines about a case without problems; with ``detail`` all that limits its sync interval, in
     the theory's terms."""
     case = loaded.case
@@ -56,13 +56,13 @@ def overview(loaded: LoadedCase, detail: bool = False) -> Iterator[str]:
     yield "the case can be run"
 
 
-def _tried_before(loaded: LoadedCase) -> tuple[str, ...]:
+def _tried_before(loaded: JudgedCase) -> tuple[str, ...]:
     from orchestrator.studies.pairs import wanted_before
 
     return wanted_before(loaded)
 
 
-def _machine(loaded: LoadedCase) -> Iterator[str]:
+def _machine(loaded: JudgedCase) -> Iterator[str]:
     case, screen = loaded.case, loaded.case.screen
     bushings = sum(len(bushing.positions_m) for bushing in screen.bushings.values())
     drives = sum(frame.drive is not None for frame in screen.frames.values())
@@ -105,7 +105,7 @@ def _triangles_on_panels(case: Case) -> str:
     return f"{' or '.join(map(str, each))} on each panel, {sum(counts)} on all"
 
 
-def _particles(loaded: LoadedCase) -> Iterator[str]:
+def _particles(loaded: JudgedCase) -> Iterator[str]:
     case = loaded.case
     count = len(initial_particles(case, material_numbers(case)))
     feeds = "".join(f", {feed.rate_kg_per_s:g} kg/s fed" for feed in case.bed.feeds.values())
@@ -136,7 +136,7 @@ def _cost(case: Case, at_start: int) -> Iterator[str]:
         )
 
 
-def _times(loaded: LoadedCase) -> Iterator[str]:
+def _times(loaded: JudgedCase) -> Iterator[str]:
     case = loaded.case
     interval_s = case.coupling.sync_interval_s
     yield (

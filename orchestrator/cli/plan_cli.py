@@ -12,7 +12,7 @@ from orchestrator.cli.console import CONSOLE, FAILED, checked, refuse, reported_
 from orchestrator.cli.options import CasePath, Level, Overrides
 
 if TYPE_CHECKING:
-    from orchestrator.preflight.levels import LoadedCase
+    from orchestrator.preflight.judge import JudgedCase
     from orchestrator.studies.accuracy.plan import Plan
 
 UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
@@ -57,7 +57,7 @@ def plan(
 
 
 def _planned(
-    loaded: LoadedCase,
+    loaded: JudgedCase,
     case: Path,
     level: str | None,
     given: Path | None,
@@ -87,7 +87,7 @@ def _planned(
     return planned(loaded.case, found, timing, tolerance, budget_s)
 
 
-def _said(made: Plan, case: Path, overrides: list[str], loaded: LoadedCase) -> bool:
+def _said(made: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:
     """Whether it fits."""
     other = [one for one in made.study.found["sets"] if one not in overrides]
     if other := [one for one in other if not one.startswith("duration_s=")]:

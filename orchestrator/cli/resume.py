@@ -14,7 +14,7 @@ from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable, is_at_work, write_case, write_json
 from orchestrator.preflight.judgement.account import account
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.run.origin import origin, refuse_another_run, warnings
 
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
@@ -26,7 +26,7 @@ def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None
     world = mpi.communicator()
     try:
         checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
-        as_saved = load(folder, None, overrides)
+        as_saved = load_judged(folder, None, overrides)
         loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
         require_runnable(loaded)
         entries = account(loaded.described, loaded.left_out)
@@ -60,7 +60,7 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
     return checkpoint
 
 
-def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: LoadedCase, world: Any) -> list[str]:
+def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, world: Any) -> list[str]:
     """Makes the folder as it was at the checkpoint, and returns warnings about that.  Raises
     FolderUnusable for what is another run."""
     now = origin(loaded, folder, world)

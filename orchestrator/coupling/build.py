@@ -44,11 +44,11 @@ from orchestrator.ports import Frames, Load, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from orchestrator.preflight.check import mistakes_at_rest
 from orchestrator.preflight.effort import effort
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.stability.choice import settled
 
 
-def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
+def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
     """Plans a case, opens its solvers and puts them together as a machine.
 
     Parameters
@@ -76,7 +76,7 @@ def build(loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
 
 
 def _open_machine(
-    loaded: LoadedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
+    loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
 ) -> Machine:
     case = settled(loaded.case)
     # panels first: how they rest decides what particles and frames begin with

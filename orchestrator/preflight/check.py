@@ -36,14 +36,14 @@ if TYPE_CHECKING:
     from orchestrator.ports.geometry import TriangleSurface
     from orchestrator.ports.penetration import Penetrations
     from orchestrator.ports.plans import ParticleList
-    from orchestrator.preflight.levels import LoadedCase
+    from orchestrator.preflight.judge import JudgedCase
 
 
-def mistakes(loaded: LoadedCase) -> list[CaseProblem]:
+def mistakes(loaded: JudgedCase) -> list[CaseProblem]:
     """All that must be put right before the case can run; empty if nothing."""
     case, folder = loaded.case, loaded.folder
     whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
-    found = [*loaded.choice.mistakes, *(m for rule in OF_TABLES for m in rule(whole))]
+    found = [*loaded.choice.problems, *(m for rule in OF_TABLES for m in rule(whole))]
     if not found:
         found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
         found += [*machine.solvers_objections(whole), *machine.possible_inertia(whole)]
@@ -67,7 +67,7 @@ def mistakes(loaded: LoadedCase) -> list[CaseProblem]:
 
 
 def mistakes_at_rest(
-    loaded: LoadedCase,
+    loaded: JudgedCase,
     surface: TriangleSurface,
     panel_of_triangle: Indices,
     penetrations: Penetrations,
@@ -79,19 +79,19 @@ def mistakes_at_rest(
     return _as_given(loaded, found)
 
 
-def table_mistakes(loaded: LoadedCase) -> list[CaseProblem]:
+def table_mistakes(loaded: JudgedCase) -> list[CaseProblem]:
     """The first round alone, which reads no files and places no particles."""
     found = [mistake for rule in OF_TABLES for mistake in rule(loaded.case.whole)]
-    return _as_given(loaded, [*loaded.choice.mistakes, *found])
+    return _as_given(loaded, [*loaded.choice.problems, *found])
 
 
-def _as_given(loaded: LoadedCase, found: list[CaseProblem]) -> list[CaseProblem]:
+def _as_given(loaded: JudgedCase, found: list[CaseProblem]) -> list[CaseProblem]:
     """With keys as the user gave them."""
     decks = loaded.layers.merged["screen"].get("decks", {})
     return loaded.layers.named([as_given(mistake, decks) for mistake in found])
 
 
-def warnings(loaded: LoadedCase) -> list[str]:
+def warnings(loaded: JudgedCase) -> list[str]:
     """What is allowed but doubtful, with numbers; for a case without mistakes.  The sync interval
     has a card of its own: stability/card.py."""
     case = loaded.case

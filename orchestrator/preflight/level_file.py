@@ -12,11 +12,11 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.overlays import Layers, parsed
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.case import Case
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import dropped
-from orchestrator.preflight.levels import LoadedCase
 
 
-def write_level(loaded: LoadedCase, name: str, sets: Sequence[str], about: str) -> Path:
+def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) -> Path:
     """``levels/<name>.toml`` of the case: its level with ``sets``, and what it leaves out named.
     Raises CaseError if there is one of that name, and OSError."""
     file = loaded.folder / "levels" / f"{name}.toml"

@@ -23,8 +23,8 @@ from orchestrator.output.results.machine import point_ranges
 from orchestrator.output.results.observed import checked_by_run
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry, at_end
-from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.stability import words
 from orchestrator.preflight.stability.bound import Card
 from orchestrator.run.progress import Progress
@@ -34,7 +34,7 @@ from orchestrator.run.progress import Progress
 class Ending:
     """Writes the end of a run; ``effects`` and ``stability`` are what was judged of them before it."""
 
-    loaded: LoadedCase
+    loaded: JudgedCase
     effects: Mapping[str, Entry]
     stability: Card
     folder: Path

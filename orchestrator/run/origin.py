@@ -15,13 +15,13 @@ from orchestrator.case.file.errors import shown
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import SAID_OF_ORIGIN, Checkpoint
 from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved_case
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 
 FREE = {"title", "description", "default_level", "output", "checkpoint", "monitor"}
 SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
 
 
-def origin(loaded: LoadedCase, run: Path, world: Any) -> dict[str, Any]:
+def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
     """Returns what ``save.json`` says of it; ``run`` is the folder with the resolved case and its files."""
     return {
         "name": loaded.name,

@@ -23,8 +23,8 @@ from orchestrator.output.records.run_folder import LOG
 from orchestrator.ports.clock import Interval, exact, intervals, steps_in
 from orchestrator.ports.failures import solver_failure_context, write_failure_context
 from orchestrator.ports.plans import SolverFailed
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry
-from orchestrator.preflight.levels import LoadedCase
 from orchestrator.preflight.stability import plain
 from orchestrator.preflight.stability.bound import Card
 from orchestrator.preflight.stability.choice import with_scheme
@@ -44,7 +44,7 @@ class Run:
 
     def __init__(
         self,
-        loaded: LoadedCase,
+        loaded: JudgedCase,
         effects: Mapping[str, Entry],
         stability: Card,
         folder: Path,

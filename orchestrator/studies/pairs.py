@@ -33,11 +33,12 @@ from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
-from orchestrator.preflight.effect_choice import known_pairs
+from orchestrator.preflight.judge import known_pairs
 from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, can_go, present, with_dependents
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember, remembered
 from orchestrator.preflight.judgement.weighing import undecided, weighed
-from orchestrator.preflight.levels import LoadedCase, level_names, load
+from orchestrator.case.load import level_names
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import in_words
 from orchestrator.studies.points import MAIN, sample_s
 
@@ -86,7 +87,7 @@ class Pairs:
         _load.cache_clear()
         _predicted_s.cache_clear()
 
-    def of(self, loaded: LoadedCase, effect: str) -> Pair:
+    def of(self, loaded: JudgedCase, effect: str) -> Pair:
         """The pair of a case and an effect that it has, from memory if it is known."""
         found = key_of(loaded.origin.read(), effect)
         known = None if self.forget else remembered(found)
@@ -99,7 +100,7 @@ class Pairs:
         remember(found, pair)
         return pair
 
-    def _made(self, loaded: LoadedCase, effect: str) -> Pair:
+    def _made(self, loaded: JudgedCase, effect: str) -> Pair:
         path, (level, sets) = loaded.folder, _cheap(loaded, effect, self.limit_s)
         every = [*_present(path, level, sets)]
         kept = [one for one in every if one not in with_dependents([effect], "")]
@@ -166,7 +167,7 @@ def _is_usable(summary: dict[str, Any]) -> bool:
     return is_trusted(state) or of_effects_alone
 
 
-def _cheap(loaded: LoadedCase, effect: str, limit_s: float) -> tuple[str, tuple[str, ...]]:
+def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, tuple[str, ...]]:
     """Level and ``--set``s at which the pair is run.  Raises NoPair."""
     origin, reasons = loaded.origin, [f"the case does not have {effect}"]
     levels = [name for name in (CHEAP_LEVEL,) if name in level_names(loaded.folder)]
@@ -200,15 +201,15 @@ def _sets(
     return (*sets, *_shorter(found.case, _predicted_s(folder, level, every), limit_s))
 
 
-def _described(folder: Path, level: str, sets: tuple[str, ...]) -> LoadedCase:
+def _described(folder: Path, level: str, sets: tuple[str, ...]) -> JudgedCase:
     """With all that the case describes, whatever its key ``effects`` says: nothing asks in turn."""
     return _load(folder, level, (*sets, _named(_present(folder, level, sets))))
 
 
 @lru_cache(maxsize=256)
-def _load(folder: Path, level: str, sets: tuple[str, ...]) -> LoadedCase:
+def _load(folder: Path, level: str, sets: tuple[str, ...]) -> JudgedCase:
     """As ``load``; pairs of many effects ask for the same cases."""
-    return load(folder, level, sets)
+    return load_judged(folder, level, sets)
 
 
 def _present(folder: Path, level: str, sets: tuple[str, ...]) -> Iterator[str]:
@@ -301,7 +302,7 @@ def _over(one: Judged) -> float:
     return verdict.value / (verdict.limit or 1.0)
 
 
-def tried(loaded: LoadedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
+def tried(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
     """The pairs of effects in turn, until the budget is used; what is remembered costs nothing."""
     found = known_pairs(loaded.origin, effects)
     omitted = []
@@ -313,13 +314,13 @@ def tried(loaded: LoadedCase, effects: Sequence[str], pairs: Pairs, budget_s: fl
     return TriedEffects(found, tuple(omitted), pairs.spent_s)
 
 
-def for_results(loaded: LoadedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
+def for_results(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
     """Of all effects of the case that a pair could decide about."""
     every = [one for rows in weighed(loaded.described).values() for one in rows]
     return tried(loaded, ranked(every), pairs, budget_s)
 
 
-def wanted_before(loaded: LoadedCase) -> tuple[str, ...]:
+def wanted_before(loaded: JudgedCase) -> tuple[str, ...]:
     """Effects that "auto" tries out before a run of this case: those that it cannot decide about
     and that would save time, if the run is long enough; none that are known already."""
     names = loaded.choice.undecided
@@ -329,7 +330,7 @@ def wanted_before(loaded: LoadedCase) -> tuple[str, ...]:
     return names if cost_s >= WORTH * LIMIT_S else ()
 
 
-def before(loaded: LoadedCase, say: Say) -> dict[str, Pair]:
+def before(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
     """Tries them out; what came of it is remembered, so that the case loaded again has it."""
     names = wanted_before(loaded)
     if names:

@@ -26,7 +26,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.studies.workers import Crew
 
 MAIN = "from orchestrator.cli.main import main; main()"
@@ -62,7 +62,7 @@ class Point:
     """
 
     value: str
-    loaded: LoadedCase
+    loaded: JudgedCase
     words: tuple[str, ...]
     folder: Path
     then: tuple[str, ...] = ()
@@ -84,7 +84,7 @@ class Point:
         """Returns keys in which the folder's case differs.  Keys that cases got since it was run
         have their defaults there."""
         try:
-            there = resolved_case(load(self.folder / "case.toml"))
+            there = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, problem.key)) for problem in error.mistakes[:3])
         keys = list(changed(there, resolved_case(self.loaded)))
@@ -103,9 +103,9 @@ class Point:
             return 0
 
 
-def check_case(case: Path, level: str | None, sets: Sequence[str]) -> LoadedCase:
+def check_case(case: Path, level: str | None, sets: Sequence[str]) -> JudgedCase:
     """Returns a case that can be run.  Raises CaseError with all that is wrong with it."""
-    loaded = load(case, level, sets)
+    loaded = load_judged(case, level, sets)
     if wrong := mistakes(loaded):
         raise CaseError(wrong)
     return loaded

@@ -27,7 +27,7 @@ from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.recording import RecordedGrid, Recording
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 
 FADE = 0.25  # of a cycle
 MOST_CYCLES = 8  # looked at for the number after which a panel repeats itself
@@ -90,7 +90,7 @@ def record(run: Path, cycles: int | None) -> Recorded:
 
 
 def _recorded(run: Path, cycles: int) -> Recorded:
-    case = load(run).case
+    case = load_judged(run).case
     machine = turning(case)
     if machine is None:
         raise _refused(run, "nothing turns this machine: it has no cycle")

@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.cost import particles_at_start, predicted_parts_s, predicted_s
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.runs.outside import ROOT
 
 GOOD_TO = 3.0  # a factor, as cost.py says; busy machines differ by as much
@@ -64,12 +64,12 @@ def models(case: Case) -> dict[tuple[str, str], tuple[str, ...]]:
 def test_predictions_are_good_to_a_factor_of_three(
     case: str, duration: str, taken: dict[tuple[str, str], float]
 ) -> None:
-    base = load(ROOT / "cases" / case, "default", [f"duration_s={duration}"]).case
+    base = load_judged(ROOT / "cases" / case, "default", [f"duration_s={duration}"]).case
     compared = 0
     for row, overlays in models(base).items():
         if row in taken:
             sets = [f"duration_s={duration}", *overlays]
-            found = load(ROOT / "cases" / case, "default", sets).case
+            found = load_judged(ROOT / "cases" / case, "default", sets).case
             said_s = predicted_s(found, particles_at_start(found))
             assert taken[row] / GOOD_TO < said_s < taken[row] * GOOD_TO, row
             compared += 1
@@ -81,10 +81,10 @@ def test_what_makes_a_run_dear() -> None:
     steps of a sheet go with the third power of its cells (their number, and the step)."""
 
     def of(*sets: str, at_start: int = 0) -> float:
-        return predicted_s(load(ROOT / "cases/quickstart", "default", sets).case, at_start)
+        return predicted_s(load_judged(ROOT / "cases/quickstart", "default", sets).case, at_start)
 
     def of_panels(*sets: str) -> float:
-        case = load(ROOT / "cases/quickstart", "default", [*sets, "particles.solver=none"]).case
+        case = load_judged(ROOT / "cases/quickstart", "default", [*sets, "particles.solver=none"]).case
         return predicted_parts_s(case, 0)["panel"]
 
     half, whole = of("duration_s=0.25"), of("duration_s=0.5")

@@ -9,7 +9,7 @@ from orchestrator.ports import Array
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import predicted_s
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.refinement import offer
 from orchestrator.studies.metrics import Metrics, errors, relative
 from orchestrator.studies.points import sampled_at
@@ -41,14 +41,14 @@ MODELS = ("panel-mesh", "panel-model", "frames-model", "particles-model")
 def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> None:
     """Every model that can be run at once is a right case, or says what is wrong; among panels the
     prediction grows from a model to a better one."""
-    base = load(ROOT / "cases" / name, "default").case
+    base = load_judged(ROOT / "cases" / name, "default").case
     there = offer(base, MODELS, 3)
     costs = {}
     for series in there.series:
         for setting in series.settings:
             assert all(key.startswith(f"{series.axis}.") for key in setting.sets)
             if not setting.made_from_run:
-                loaded = load(ROOT / "cases" / name, "default", setting.sets)
+                loaded = load_judged(ROOT / "cases" / name, "default", setting.sets)
                 found = mistakes(loaded)
                 assert not found or series.variant in ("two-mass", "planar"), found  # drives, turned parts
                 if series.axis == "panel":
@@ -58,7 +58,7 @@ def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> No
 
 
 def test_a_recording_and_drives_are_made_from_the_run_as_it_is() -> None:
-    base = load(ROOT / "cases/empty-machine", "default").case
+    base = load_judged(ROOT / "cases/empty-machine", "default").case
     there = offer(base, MODELS, 3)
     made = {s.label: s.made_from_run for one in there.series for s in one.settings if s.made_from_run}
     assert made == {"recorded": "recording", "prescribed": "motion"}
@@ -69,21 +69,21 @@ def test_a_recording_and_drives_are_made_from_the_run_as_it_is() -> None:
 def test_the_solid_is_a_model_where_openings_have_square_corners() -> None:
     """Dearer than without openings, as its cells are more; refused for round ends."""
     folder = ROOT / "cases/panel-cycle"
-    there = offer(load(folder, "default").case, ("panel-model",), 3)
+    there = offer(load_judged(folder, "default").case, ("panel-model",), 3)
     (solid,) = (one.settings[-1] for one in there.series if one.variant == "solid")
     pattern = "length_m=0.02, width_m=0.005, pitch_along_m=0.03, pitch_across_m=0.01"
     openings = f"screen.panels.deck.apertures={{{pattern}}}"
     slots = f"screen.panels.deck.apertures={{{pattern}, shape='slot'}}"
-    resolved = load(folder, "default", [*solid.sets, openings])
+    resolved = load_judged(folder, "default", [*solid.sets, openings])
     assert mistakes(resolved) == []
-    whole_s = predicted_s(load(folder, "default", solid.sets).case, 0)
+    whole_s = predicted_s(load_judged(folder, "default", solid.sets).case, 0)
     assert predicted_s(resolved.case, 0) > whole_s
-    (refused,) = mistakes(load(folder, "default", [*solid.sets, slots]))
+    (refused,) = mistakes(load_judged(folder, "default", [*solid.sets, slots]))
     assert "follow no round ends" in str(refused)
 
 
 def test_rows_come_at_whole_sync_intervals() -> None:
-    interval_s = load(ROOT / "cases/quickstart", "default").case.coupling.sync_interval_s
+    interval_s = load_judged(ROOT / "cases/quickstart", "default").case.coupling.sync_interval_s
     every_s = float(sampled_at(interval_s)[0].partition("=")[2])
     assert exact(every_s) % exact(interval_s) == 0
     assert every_s < 1 / 2 / 500  # accelerations to 500 Hz

@@ -12,7 +12,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.run_folder import write_json
 from orchestrator.preflight.level_file import write_level
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import part_s
 from orchestrator.studies.accuracy.plan import Clock, Plan, Stored, Timing, filling, planned, stored
 from tests.case.cases import written
@@ -43,7 +43,7 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
 
 def plan(tolerance: float, budget_s: float, duration_s: float = 0.5) -> Plan:
     sets = [f"duration_s={duration_s}"]
-    case = load(ROOT / "cases/quickstart", "draft", sets).case
+    case = load_judged(ROOT / "cases/quickstart", "draft", sets).case
     return planned(case, study(), TIMING, tolerance, budget_s)
 
 
@@ -79,12 +79,12 @@ def test_what_feeds_add_takes_time() -> None:
 def test_a_deck_fills_until_what_is_fed_leaves_it() -> None:
     """Fed from 0.3 s on, and nothing leaves before 2 s: the mean number over a run grows as
     (T - 0.3 s)^2 / T; of a long run it is that of the steady state."""
-    case = load(ROOT / "cases/ffs0827-slice", "dry").case
+    case = load_judged(ROOT / "cases/ffs0827-slice", "dry").case
     found = filling(case, 1.0)
     assert found(1.0) == 1.0
     assert found(2.0) == pytest.approx(1.7**2 / 2 / 0.7**2, rel=0.01)
     assert found(64.0) / found(32.0) == pytest.approx(1.0, abs=0.05)
-    assert filling(load(ROOT / "cases/quickstart", "draft").case, 0.5)(5.0) == 1.0
+    assert filling(load_judged(ROOT / "cases/quickstart", "draft").case, 0.5)(5.0) == 1.0
 
 
 def test_what_does_not_fit_says_what_would() -> None:
@@ -127,7 +127,7 @@ def test_chance_is_part_of_what_is_predicted() -> None:
 
 
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
-    loaded, file = load(ROOT / "cases/quickstart", "draft"), tmp_path / "accuracy.json"
+    loaded, file = load_judged(ROOT / "cases/quickstart", "draft"), tmp_path / "accuracy.json"
     with pytest.raises(CaseError, match="no such file"):
         stored(loaded, file)
     for found, why in ((study("other").found, "other"), ([], "is no study")):
@@ -144,9 +144,9 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
     """And is not written over; what it leaves out is named in it."""
     folder = written(tmp_path)
     sets = ["panel.solver=rigid", "duration_s=0.02", "contacts.0.restitution=0.5"]
-    loaded = load(folder, None)
+    loaded = load_judged(folder, None)
     file = write_level(loaded, "planned", sets, "5 % in 3 min")
-    assert load(folder, "planned").case == load(folder, None, sets).case
+    assert load_judged(folder, "planned").case == load_judged(folder, None, sets).case
     assert "panel-deformation" in tomllib.loads(file.read_text())["without"]
     with pytest.raises(CaseError, match="exists already"):
         write_level(loaded, "planned", sets, "again")
@@ -154,10 +154,10 @@ def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) 
 
 def test_a_short_run_is_one_of_a_case_that_is_not_refused() -> None:
     """Fed from 0.3 s on, or not at all."""
-    fed = load(ROOT / "cases/ffs0827-slice", "dry", ["duration_s=0.8"]).case
+    fed = load_judged(ROOT / "cases/ffs0827-slice", "dry", ["duration_s=0.8"]).case
     assert part_s(fed, 5) == pytest.approx(0.4)
-    load(ROOT / "cases/ffs0827-slice", "dry", [f"duration_s={part_s(fed, 5)!r}"])
-    unfed = load(ROOT / "cases/quickstart", "draft", ["duration_s=0.5"]).case
+    load_judged(ROOT / "cases/ffs0827-slice", "dry", [f"duration_s={part_s(fed, 5)!r}"])
+    unfed = load_judged(ROOT / "cases/quickstart", "draft", ["duration_s=0.5"]).case
     assert part_s(unfed, 5) == pytest.approx(0.1)
 
 

@@ -7,7 +7,7 @@ import pytest
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import mistakes
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import common
 from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
 from orchestrator.studies.points import seeded
@@ -18,7 +18,7 @@ QUICKSTART = ROOT / "cases/quickstart"
 
 def test_every_setting_but_the_own_is_another_right_case() -> None:
     """With particles on strips.  The scheme and model variants cover the registry."""
-    case = load(QUICKSTART, "draft").case
+    case = load_judged(QUICKSTART, "draft").case
     there = offer(case, [*PARAMETERS], 3)
     assert there.missing == {
         "slice": "solver spheres knows no slice between periodic sides",
@@ -38,7 +38,7 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
         assert lengths == sorted(lengths, reverse=True)
         for setting in series.settings:
             if setting.sets and series.variant not in ("solid", "two-mass") and not setting.made_from_run:
-                loaded = load(QUICKSTART, "draft", setting.sets)
+                loaded = load_judged(QUICKSTART, "draft", setting.sets)
                 assert loaded.case != case
                 assert not mistakes(loaded), setting
     for axis in there.axes:
@@ -46,7 +46,7 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
 
 
 def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
-    case = load(QUICKSTART, "draft").case
+    case = load_judged(QUICKSTART, "draft").case
     for knob, key in (("particle-step", "particles"), ("panel-step", "panel")):
         (series,) = offer(case, [knob], 3).series
         counts = [
@@ -70,7 +70,7 @@ def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
 def test_the_particles_step_is_of_first_order_where_something_is_felt_late(
     sets: tuple[str, ...], order: float
 ) -> None:
-    case = load(ROOT / "cases/ball-on-panel", "draft", sets).case
+    case = load_judged(ROOT / "cases/ball-on-panel", "draft", sets).case
     (series,) = offer(case, ["particle-step"], 3).series
     assert (series.expected, bool(series.note)) == (order, order == 1.0)
 
@@ -84,15 +84,15 @@ def test_the_particles_step_is_of_first_order_where_something_is_felt_late(
     ],
 )
 def test_what_a_case_has_not_is_not_offered(case: str, missing: set[str]) -> None:
-    there = offer(load(ROOT / "cases" / case, "draft").case, [*PARAMETERS], 3)
+    there = offer(load_judged(ROOT / "cases" / case, "draft").case, [*PARAMETERS], 3)
     assert set(there.missing) == missing
     assert all(there.missing.values())
 
 
 def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
-    case = load(QUICKSTART, "draft").case
+    case = load_judged(QUICKSTART, "draft").case
     shared = common(case, 2e-4)
-    at = load(QUICKSTART, "draft", shared).case
+    at = load_judged(QUICKSTART, "draft", shared).case
     assert "shorten" not in at.monitor.model_dump().values()
     for time_s in (at.duration_s, at.output.interval_s, at.output.shapes_s):
         assert exact(time_s) % exact(at.output.series_s) == 0
@@ -101,13 +101,13 @@ def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
 
 
 def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
-    case = load(QUICKSTART, "draft").case
+    case = load_judged(QUICKSTART, "draft").case
     assert seeded(case, 0) == ()
     assert seeded(case, 2) == ("bed.blocks.coal.seed=3",)
 
 
 def test_variants_can_be_chosen() -> None:
-    case = load(QUICKSTART, "draft").case
+    case = load_judged(QUICKSTART, "draft").case
     there = offer(case, ["scheme=aitken+serial-staggered", "panel-model=sheat"], 2)
     assert {series.variant for series in there.series} == {"aitken", "serial-staggered"}
     assert 'did you mean "sheet"?' in there.missing["panel-model"]

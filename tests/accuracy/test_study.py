@@ -10,7 +10,7 @@ import pytest
 from pyarrow import parquet
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy import tables
 from orchestrator.studies.accuracy.combinations import Asked
 from orchestrator.studies.accuracy.convergence import Converged
@@ -172,7 +172,7 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: Study, out: Path) -> None:
     """How well times are kept is no test, but a command: tests/plan_series.py."""
     tables.write(study, rows(study), out)
-    found = stored(load(BALL, "draft"), out / "accuracy.json")
+    found = stored(load_judged(BALL, "draft"), out / "accuracy.json")
     assert found is not None
     timing, own_s = by_study(found, BALL, "draft"), study.base.processor_s
     short_s, long_s = (timing.wall_s(own_s, duration_s) for duration_s in (0.05, 0.1))

@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.console import Console
 
 from orchestrator.case.file.contents import has_particles
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.bench import coupling, effects
 
 
@@ -30,7 +30,7 @@ def main() -> None:
         timed = effects.Asked(args.case, args.level, tuple(args.overrides))
         console.print(effects.bench(timed, args.intervals))
     else:
-        loaded = load(args.case, args.level, args.overrides)
+        loaded = load_judged(args.case, args.level, args.overrides)
         if not has_particles(loaded.case):
             parser.error("the case has no particles: there is nothing to compare")
         console.print(coupling.bench(loaded, args.intervals, args.settling))

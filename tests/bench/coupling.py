@@ -19,7 +19,7 @@ from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 
 BLOCK = 100
 STILL_ROW = "particles alone, rigid still surface"
@@ -29,7 +29,7 @@ STILL = {"frame_motion": False, "panel_motion": False, "particle_load": False}
 class Runner:
     """A case that advances block by block, with its stopwatch."""
 
-    def __init__(self, loaded: LoadedCase, folder: Path) -> None:
+    def __init__(self, loaded: JudgedCase, folder: Path) -> None:
         folder.mkdir()
         self.stopwatch = Stopwatch()
         self._machine = build(loaded, folder, None, self.stopwatch)
@@ -68,7 +68,7 @@ class Runner:
         self._machine.close()
 
 
-def still(loaded: LoadedCase) -> LoadedCase:
+def still(loaded: JudgedCase) -> JudgedCase:
     """The same case with rigid panels that nothing moves."""
     case = loaded.case
     return replace(
@@ -82,7 +82,7 @@ def still(loaded: LoadedCase) -> LoadedCase:
     )
 
 
-def bench(loaded: LoadedCase, intervals: int, settling: int = 0) -> Table:
+def bench(loaded: JudgedCase, intervals: int, settling: int = 0) -> Table:
     """Runs about ``intervals`` sync intervals of both, after ``settling`` that do not count; the
     table says what each part took."""
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
-from orchestrator.preflight.levels import LoadedCase, load
 from tests.bench.coupling import Runner
 from tests.bench.loaded import loaded_by
 
@@ -34,8 +34,8 @@ class Asked:
     level: str | None
     overrides: tuple[str, ...]
 
-    def load(self, *more: str) -> LoadedCase:
-        return load(self.case, self.level, [*self.overrides, *more])
+    def load_judged(self, *more: str) -> JudgedCase:
+        return load_judged(self.case, self.level, [*self.overrides, *more])
 
     def loads(self, *more: str) -> frozenset[str]:
         """Adapters and packages."""
@@ -81,7 +81,7 @@ class Timed:
         return self.parts_s.get(part, 0.0)
 
 
-def _timed(cases: Sequence[LoadedCase], intervals: int) -> list[Timed]:
+def _timed(cases: Sequence[JudgedCase], intervals: int) -> list[Timed]:
     """Machines side by side, after a block that does not count."""
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
         runners = [Runner(case, Path(scratch) / str(number)) for number, case in enumerate(cases)]

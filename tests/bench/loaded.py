@@ -15,7 +15,7 @@ from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 
 LARGE = ("dolfinx", "petsc4py", "ufl", "exudyn", "mpi4py", "gmsh", "pyvista", "matplotlib")
 
@@ -28,7 +28,7 @@ def loaded_by(case: Path, level: str, overrides: Sequence[str]) -> frozenset[str
 
 
 def _main(case: str, level: str, *overrides: str) -> None:
-    found = load(Path(case), level or None, overrides)
+    found = load_judged(Path(case), level or None, overrides)
     with tempfile.TemporaryDirectory(prefix="flipflow-loaded-") as scratch:
         machine = build(found, Path(scratch), None, Stopwatch())
         first = Interval(0, found.case.coupling.sync_interval_s)

@@ -10,7 +10,7 @@ import pytest
 from orchestrator.case.bed.contact_times import contact_moduli, reduced_modulus_Pa
 from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.tables.case import Case
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import Criterion, read_criteria
 from tests.benchmarks import closed_forms as known
@@ -20,7 +20,7 @@ G = known.G_M_PER_S2
 
 
 def case(name: str, *sets: str) -> Case:
-    return load(FOLDER / name, None, sets).case
+    return load_judged(FOLDER / name, None, sets).case
 
 
 def row(name: str, run: str, words: str) -> Criterion:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import mistakes
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 
 CASE = """
 title = "a test"
@@ -96,9 +96,9 @@ def written(folder: Path, case: str = CASE, **levels: str) -> Path:
     return folder
 
 
-def loaded(folder: Path, overrides: Sequence[str] = (), level: str | None = None) -> LoadedCase:
+def loaded(folder: Path, overrides: Sequence[str] = (), level: str | None = None) -> JudgedCase:
     """The test case with some keys changed."""
-    return load(written(folder), level, overrides)
+    return load_judged(written(folder), level, overrides)
 
 
 def complaints(folder: Path, *overrides: str) -> list[str]:

@@ -14,7 +14,7 @@ from orchestrator.case.deck.surface_grids import surface_grids
 from orchestrator.case.planning.panel_meshes import mesh_sizes
 from orchestrator.cli.overview import overview
 from orchestrator.ports.geometry import Apertures, Rectangle
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, complaints, loaded, only_complaint, written
 
 FFS0827 = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)
@@ -184,7 +184,7 @@ def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
     """Whatever the surface is made of, the plan has them: stiffness and mass are the panel's."""
     start, _, rest = CASE.partition("[bed.particles.ball]")
     empty = start + rest[rest.index("[probes.middle]") :]
-    case = load(written(tmp_path, empty), None, [SLOTTED, "panel.surface_cells=[6, 4]"]).case
+    case = load_judged(written(tmp_path, empty), None, [SLOTTED, "panel.surface_cells=[6, 4]"]).case
     assert len(surface_grids(case)["deck"].triangles) == 2 * (6 + 2) * 4
     assert single_panels(case)[0].apertures is not None
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import LONGEST, MOST, CaseError
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, LEVEL, complaints, only_complaint, written
 
 
 def refusal(folder: Path, level: str | None = None) -> str:
     with pytest.raises(CaseError) as refused:
-        load(folder, level)
+        load_judged(folder, level)
     return str(refused.value)
 
 
@@ -42,7 +42,7 @@ def test_what_is_no_case(tmp_path: Path, content: bytes, said: str) -> None:
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
     written(tmp_path, "\ufeff" + CASE.replace("\n", "\r\n"))
-    assert load(tmp_path).case.title == "a test"
+    assert load_judged(tmp_path).case.title == "a test"
 
 
 def test_a_level_that_is_no_file(tmp_path: Path) -> None:
@@ -65,17 +65,17 @@ def test_a_level_of_somebody_else(tmp_path: Path) -> None:
     (folder / "levels/link.toml").symlink_to("../../secret.toml")
     (folder / "levels/own-link.toml").symlink_to("own.toml")
     assert "link.toml: is a link to a file outside of the case's folder" in refusal(folder, "link")
-    assert load(folder, "own-link").case.panel.solver == "strip"
+    assert load_judged(folder, "own-link").case.panel.solver == "strip"
     for level in ("../../secret", "/etc/passwd", "x" * 5000, "nul\0", ""):
         with pytest.raises(CaseError, match="no level") if level else pytest.raises(CaseError):
-            load(folder, level or "none")
+            load_judged(folder, level or "none")
 
 
 def test_a_case_may_be_reached_by_a_link(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(written(tmp_path / "case", draft=LEVEL))
     (tmp_path / "file.toml").symlink_to("case/case.toml")
     for path in (tmp_path / "link", tmp_path / "file.toml"):
-        assert load(path, "draft").folder == tmp_path / "case"
+        assert load_judged(path, "draft").folder == tmp_path / "case"
 
 
 @pytest.mark.parametrize("word", ["\x1b]0;owned\x07", "\x00", "\u202egpj.exe", "a\nb", "\ud800"])
@@ -90,7 +90,7 @@ def test_messages_have_nothing_that_a_terminal_obeys(tmp_path: Path, word: str) 
 
 def refusal_lines(folder: Path, override: str) -> list[str]:
     try:
-        load(folder, None, [override])
+        load_judged(folder, None, [override])
     except CaseError as error:
         return str(error).splitlines()
     return []

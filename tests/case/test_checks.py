@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import mistakes, warnings
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.stability import plain
 from orchestrator.preflight.stability.choice import settled_card
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
@@ -143,7 +143,7 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     ]
 
     def said(*overrides: str) -> list[str]:
-        return [str(mistake) for mistake in mistakes(load(folder, None, [*given, *overrides]))]
+        return [str(mistake) for mistake in mistakes(load_judged(folder, None, [*given, *overrides]))]
 
     assert said() == []  # exudyn: one driven without a mass, one free that hangs on it
     assert said("frames.solver=prescribed") == []
@@ -162,7 +162,7 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
 
 def test_exudyn_may_drive_every_frame() -> None:
     case = Path(__file__).parents[2] / "cases" / "bushing-hysteresis"
-    assert mistakes(load(case, "draft", ["frames.solver=exudyn"])) == []
+    assert mistakes(load_judged(case, "draft", ["frames.solver=exudyn"])) == []
 
 
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
@@ -184,7 +184,7 @@ def test_a_feed_may_stand_on_a_panel(tmp_path: Path) -> None:
 
 def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
     folder = written(tmp_path, CASE.replace("tension_m = 0.002", ""))
-    (said,) = mistakes(load(folder))
+    (said,) = mistakes(load_judged(folder))
     assert said.what == "missing"
     assert said.hint == "give tension_m or span_m"
 

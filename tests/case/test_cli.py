@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from orchestrator.cli import launch
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import mistakes, warnings
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, LEVEL, written
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -101,7 +101,7 @@ ACCEPTED = ("coal: ",)  # what their READMEs say of fines
 
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) -> None:
-    found = load(CASES / case, level)
+    found = load_judged(CASES / case, level)
     assert mistakes(found) == []
     accepted = ACCEPTED if case in UNDER_COAL else ()
     assert [said for said in warnings(found) if not said.startswith(accepted)] == []

@@ -12,7 +12,7 @@ from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.planning import material_numbers
 from orchestrator.output.records.run_folder import resolved_case
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written
 from tests.case.test_apertures import SLOTTED
 
@@ -23,9 +23,9 @@ COARSE = "particles.coarse_graining=2.0"
 WET = "contacts.1.work_of_adhesion_J_per_m2=0.3"
 
 
-def of(folder: Path, *overrides: str) -> LoadedCase:
+def of(folder: Path, *overrides: str) -> JudgedCase:
     """The test case without its ball."""
-    return load(written(folder, CASE.replace(BALL, "")), None, overrides)
+    return load_judged(written(folder, CASE.replace(BALL, "")), None, overrides)
 
 
 def test_mass_stays_and_numbers_fall(tmp_path: Path) -> None:
@@ -56,7 +56,7 @@ def test_the_resolved_case_is_the_same_case(tmp_path: Path) -> None:
     (tmp_path / "again").mkdir()
     text = tomli_w.dumps(resolved_case(first))
     (tmp_path / "again" / "case.toml").write_text(text, encoding="utf-8")
-    again = load(tmp_path / "again")
+    again = load_judged(tmp_path / "again")
     assert again.case.bed == first.case.bed  # and not coarser still
     assert again.case.contacts == first.case.contacts
     assert resolved_case(again) == resolved_case(first)

@@ -14,7 +14,7 @@ from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
 from orchestrator.case.tables.quantities import Table
 from orchestrator.preflight.bed_cost import THICK, bed_cost
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_parts_s, predicted_range_s
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, written
 from tests.cost_series import IN_THE_SUITE, compared
 from tests.runs.outside import ROOT
@@ -45,7 +45,7 @@ def sphere_kg(diameter_m: float) -> float:
 
 def test_a_feed_fills_the_deck_until_as_much_leaves(tmp_path: Path) -> None:
     """0.05 and 0.15 kg/s of two sizes; each stays 0.302 m / (0.34 m/s)."""
-    case = load(written(tmp_path, CASE + FEED), None, [f"duration_s={DURATION_S}"]).case
+    case = load_judged(written(tmp_path, CASE + FEED), None, [f"duration_s={DURATION_S}"]).case
     found = bed_cost(case, 0, THICK)
     rate = 0.05 / sphere_kg(0.004) + 0.15 / sphere_kg(0.008)
     assert found.most == pytest.approx(rate * STAY_S, rel=1e-9)
@@ -58,14 +58,14 @@ def test_a_feed_fills_the_deck_until_as_much_leaves(tmp_path: Path) -> None:
 
 def test_who_is_there_at_the_start_leaves_where_there_are_exits(tmp_path: Path) -> None:
     sets = [f"duration_s={DURATION_S}", "bed.feeds.coal.start_s=3.9999"]
-    leaving = bed_cost(load(written(tmp_path / "one", CASE + FEED), None, sets).case, 1000, THICK)
+    leaving = bed_cost(load_judged(written(tmp_path / "one", CASE + FEED), None, sets).case, 1000, THICK)
     assert leaving.most == 1000
     assert leaving.mean == pytest.approx(1000 * STAY_S / DURATION_S, rel=2e-3)
-    assert bed_cost(load(written(tmp_path / "two"), None, []).case, 1000, THICK).mean == 1000
+    assert bed_cost(load_judged(written(tmp_path / "two"), None, []).case, 1000, THICK).mean == 1000
 
 
 def predicted(*sets: str, name: str = "quickstart", level: str = "draft") -> dict[str, float]:
-    case = load(ROOT / "cases" / name, level, list(sets)).case
+    case = load_judged(ROOT / "cases" / name, level, list(sets)).case
     return predicted_parts_s(case, particles_at_start(case))
 
 
@@ -96,7 +96,7 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
     parts = predicted("particles.solver=none", "frames.solver=planar")
     assert parts["particles"] == 0.0
     assert min(parts[name] for name in ("start", "panel", "frames", "output", "rest")) > 0.1
-    fed = load(ROOT / "cases/ffs0827-slice", "draft").case
+    fed = load_judged(ROOT / "cases/ffs0827-slice", "draft").case
     thin, thick = predicted_range_s(fed, 0)
     assert 0.0 < thin["particles"] < thick["particles"]
     assert thin["frames"] == thick["frames"]

@@ -11,7 +11,7 @@ import pytest
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, walls
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import mistakes
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from tests.case.cases import CASE, written
 
 BEFORE, AFTER = CASE.split("[screen.panels.deck]")
@@ -58,8 +58,8 @@ ROOM = "domain_m=[[-1, -1, -3], [3, 1, 2]]"
 INCLINED = "screen.inclination_deg=17.0"
 
 
-def deck(folder: Path, *overrides: str) -> LoadedCase:
-    return load(written(folder, BEFORE + DECK), None, [ROOM, INCLINED, *overrides])
+def deck(folder: Path, *overrides: str) -> JudgedCase:
+    return load_judged(written(folder, BEFORE + DECK), None, [ROOM, INCLINED, *overrides])
 
 
 def ends_m(panel: SinglePanel) -> tuple[np.ndarray, np.ndarray]:

@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.overlays import Layers
+from orchestrator.case.load import validated
 from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import judged
-from orchestrator.preflight.levels import load, validated
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 from tests.case.mutations import ROOT
 
@@ -65,7 +66,7 @@ def test_any_dictionary_is_a_case_or_a_case_error(table: dict[str, Any]) -> None
 def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: Any, tmp_path: Path) -> None:
     """The bare case is good; one key of it gets any value."""
     folder = written(tmp_path, draft=LEVEL)
-    bare = load(folder, "draft")
+    bare = load_judged(folder, "draft")
     with suppress(CaseError):
         bare.layers.lay(nested(key, value), "--set")
         found = mistakes(replace(bare, case=validated(bare.layers)))
@@ -76,8 +77,8 @@ def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: An
 def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tmp_path: Path) -> None:
     """Warnings are errors in tests, so that an overflow would show."""
     folder = written(tmp_path, draft=LEVEL)
-    for key in keys(load(folder, "draft", [BLOCK, FEED]).layers.merged)[1:]:
-        found = load(folder, "draft", [BLOCK, FEED])
+    for key in keys(load_judged(folder, "draft", [BLOCK, FEED]).layers.merged)[1:]:
+        found = load_judged(folder, "draft", [BLOCK, FEED])
         with suppress(CaseError):
             found.layers.lay(nested(key, value), "--set")
             spoilt = replace(found, case=validated(found.layers))
@@ -89,9 +90,9 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tm
 @pytest.mark.parametrize("value", [1e300, -1e300, 5e-324])
 def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
     folder = ROOT / "cases" / "ffs0827-effects"
-    deck = load(folder, "draft").layers.merged["screen"]["decks"]["deck"]
+    deck = load_judged(folder, "draft").layers.merged["screen"]["decks"]["deck"]
     for key in keys(deck, ("screen", "decks", "deck"))[1:]:
-        found = load(folder, "draft")
+        found = load_judged(folder, "draft")
         with suppress(CaseError):
             found.layers.lay(nested(key, value), "--set")
             mistakes(replace(found, case=validated(found.layers)))
@@ -102,4 +103,4 @@ def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
 def test_any_text_in_a_file_and_on_the_command_line(text: str, override: str, tmp_path: Path) -> None:
     for case, overrides in ((text, ()), (CASE, (override,))):
         with suppress(CaseError):
-            load(written(tmp_path, case.encode("utf-8", "ignore").decode()), None, overrides)
+            load_judged(written(tmp_path, case.encode("utf-8", "ignore").decode()), None, overrides)

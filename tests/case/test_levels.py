@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import mistakes
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, LEVEL, complaints, loaded, only_complaint, written
 
 DEFAULT = 'default_level = "fine"\n'
@@ -17,24 +17,24 @@ FINE = "[panel]\ncells = [44, 16]\n"
 
 def refused(folder: Path, level: str | None = None, *overrides: str) -> str:
     with pytest.raises(CaseError) as caught:
-        load(folder, level, overrides)
+        load_judged(folder, level, overrides)
     return str(caught.value)
 
 
 def test_a_level_overlays_the_case_and_set_overlays_the_level(tmp_path: Path) -> None:
     folder = written(tmp_path, draft=LEVEL, fine=FINE)
-    assert load(folder, "draft").case.panel.solver == "strip"
-    assert load(folder, "draft", ["panel.solver=rigid"]).case.panel.solver == "rigid"
-    assert load(folder, "fine").case.panel.cells == (44, 16)
-    assert load(folder, "fine").case.panel.solver == "sheet"
+    assert load_judged(folder, "draft").case.panel.solver == "strip"
+    assert load_judged(folder, "draft", ["panel.solver=rigid"]).case.panel.solver == "rigid"
+    assert load_judged(folder, "fine").case.panel.cells == (44, 16)
+    assert load_judged(folder, "fine").case.panel.solver == "sheet"
 
 
 def test_the_level_is_the_one_asked_for_or_the_default_or_the_only_one(tmp_path: Path) -> None:
-    assert load(written(tmp_path)).level == ""
-    assert load(written(tmp_path, draft=LEVEL)).level == "draft"
-    assert load(written(tmp_path, fine=FINE)).level == ""
-    assert load(written(tmp_path, DEFAULT + CASE)).level == "fine"
-    assert load(tmp_path / "case.toml", "draft").level == "draft"
+    assert load_judged(written(tmp_path)).level == ""
+    assert load_judged(written(tmp_path, draft=LEVEL)).level == "draft"
+    assert load_judged(written(tmp_path, fine=FINE)).level == ""
+    assert load_judged(written(tmp_path, DEFAULT + CASE)).level == "fine"
+    assert load_judged(tmp_path / "case.toml", "draft").level == "draft"
 
 
 def test_an_unknown_level_is_refused_with_the_nearest(tmp_path: Path) -> None:
@@ -128,8 +128,8 @@ def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, said
 def test_particles_need_something_to_touch(tmp_path: Path) -> None:
     bare = CASE.partition("[screen.panels.deck]")[0]
     ball = "[bed.particles.ball]\nposition_m = [0, 0, 0]\ndiameter_m = 0.02\nmaterial = 'coal'\n"
-    assert mistakes(load(written(tmp_path, bare))) == []
-    (complaint,) = mistakes(load(written(tmp_path, bare + ball)))
+    assert mistakes(load_judged(written(tmp_path, bare))) == []
+    (complaint,) = mistakes(load_judged(written(tmp_path, bare + ball)))
     assert "screen.panels: missing: there is nothing for particles to touch" in str(complaint)
 
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import RENAMED, CaseError
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, written
 
 
 def complaints(folder: Path, text: str) -> list[str]:
     with pytest.raises(CaseError) as refused:
-        load(written(folder, text))
+        load_judged(written(folder, text))
     return [str(problem) for problem in refused.value.mistakes]
 
 

@@ -12,7 +12,7 @@ from orchestrator.case.file import slice_surfaces
 from orchestrator.case.file.slice import share
 from orchestrator.case.planning import panel_plans, particles_plan
 from orchestrator.preflight.check import warnings
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import BLOCK, FEED, loaded, only_complaint
 
 # the test case's deck is 0.2 m wide, from y = 0; its ball is at y = 0.1
@@ -125,7 +125,7 @@ def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
     from tests.case.cases import CASE, written
 
     narrow = 'without = ["full-width"]\n[slice]\nwidth_m = 0.1\n'
-    assert load(written(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
+    assert load_judged(written(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
 
 
 @pytest.mark.parametrize(

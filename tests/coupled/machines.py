@@ -15,7 +15,7 @@ from orchestrator.coupling.schemes import scheme as coupling
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import ParticleSnapshot
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 
 
 @dataclass
@@ -55,15 +55,15 @@ class Coupled:
         return {name: value for name, value in self.ledger.energy_J().items() if name.startswith(book)}
 
 
-def written(folder: Path, case: str, overrides: Sequence[str] = ()) -> LoadedCase:
+def written(folder: Path, case: str, overrides: Sequence[str] = ()) -> JudgedCase:
     """The case of the text ``case`` with some keys changed, loaded but not checked."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "case.toml").write_text(case)
-    return load(folder, None, overrides)
+    return load_judged(folder, None, overrides)
 
 
 @contextmanager
-def opened(loaded: LoadedCase) -> Iterator[Coupled]:
+def opened(loaded: JudgedCase) -> Iterator[Coupled]:
     """The machine of a case, before anything has moved."""
     machine = build(loaded, loaded.folder, None, Stopwatch())
     try:

@@ -9,7 +9,7 @@ import pytest
 from orchestrator.case.deck.panels import axes
 from orchestrator.ports import Array
 from orchestrator.preflight.check import mistakes
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
 
@@ -30,7 +30,7 @@ velocity_m_per_s = [0.0, 0.0, -0.5]
 """
 
 
-def over_the_deck_m(loaded: LoadedCase, position_m: Array) -> Array:
+def over_the_deck_m(loaded: JudgedCase, position_m: Array) -> Array:
     """Height normal to the deck."""
     return position_m @ axes(loaded.case)[:, 2]
 

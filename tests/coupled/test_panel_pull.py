@@ -12,7 +12,7 @@ from orchestrator.coupling.metered import Stopwatch
 from orchestrator.coupling.schemes import scheme as coupling
 from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.ports.clock import intervals
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 
 CASE = Path(__file__).parents[2] / "cases/panel-cycle"
 AMPLITUDE_M, SPEED_RAD_S, INTERVAL_S = 5.9e-3, 78.5, 4e-4
@@ -27,7 +27,7 @@ SETS = (
 
 def pull_N_per_m(tension_m: float, folder: Path) -> float:
     """Real part of (force of the moving clamp) / (its displacement), over four cycles."""
-    loaded = load(CASE, "draft", [*SETS, f"screen.panels.deck.tension_m={tension_m}"])
+    loaded = load_judged(CASE, "draft", [*SETS, f"screen.panels.deck.tension_m={tension_m}"])
     machine = build(loaded, folder, None, Stopwatch())
     moving = np.array([frame == "moving" for frame in machine.solvers.panel.mount.frame])
     state = coupling.initial_state(machine.solvers)

@@ -14,9 +14,9 @@ from typer.testing import CliRunner
 
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records.summary import write_summary
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import Judged
 from orchestrator.preflight.judgement.pair import Change
-from orchestrator.preflight.levels import load
 from orchestrator.preflight.scene.effect import Part, Verdict
 from orchestrator.studies import points as sweep
 from tests.effect_bank import bank as banks
@@ -178,7 +178,7 @@ def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     assert not kinds["panel-damping"].materials["PU"].hyperelastic.maxwell
     assert kinds["panel-damping"].panel == kinds[""].panel
     assert kinds["run-up"].screen.frames["moving"].drive.run_up_s == 0.0
-    assert load(CASES / "panel-cycle", "draft").case.screen.frames["moving"].drive.run_up_s > 0
+    assert load_judged(CASES / "panel-cycle", "draft").case.screen.frames["moving"].drive.run_up_s > 0
 
 
 def summary(value: float | None, half_width: float | None = None) -> dict[str, Any]:

@@ -17,8 +17,8 @@ from orchestrator.studies.accuracy.points import seeded
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.cost import particles_at_start, predicted_s
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
-from orchestrator.preflight.levels import LoadedCase, load
 from orchestrator.studies import points as sweep
 from orchestrator.studies.points import sample_s
 from tests.effect_bank.bank import Scene
@@ -60,7 +60,7 @@ class Tried:
 
     name: str
     scene: Scene
-    loaded: LoadedCase
+    loaded: JudgedCase
     trials: tuple[Trial, ...]
 
 
@@ -85,7 +85,7 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
     itself is wrong; what is only wrong without an effect is said in the trial.
     """
     case = folder / scene.case
-    sets = _sets(load(case, scene.level, scene.sets), scene)
+    sets = _sets(load_judged(case, scene.level, scene.sets), scene)
     first = _trial(name, AS_IT_IS, case, scene, sets, out)
     loaded = first.runs[0].loaded
     here = [one for one in EFFECTS if present(loaded.described, one)]
@@ -104,7 +104,7 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
 def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path) -> Trial:
     """Raises CaseError."""
     whole = f"{name}-without-{without}" if without else name
-    bare = load(case, scene.level, sets).case
+    bare = load_judged(case, scene.level, sets).case
     runs = tuple(
         sweep.point(
             case,
@@ -118,7 +118,7 @@ def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str
     return Trial(name, without, runs, predicted_s(bare, particles_at_start(bare)))
 
 
-def _sets(loaded: LoadedCase, scene: Scene) -> list[str]:
+def _sets(loaded: JudgedCase, scene: Scene) -> list[str]:
     """``--set`` overlays of all runs of a scene: no pictures and saves, and rows as often as
     accelerations to 500 Hz need them, unless the scene says otherwise."""
     quiet = {

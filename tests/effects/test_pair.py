@@ -15,7 +15,7 @@ from orchestrator.cli.main import app
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, agree, changed, key_of, remember, remembered
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import pairs
 from orchestrator.studies.pairs import tried
 from tests.case.cases import CASE, loaded, written
@@ -77,13 +77,13 @@ def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
 
 def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
     folder = written(tmp_path / "case", CASE)
-    read = load(folder).origin.read()
+    read = load_judged(folder).origin.read()
     assert remembered(key_of(read, "adhesion")) is None
     remember(key_of(read, "adhesion"), Pair("adhesion", "draft", ("a=1",), "", 2.0))
     assert remembered(key_of(read, "adhesion")) == Pair("adhesion", "draft", ("a=1",), "", 2.0)
-    other = load(folder, None, ["duration_s=0.04"]).origin.read()
+    other = load_judged(folder, None, ["duration_s=0.04"]).origin.read()
     assert key_of(other, "adhesion") != key_of(read, "adhesion")
-    asked = load(folder, None, ["effects=auto"]).origin.read()
+    asked = load_judged(folder, None, ["effects=auto"]).origin.read()
     assert key_of(asked, "adhesion") == key_of(read, "adhesion")
 
 
@@ -152,7 +152,7 @@ def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.Monke
 def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What another rank has in its own memory does not count."""
     monkeypatch.setattr(pair, "_AGREED", {})
-    read = load(written(tmp_path / "agreed", CASE)).origin.read()
+    read = load_judged(written(tmp_path / "agreed", CASE)).origin.read()
     mine, agreed = key_of(read, "wear"), key_of(read, "adhesion")
     remember(mine, Pair("wear"))
     agree({mine: None, agreed: Pair("adhesion")})

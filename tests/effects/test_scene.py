@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.case import Probe
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import Scene, scene
 from orchestrator.preflight.scene.shaking import Shaking, shakings
 from tests.case.cases import BLOCK, FEED, loaded, written
@@ -20,7 +20,7 @@ CASES = Path(__file__).parents[2] / "cases"
 
 
 def driven(folder: Path, *overrides: str) -> Scene:
-    return scene(load(written(folder, DRIVEN_CASE), None, overrides).case)
+    return scene(load_judged(written(folder, DRIVEN_CASE), None, overrides).case)
 
 
 def test_a_driven_panel_by_hand(tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_one_ball_weighs_on_the_place_where_it_lies(tmp_path: Path) -> None:
 def test_the_published_machine_is_estimated_within_a_fifth() -> None:
     """Xu et al. 2024: relative amplitude 5.9 mm; the panels of cases/ffs0827-empty sag by about
     25 mm under it.  The sine arch over 5.9 mm alone gives 26.8."""
-    found = scene(load(CASES / "ffs0827-empty", "study").case)
+    found = scene(load_judged(CASES / "ffs0827-empty", "study").case)
     for panel in found.panels:
         assert panel.stroke_m == pytest.approx(5.9e-3, rel=0.2)
         assert panel.sag_m == pytest.approx(25e-3, rel=0.2)
@@ -90,14 +90,14 @@ def test_the_published_machine_is_estimated_within_a_fifth() -> None:
 
 def test_the_empty_machine_is_estimated_within_a_tenth() -> None:
     """Run at both levels: strips 6.00, sheets 5.82 mm of relative amplitude."""
-    for panel in scene(load(CASES / "empty-machine", "draft").case).panels:
+    for panel in scene(load_judged(CASES / "empty-machine", "draft").case).panels:
         assert panel.stroke_m == pytest.approx(5.91e-3, rel=0.1)
 
 
 def test_the_published_machine_pitches_as_its_points_say() -> None:
     """Six freedoms with panels as springs against the coupled run at level draft (its README):
     amplitudes normal to the deck at both ends of both frames, within 4 %."""
-    found = scene(load(CASES / "ffs0827-empty", "draft").case)
+    found = scene(load_judged(CASES / "ffs0827-empty", "draft").case)
     (motion,) = shakings(found.plan, found.springs, None, 6)
     run_mm = {"point-1": 3.89, "point-3": 4.33, "point-4": 4.70, "point-6": 5.36}
     for name, wanted_mm in run_mm.items():
@@ -117,7 +117,7 @@ def _normal_m(found: Scene, motion: Shaking, probe: Probe) -> float:
 def test_a_slice_moves_as_the_whole_machine_but_for_the_panels_margins() -> None:
     """Everything extensive is shared out.  The slots of a slice leave no margins at its sides, so
     that its panels are 5 % softer per width; the stroke is then 5 % larger."""
-    whole = scene(load(CASES / "ffs0827-empty", "draft").case)
-    part = scene(load(CASES / "ffs0827-slice", "study").case)
+    whole = scene(load_judged(CASES / "ffs0827-empty", "draft").case)
+    part = scene(load_judged(CASES / "ffs0827-slice", "study").case)
     assert part.panels[0].stroke_m == pytest.approx(whole.panels[0].stroke_m, rel=0.06)
     assert part.frames_throw == pytest.approx(whole.frames_throw, rel=0.01)

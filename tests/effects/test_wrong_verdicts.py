@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.scalars import SCALARS
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember
 from orchestrator.preflight.judgement.weighing import doubted, weighed
-from orchestrator.preflight.levels import load
 from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.moved_panel import stiffness_share
 from orchestrator.preflight.scene.scene import scene
@@ -45,7 +45,7 @@ ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
 
 def of(case: str, *sets: str, level: str | None = "draft") -> dict[str, Judged]:
     """What is said of a shipped case, by effect."""
-    described = load(CASES / case, level, sets).described
+    described = load_judged(CASES / case, level, sets).described
     return {one.effect: one for rows in weighed(described).values() for one in rows}
 
 
@@ -54,7 +54,7 @@ def test_taut_mats_that_hold_the_frames_together_are_not_left_out() -> None:
     found = of("ffs0827-empty", *TAUT)["panel-deformation"]
     assert found.verdict.matters is True
     assert found.verdict.value == pytest.approx(31.8 / 3.58 - 1, rel=0.01)
-    auto = load(CASES / "ffs0827-empty", "draft", [*TAUT, "effects=auto"])
+    auto = load_judged(CASES / "ffs0827-empty", "draft", [*TAUT, "effects=auto"])
     assert auto.case.panel.solver == "strip"
     assert "panel-deformation" not in auto.left_out
 
@@ -64,19 +64,19 @@ def test_openings_that_soften_the_mats_are_not_left_out() -> None:
     found = of("ffs0827-empty", ACROSS)["apertures"]
     assert found.verdict.matters is True
     assert "change of the stroke" in found.verdict.number
-    auto = load(CASES / "ffs0827-empty", "draft", [ACROSS, "effects=auto"])
+    auto = load_judged(CASES / "ffs0827-empty", "draft", [ACROSS, "effects=auto"])
     assert "apertures" not in auto.left_out
 
 
 @pytest.mark.parametrize("speed_share", [1.0, 0.9, 0.5])
 def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share: float) -> None:
     """Brute force at resonance: 1.5 mm without panel-deformation instead of 11.8."""
-    case = load(written(tmp_path, DRIVEN_CASE), None, ONE_MAT).case
+    case = load_judged(written(tmp_path, DRIVEN_CASE), None, ONE_MAT).case
     mat = {one.effect: one for rows in judged(case).values() for one in rows}["panel-inertia"]
     assert mat.verdict.value is not None
     own_rad_per_s = 80.0 / mat.verdict.value**0.5
     turns = f"screen.frames.driving.drive.speed_rad_per_s={speed_share * own_rad_per_s}"
-    there = load(tmp_path, None, [*ONE_MAT, turns, "effects=auto"])
+    there = load_judged(tmp_path, None, [*ONE_MAT, turns, "effects=auto"])
     deforms = EFFECTS["panel-deformation"].judge(scene(there.described))
     assert deforms is not None
     assert deforms.value is not None
@@ -92,7 +92,7 @@ def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share:
 def test_a_motor_that_a_resonance_may_catch_is_not_left_out() -> None:
     """Brute force: caught at the resonance with 200 W; a strong one passes."""
     assert of("motor-start", WEAK)["motor-slip"].verdict.matters is True
-    auto = load(CASES / "motor-start", "draft", [WEAK, "effects=auto"])
+    auto = load_judged(CASES / "motor-start", "draft", [WEAK, "effects=auto"])
     assert "motor-slip" not in auto.left_out
     assert of("motor-start")["motor-slip"].verdict.matters is None, "900 W: 0.54 of the torque"
     strong = WEAK.replace("200.0", "2000.0")
@@ -104,7 +104,7 @@ def test_removal_and_feed_stay_where_material_may_reach_the_exits() -> None:
     found = of("ffs0827-slice", "duration_s=0.7", level=None)
     assert found["removal"].verdict.matters is None
     assert found["feed"].verdict.matters is True
-    auto = load(CASES / "ffs0827-slice", None, ["duration_s=0.7", "effects=auto"])
+    auto = load_judged(CASES / "ffs0827-slice", None, ["duration_s=0.7", "effects=auto"])
     assert not {"feed", "removal"} & set(auto.left_out)
 
 
@@ -151,7 +151,7 @@ def test_nothing_is_left_out_that_something_needs(
 ) -> None:
     found = of(case, *sets, level=level)
     for one in found.values():
-        along = taken_along(load(CASES / case, level, sets).described, one.effect)
+        along = taken_along(load_judged(CASES / case, level, sets).described, one.effect)
         others = [
             other for other in found.values() if one.effect in needs_of(other.effect) or other.effect in along
         ]
@@ -169,7 +169,7 @@ def test_an_estimate_near_its_threshold_does_not_decide() -> None:
 
 def test_a_run_without_openings_says_the_same_of_them() -> None:
     """Its panels are stiffer by what openings take; with them the stroke would be as estimated."""
-    estimated = scene(load(CASES / "ffs0827-empty", "draft", [ACROSS]).described)
+    estimated = scene(load_judged(CASES / "ffs0827-empty", "draft", [ACROSS]).described)
     before = EFFECTS["apertures"].judge(estimated)
     whole = tuple(
         replace(
@@ -199,7 +199,7 @@ def test_auto_takes_what_two_runs_said_and_asks_no_more(
     results that the case is for; another case does not have it."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     sets = ["effects=auto", 'effects_for=["stroke"]']
-    name, before = "motor-slip", load(CASES / "motor-start", "draft", sets)
+    name, before = "motor-slip", load_judged(CASES / "motor-start", "draft", sets)
     assert name not in before.left_out
     assert name in before.choice.undecided
     assert "panel-damping" not in before.choice.undecided, "an estimate says that it matters"
@@ -210,13 +210,13 @@ def test_auto_takes_what_two_runs_said_and_asks_no_more(
 
     pair = Pair(name, summary_with=run(0.006), summary_without=run(0.0061))
     remember(key_of(before.origin.read(), name), pair)
-    after = load(CASES / "motor-start", "draft", sets)
+    after = load_judged(CASES / "motor-start", "draft", sets)
     assert name in after.left_out
     assert name not in after.choice.undecided
     entry = account(after.described, after.left_out, after.choice.pairs, after.choice.asked)[name]
     assert entry.before is not None
     assert entry.before.measured
-    other = load(CASES / "motor-start", "draft", [*sets, "duration_s=0.3"])
+    other = load_judged(CASES / "motor-start", "draft", [*sets, "duration_s=0.3"])
     assert name not in other.left_out
 
 
@@ -233,7 +233,7 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
         return {"results": {"motion": motion}}
 
     pair = Pair("sideways-motion", summary_with=run(0.006), summary_without=run(0.00606))
-    described = load(CASES / "ffs0827-empty", "draft").described
+    described = load_judged(CASES / "ffs0827-empty", "draft").described
     rows = weighed(described, {"sideways-motion": pair}, ("stroke",))
     found = next(one for one in rows["frames"] if one.effect == "sideways-motion")
     assert found.verdict.measured
@@ -274,7 +274,7 @@ def test_brute_force_of_the_stroke(
 ) -> None:
     """The same run with and without the effect, over all of the case's 1.6 s."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    found = Pairs(limit_s=600.0).of(load(CASES / case, "draft", sets), effect)
+    found = Pairs(limit_s=600.0).of(load_judged(CASES / case, "draft", sets), effect)
     assert found.refused == ""
     change = found.change("stroke")
     assert change is not None
@@ -284,7 +284,7 @@ def test_brute_force_of_the_stroke(
 
 def asked_of(names: Sequence[str], case: str, *sets: str) -> dict[str, Judged]:
     """What is said of a shipped case at level draft, by effect, for some results."""
-    described = load(CASES / case, "draft", sets).described
+    described = load_judged(CASES / case, "draft", sets).described
     rows = (one for rows in weighed(described, asked=names).values() for one in rows)
     return {one.effect: doubted(one) for one in rows}
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import Judged, judged
-from orchestrator.preflight.levels import LoadedCase, load
 from tests.case.cases import CASE, loaded, written
 
 APERTURES = (
@@ -30,7 +30,7 @@ run_up_s = 0.1
 )
 
 
-def by_name(case: LoadedCase) -> dict[str, Judged]:
+def by_name(case: JudgedCase) -> dict[str, Judged]:
     return {one.effect: one for rows in judged(case.case).values() for one in rows}
 
 
@@ -39,7 +39,7 @@ def verdict(folder: Path, effect: str, *overrides: str) -> Judged:
 
 
 def of_driven(folder: Path, effect: str, *overrides: str) -> Judged:
-    return by_name(load(written(folder, DRIVEN_CASE), None, overrides))[effect]
+    return by_name(load_judged(written(folder, DRIVEN_CASE), None, overrides))[effect]
 
 
 def set_contact(row: str) -> str:

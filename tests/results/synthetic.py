@@ -27,7 +27,7 @@ from orchestrator.output.records.snapshots import Series, particle_mesh, surface
 from orchestrator.output.records.summary import write_summary
 from orchestrator.output.records.wear_record import PATCHES
 from orchestrator.ports import Array, Motion, ParticleSnapshot
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5
@@ -73,7 +73,7 @@ def _case(particles: bool, duration_s: float) -> Case:
     name = "quickstart" if particles else "empty-machine"
     sets = [f"duration_s={duration_s}", "screen.surfaces={}", "coupling.sync_interval_s=1e-3"]
     sets += ["output.cut_size_m=0.003"] if particles else []
-    return load(ROOT / "cases" / name, "draft", sets).case
+    return load_judged(ROOT / "cases" / name, "draft", sets).case
 
 
 def moved(case: Case, along_m: float, normal_m: float, time_s: float) -> Array:
@@ -180,7 +180,7 @@ def _events(path: Path, cycles: int) -> None:
     ids = np.arange(1, len(size) + 1)
     left = cycle < cycles - FILLED
     station = np.array([0.1, 0.4, 0.7])[out]
-    case = load(ROOT / "cases/quickstart", "draft").case
+    case = load_judged(ROOT / "cases/quickstart", "draft").case
     position = np.column_stack([station, 0 * station + 0.1, 0 * station]) @ axes(case).T
     tables = {
         "fed": {"id": ids, "time_s": fed_s, "diameter_m": SIZES_M[size], "material": 0 * ids},

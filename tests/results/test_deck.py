@@ -11,7 +11,7 @@ from orchestrator.case.deck.panels import axes
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
 from orchestrator.output.results.run_reader import cut_size_m
 from orchestrator.ports import Array, ParticleSnapshot
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.results.synthetic import ROOT
 
 ACROSS = np.array([0.0, 1.0, 0.0])
@@ -170,10 +170,10 @@ def test_openings_in_the_world() -> None:
     """Two panels of one opening each, at the middle of the span of a taut panel."""
     pattern = "{shape='slot', length_m=0.02, width_m=0.003, pitch_along_m=0.2, pitch_across_m=0.15}"
     sets = [f"screen.panels.deck.apertures={pattern}", "screen.panels.deck.tension_m=0.004"]
-    case = load(ROOT / "cases/quickstart", "draft", sets).case
+    case = load_judged(ROOT / "cases/quickstart", "draft", sets).case
     found = openings_m(case) @ axes(case)  # in deck axes
     assert found == pytest.approx(np.array([[0.152, 0.1, 0.0], [0.338 + 0.152, 0.1, 0.0]]))
     assert cut_size_m(case) == 0.003
-    plain = load(ROOT / "cases/quickstart", "draft").case
+    plain = load_judged(ROOT / "cases/quickstart", "draft").case
     assert openings_m(plain).shape == (0, 3)
     assert cut_size_m(plain) is None

@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.output.records.panel_lines import FoldMonitor, find_fold_m
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, written
 
 
@@ -54,8 +54,8 @@ def test_a_folded_panel_stops_the_run_or_is_said_once(
 ) -> None:
     case = written(tmp_path / "case", CASE)
     with pytest.raises(SolverFailed, match=r"panel deck has folded into itself at t = 0\.5 s"):
-        FoldMonitor(load(case, None, []).case).look(0.5, "deck", hairpin(0.003))
-    watch = FoldMonitor(load(case, None, ["monitor.folded_panels=warn"]).case)
+        FoldMonitor(load_judged(case, None, []).case).look(0.5, "deck", hairpin(0.003))
+    watch = FoldMonitor(load_judged(case, None, ["monitor.folded_panels=warn"]).case)
     with caplog.at_level(logging.WARNING, "flipflow"):
         watch.look(0.5, "deck", hairpin(0.003))
         watch.look(0.6, "deck", hairpin(0.003))

@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from tests.bench.coupling import BLOCK, Runner, bench
 from tests.runs.outside import ROOT
 
@@ -17,7 +17,7 @@ CASE = ROOT / "cases/ball-on-panel"
 
 @pytest.mark.solver
 def test_what_was_before_the_clock_started_does_not_count(tmp_path: Path) -> None:
-    loaded = load(CASE, "draft")
+    loaded = load_judged(CASE, "draft")
     runner = Runner(loaded, tmp_path / "run")
     runner.block()
     runner.forget()
@@ -31,7 +31,7 @@ def test_what_was_before_the_clock_started_does_not_count(tmp_path: Path) -> Non
 
 @pytest.mark.solver
 def test_the_parts_are_shares_of_the_coupled_run() -> None:
-    table = bench(load(CASE, "draft"), BLOCK, settling=BLOCK)
+    table = bench(load_judged(CASE, "draft"), BLOCK, settling=BLOCK)
     names, _, shares = (list(column.cells) for column in table.columns[:3])
     assert shares[0] == ""
     percent = [int(share.removesuffix(" %")) for share in shares[1:]]

@@ -11,7 +11,7 @@ from orchestrator.cli.launch import run
 from orchestrator.coupling.ledger import created_shares, share_created
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import write_summary
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.accuracy.measured import read
@@ -152,7 +152,7 @@ def doubtful(tmp_path: Path) -> sweep.Point:
     """A run that came to its end and is not to be trusted."""
     (tmp_path / "run").mkdir()
     write_summary(tmp_path / "run", {"status": "doubtful"})
-    loaded = load(ROOT / "cases/quickstart", "draft")
+    loaded = load_judged(ROOT / "cases/quickstart", "draft")
     return sweep.Point("1.0", loaded, (), tmp_path / "run")
 
 

@@ -11,7 +11,7 @@ import pytest
 from orchestrator.cli.launch import run
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records import trust
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability import plain, words
 from orchestrator.preflight.stability.bound import Bound, Card
@@ -120,7 +120,7 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
-    bare = load(written(tmp_path, BARE), None, STRIP)
+    bare = load_judged(written(tmp_path, BARE), None, STRIP)
     assert set(by_name(settled_card(bare.case))) == {"carried mass", "extrapolated clamps"}
     assert not list(plain.warnings(settled_card(bare.case)))
 
@@ -199,7 +199,7 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 
     def bounds(*sets: str) -> dict[str, Bound]:
         every = [*sets, "frames.solver=prescribed"]
-        return by_name(settled_card(load(written(tmp_path, DRIVEN), None, every).case))
+        return by_name(settled_card(load_judged(written(tmp_path, DRIVEN), None, every).case))
 
     found = bounds(*RIGID)
     assert set(found) == {"driven surface"}
@@ -233,7 +233,7 @@ def test_every_bound_has_a_designers_words(tmp_path: Path, scheme: str) -> None:
 @pytest.mark.solver
 @pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
-    found = settled_card(load(CASES / "ball-on-panel", "default", overrides).case)
+    found = settled_card(load_judged(CASES / "ball-on-panel", "default", overrides).case)
     assert bool(list(plain.warnings(found))) is warned
     assert found.stable is not None
     assert found.stable.name == "light points"
@@ -241,7 +241,7 @@ def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> No
 
 def test_corners_on_corners_are_nine_times_lighter_than_middles() -> None:
     """Quadratic cells: corners have 1/9 of a cell's mass, its middle has 4/9."""
-    light = load(CASES / "ball-on-panel", "default", COARSE_AND_LIGHT).case
+    light = load_judged(CASES / "ball-on-panel", "default", COARSE_AND_LIGHT).case
     panel = light.screen.panels["deck"]
     cell_kg = 1150 * panel.thickness_m * panel.length_m * panel.width_m / (22 * 12)
     assert lightest_point_kg(light, "deck") == pytest.approx(cell_kg / 9)
@@ -253,7 +253,7 @@ def test_the_lightest_node_of_a_solid_with_openings_stands_at_its_side() -> None
     of these, a node on the panel's free side has 2/36, and 2/3 of that in the middle layer."""
     pattern = "{length_m=0.01, width_m=0.01, pitch_along_m=0.02, pitch_across_m=0.02}"
     sets = ["panel.solver=solid", f"screen.panels.deck.apertures={pattern}"]
-    case = load(CASES / "ball-on-panel", "default", sets).case
+    case = load_judged(CASES / "ball-on-panel", "default", sets).case
     panel = case.screen.panels["deck"]
     expected_kg = 1150 * panel.thickness_m * 5e-3**2 * 2 / 36 * 2 / 3
     assert lightest_point_kg(case, "deck") == pytest.approx(expected_kg)

@@ -9,7 +9,7 @@ import pytest
 
 from orchestrator.ports import BrokenRecord
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.preflight.stability.frame_limits import (
     LARGEST_MASS,
@@ -63,7 +63,7 @@ RIGID = [
 def swings_up(folder: Path, scheme: str, frame_kg: float, interval_s: float) -> bool:
     """Whether a frame under a rigid panel moves ever faster, pushed by the exciter."""
     sets = [*RIGID, f"coupling.scheme={scheme}", f"screen.frames.driving.mass_kg={frame_kg!r}"]
-    with opened(load(folder, None, [*sets, f"coupling.sync_interval_s={interval_s!r}"])) as run:
+    with opened(load_judged(folder, None, [*sets, f"coupling.sync_interval_s={interval_s!r}"])) as run:
         try:
             fastest = np.abs(run.advance(400).clamps.velocity_m_per_s).max()
         except (SolverFailed, BrokenRecord):
@@ -78,7 +78,7 @@ def test_a_rigid_panel_that_is_too_heavy(tmp_path: Path, scheme: str, interval_s
     ratios themselves are 1/3 and 1: measured 0.342 to 0.347, and 0.99 to 1.02 (in 400 intervals a
     frame that is a little too light does not swing up yet)."""
     written(tmp_path, BARE)
-    case = load(tmp_path, None, [*RIGID, "screen.frames.driving.mass_kg=1.0"])
+    case = load_judged(tmp_path, None, [*RIGID, "screen.frames.driving.mass_kg=1.0"])
     frames = frame_matrices(scene(case.case))
     assert frames is not None
     limit_kg = carried_share(frames.mass, frames.carried) / LARGEST_MASS[scheme]

@@ -23,6 +23,12 @@ class Layers:
         self._source: dict[tuple[str, ...], str] = {}
         self.merged: dict[str, Any] = dict(given)
 
+    def copy(self) -> Layers:
+        """The same layers, to lay others over."""
+        twin = Layers(self.merged, self._first)
+        twin._source = dict(self._source)
+        return twin
+
     def lay(self, overlay: Mapping[str, Any], source: str) -> None:
         """None takes a key away.  Raises CaseError when it reaches for an element that a list does
         not have."""

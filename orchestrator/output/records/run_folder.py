@@ -17,7 +17,7 @@ from typing import Any
 import tomli_w
 
 from orchestrator.case.provenance import provenance
-from orchestrator.preflight.levels import LoadedCase
+from orchestrator.preflight.judge import JudgedCase
 
 LOG = logging.getLogger("flipflow")
 HISTORY, SUMMARY, RECORDING = "history.h5", "summary.json", "recording.h5"
@@ -41,7 +41,7 @@ def check_format(file: Path, found: Any, wanted: int) -> None:
         )
 
 
-def create_run_folder(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
+def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
     """Makes the run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case that
     can be run again, with its surfaces beside it) and the provenance.  Raises FolderUnusable."""
     folder = make_folder(out) if out else next_folder(Path("runs"), loaded.name)
@@ -53,7 +53,7 @@ def create_run_folder(loaded: LoadedCase, out: Path | None, world: Any) -> Path:
     return folder
 
 
-def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
+def _fill(folder: Path, loaded: JudgedCase, ranks: int) -> None:
     for name, surface in loaded.case.whole.screen.surfaces.items():
         if surface.stl is not None:
             shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
@@ -63,12 +63,12 @@ def _fill(folder: Path, loaded: LoadedCase, ranks: int) -> None:
     write_json(folder / "provenance.json", provenance(ranks))
 
 
-def write_case(folder: Path, loaded: LoadedCase) -> None:
+def write_case(folder: Path, loaded: JudgedCase) -> None:
     """Writes the resolved case."""
     write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))
 
 
-def resolved_case(loaded: LoadedCase) -> dict[str, Any]:
+def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
     """Returns the case with its level, every ``--set`` and every default, as the run's folder has it."""
     table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():

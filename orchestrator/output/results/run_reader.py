@@ -20,7 +20,7 @@ from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, check_format
 from orchestrator.output.records.summary import SUMMARY_FORMAT
 from orchestrator.ports import Array
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 
 
 class RunReader:
@@ -81,7 +81,7 @@ class RunReader:
     @cached_property
     def case(self) -> Case:
         """The case that was run.  Raises CaseError where it cannot be read."""
-        return load(self.folder / "case.toml").case
+        return load_judged(self.folder / "case.toml").case
 
     @property
     def end_s(self) -> float:

@@ -33,7 +33,7 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.bed_cost import THICK, THIN, bed_cost
 from orchestrator.preflight.cost import in_words
-from orchestrator.preflight.levels import LoadedCase, load
+from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
 from orchestrator.studies.accuracy.measured import parts_s
@@ -160,7 +160,7 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
     return next((model for model in found if not model["sets"]), found[-1] if found else None)
 
 
-def stored(loaded: LoadedCase, given: Path | None) -> Stored | None:
+def stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
     """The study in the file given, or beside the case, or in its usual folder, if it is of this
     case and level; None where there is none.  Raises CaseError for a file that is none."""
     usual = (loaded.folder / NAME, Path("runs") / f"{loaded.name}-accuracy" / NAME)
@@ -284,7 +284,7 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
         wall,
         processor,
         in_parts_s.get("particles", 0.0) / _stepping_s(in_parts_s),
-        filling(load(case, level, study.found["sets"]).case, simulated_s),
+        filling(load_judged(case, level, study.found["sets"]).case, simulated_s),
     )
 
 

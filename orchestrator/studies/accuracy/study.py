@@ -15,7 +15,7 @@ from pathlib import Path
 from orchestrator.case import recording_file
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.levels import NUMERICS, LoadedCase
+from orchestrator.preflight.judge import NUMERICS, JudgedCase
 from orchestrator.studies.accuracy.combinations import (
     BASE,
     CALIBRATION,
@@ -49,7 +49,7 @@ class Listed:
     """What is known before anything is run; ``shared``: ``--set`` overlays of all points."""
 
     asked: Asked
-    loaded: LoadedCase
+    loaded: JudgedCase
     offer: Offer
     shared: tuple[str, ...]
     points: list[Combination]

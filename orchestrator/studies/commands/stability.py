@@ -29,7 +29,7 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import study_folder, write_text
 from orchestrator.output.report.drawing import data_uri, figure
 from orchestrator.output.report.filled import fill_template
-from orchestrator.preflight.levels import load
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import (
     FILE,
@@ -197,7 +197,7 @@ def map_spots(case: Path, out: Path) -> list[Spot]:
     spots = []
     for value in wanted.values:
         sets = [*QUIET, *wanted.sets, f"{wanted.key}={value!r}"]
-        mass_ratio = _bed_over_panels(load(case, None, sets).case)
+        mass_ratio = _bed_over_panels(load_judged(case, None, sets).case)
         for multiple in wanted.multiples:
             interval = interval_sets(case, None, [*sets, f"coupling.scheme={PLAIN}"], multiple)
             for scheme in SCHEMES:

@@ -1,31 +1,32 @@
-"""The case key ``effects``: which of the effects that can be left out a case has.
+"""From a case that was read to the case that will be run: what it leaves out, and why.
 
-Absent: what the case describes.  A list: exactly these.  "auto": what may be left out is.  What is
-left out is so by other keys of the case, which are laid over it before it is read; nothing after
-this knows of ``effects``.
+The case key ``effects`` says which of the effects that can be left out a case has.  Absent: what
+the case describes.  A list: exactly these.  "auto": what may be left out is.  What is left out is so
+by other keys of the case, which are laid over it; nothing after this knows of ``effects``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from orchestrator.case.file.coarse import coarsened
 from orchestrator.case.file.deck_layout import laid_out
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, shown
-from orchestrator.case.file.loss_curve import damped
 from orchestrator.case.file.origin import Origin
-from orchestrator.case.file.overlays import Layers
-from orchestrator.case.file.slice import sliced
+from orchestrator.case.file.overlays import Layers, changed
+from orchestrator.case.load import Level, LoadedCase, load, validated
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks.of_tables import OF_TABLES
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
     can_go,
+    dropped,
+    left_out,
     present,
     spared,
     why_left_out,
@@ -36,54 +37,145 @@ from orchestrator.preflight.judgement.weighing import undecided, weighed
 
 KEY: Key = ("effects",)
 OF_LAW = {law: name for name, effect in EFFECTS.items() for law in effect.laws}
+NUMERICS = (
+    "coupling",
+    "exchange",
+    "frames",
+    "panel",
+    "particles",
+    "output",
+    "checkpoint",
+    "slice",
+    "monitor",
+)
+NO_PHYSICS = (*NUMERICS, "effects", "effects_for")
 
 
 @dataclass(frozen=True)
 class Choice:
     """What ``effects`` did: ``left_out`` by it, name -> why; ``lacking``: what matters and the case
-    does not have, in words ("auto" only); ``mistakes`` in the key itself; ``described``: the case
+    does not have, in words ("auto" only); ``problems`` in the key itself; ``described``: the case
     with all that it describes, None where nothing was left out; ``pairs``: runs with and without
     an effect that were remembered, by which "auto" chose for the results ``asked`` for;
     ``undecided``: effects that only such runs could leave out."""
 
     left_out: dict[str, str] = field(default_factory=dict)
     lacking: tuple[str, ...] = ()
-    mistakes: tuple[CaseProblem, ...] = ()
+    problems: tuple[CaseProblem, ...] = ()
     described: Case | None = None
     pairs: Mapping[str, Pair] = field(default_factory=dict)
     asked: tuple[str, ...] = ()
     undecided: tuple[str, ...] = ()
 
 
-def chosen(layers: Layers, without: Collection[str], origin: Origin) -> Choice:
-    """Takes ``effects`` out of the layers and lays over them what it wants.  ``without``: names
-    that the level may leave out although they are asked for; ``origin``: what the case was read
-    from, by which runs with and without an effect are remembered.  A case that has other mistakes
-    is left as it is."""
-    asked, file = layers.merged.get("effects"), layers.source(KEY)
-    results = layers.merged.get("effects_for") or ()
-    layers.lay({"effects": None, "effects_for": None}, file)
-    if wrong := (*_misnamed(asked), *_unknown_results(results)):
-        return Choice(mistakes=wrong)
-    if asked is None:
-        return Choice()
+@dataclass(frozen=True)
+class JudgedCase:
+    """A case as it will be run.
+
+    ``level`` is "" for the bare case; ``changed`` lists the physics keys (dotted) to which the
+    level, --set or ``effects`` gave another value; ``left_out`` names the physics that solvers,
+    the exchange and ``effects`` leave out, with the reason; ``layers`` knows which file gave a key;
+    ``origin`` is what it was read from.
+    """
+
+    name: str
+    folder: Path
+    level: str
+    case: Case
+    changed: tuple[str, ...]
+    left_out: dict[str, str]
+    layers: Layers
+    choice: Choice
+    origin: Origin
+
+    @property
+    def described(self) -> Case:
+        """The case with all that it describes, before ``effects`` left out some of it."""
+        return self.choice.described or self.case
+
+
+def load_judged(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> JudgedCase:
+    """The case in ``path`` at a level as it will be run.  Raises CaseError as ``load`` does."""
+    return judge(load(path, level, overrides))
+
+
+def judge(loaded: LoadedCase) -> JudgedCase:
+    """Decide what the case leaves out.
+
+    Problems in ``effects`` and in what the level says that it leaves out are in ``choice``; a case
+    that has other problems is left as it is.  Raises CaseError where what is left is no case.
+    """
+    layers = loaded.layers.copy()
+    choice, case = Choice(), loaded.case
+    if problems := (*_wrong_effects(loaded), *_wrong_level(loaded.level)):
+        choice = Choice(problems=problems)
+    elif loaded.effects is not None and not any(True for rule in OF_TABLES for _ in rule(case.whole)):
+        choice = _choose(layers, loaded)
+        case = validated(layers)
+    given = loaded.origin.given
+    physics = (key for key in changed(given, layers.merged) if key[0] not in NO_PHYSICS)
+    return JudgedCase(
+        name=loaded.name,
+        folder=loaded.folder,
+        level=loaded.level.name if loaded.level is not None else "",
+        case=case,
+        changed=tuple(".".join(key) for key in physics),
+        left_out=_all_left_out(case, choice),
+        layers=layers,
+        choice=choice,
+        origin=loaded.origin,
+    )
+
+
+def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
+    """Pairs of runs that are remembered of a case, by effect."""
+    if not names:
+        return {}
+    read = origin.read()
+    pairs = {name: remembered(key_of(read, name)) for name in names}
+    return {name: pair for name, pair in pairs.items() if pair is not None}
+
+
+def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
+    """Lay over the layers what ``effects`` wants."""
+    bare, source = Case.model_validate(layers.merged), f"effects in {loaded.effects_file}"
+    if loaded.effects == "auto":
+        results = tuple(loaded.effects_for) or (*SCALARS,)
+        return _judged_choice(layers, bare, loaded.case, source, loaded.origin, results)
+    without = loaded.level.without if loaded.level is not None else ()
+    return _named_choice(layers, bare, loaded.case, loaded.effects, without, source)
+
+
+def _all_left_out(case: Case, choice: Choice) -> dict[str, str]:
+    """By settings, by ``effects``, or by the one because of the other."""
+    reasons = left_out(case)
+    for name, why in choice.left_out.items():
+        reasons[name] = f"{reasons[name]}; {why}" if name in reasons else why
+    return reasons
+
+
+def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
+    """What a level leaves out without naming it, and what it names and does not leave out."""
+    if level is None:
+        return
+    source = f"levels/{level.name}.toml"
     try:
-        bare = Case.model_validate(layers.merged)
-        case = shaped(bare)
+        needed = dropped(*(laid_out(Case.model_validate(c)) for c in (level.before, level.after)))
     except (ValidationError, CaseError):
-        return Choice()
-    if any(True for rule in OF_TABLES for _ in rule(case.whole)):
-        return Choice()
-    source = f"effects in {file}"
-    if asked == "auto":
-        return _judged_choice(layers, bare, case, source, origin, tuple(results) or (*SCALARS,))
-    return _named_choice(layers, bare, case, asked, without, source)
+        return  # without the level or --set it is no case
+    for name, why in needed.items():
+        if name not in level.without:
+            what = f'"{name}" must be named: the level leaves it out'
+            yield CaseProblem(("without",), what, why, source)
+    for word in level.without:
+        if word not in needed:
+            what = f'"{word}" is not left out'
+            yield CaseProblem(("without",), what, did_you_mean(word, needed), source)
 
 
-def shaped(bare: Case) -> Case:
-    """With branches fitted, decks laid out, particles as coarse as wanted, and cut to its slice.
-    Raises CaseError."""
-    return sliced(coarsened(laid_out(damped(bare))))
+def _wrong_effects(loaded: LoadedCase) -> Iterator[CaseProblem]:
+    yield from _misnamed(loaded.effects)
+    yield from _unknown_results(loaded.effects_for)
 
 
 def _judged_choice(
@@ -106,15 +198,6 @@ def _judged_choice(
     return Choice(left_out, lacking, (), case, pairs, asked, unknown)
 
 
-def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
-    """Pairs of runs that are remembered of a case, by effect."""
-    if not names:
-        return {}
-    read = origin.read()
-    found = {name: remembered(key_of(read, name)) for name in names}
-    return {name: pair for name, pair in found.items() if pair is not None}
-
-
 def _unknown_results(names: Any) -> Iterator[CaseProblem]:
     """In ``effects_for``, what is neither a short name nor a path of keys with dots."""
     if not isinstance(names, list | tuple):
@@ -132,7 +215,7 @@ def _named_choice(
     names = {OF_LAW.get(word, word) for word in asked}
     wrong = [*_unmet(case, names, without), *_other_laws(layers, asked)]
     if wrong:
-        return Choice(mistakes=tuple(wrong))
+        return Choice(problems=tuple(wrong))
     for law in (word for word in asked if word in OF_LAW):
         layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
     others = [name for name in EFFECTS if name not in names and can_go(case, name)]

@@ -1,0 +1,146 @@
+"""Reads a case: ``case.toml``, overlaid by ``levels/<level>.toml``, overlaid by ``--set``.
+
+An overlay may give any key; overlays.py says how it is laid over what is there.  Nothing is judged
+here: what the key ``effects`` leaves out is decided afterwards, in orchestrator/preflight/judge.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from orchestrator.case.file.coarse import coarsened
+from orchestrator.case.file.deck_layout import laid_out
+from orchestrator.case.file.errors import (
+    CaseError,
+    CaseProblem,
+    did_you_mean,
+    from_validation,
+    shown,
+    visible,
+)
+from orchestrator.case.file.loss_curve import damped
+from orchestrator.case.file.origin import Origin
+from orchestrator.case.file.overlays import Layers, parsed
+from orchestrator.case.file.slice import sliced
+from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.tables.case import Case
+
+EFFECTS = ("effects", "effects_for")
+
+
+@dataclass(frozen=True)
+class Level:
+    """A level of a case: its name, what it says that it leaves out (``without``), and the case's
+    tables ``before`` and ``after`` it was laid over them."""
+
+    name: str
+    without: tuple[str, ...]
+    before: Mapping[str, Any]
+    after: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class LoadedCase:
+    """A case as its files and ``--set`` give it.
+
+    ``layers`` knows which file gave a key; ``level`` is None for the bare case; ``effects`` and
+    ``effects_for`` are these keys as they were given, which ``layers`` no longer has, and
+    ``effects_file`` is who gave the first; ``origin`` is what the case was read from.
+    """
+
+    name: str
+    folder: Path
+    case: Case
+    layers: Layers
+    level: Level | None
+    effects: Any
+    effects_for: Any
+    effects_file: str
+    origin: Origin
+
+
+def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> LoadedCase:
+    """Read the case in ``path`` (its folder or its case.toml) at a level (None: its default).
+
+    Raises CaseError with every problem that the tables find; what needs more than the tables is
+    found by orchestrator/preflight/check.py.
+    """
+    file = path if path.is_file() else path / "case.toml"
+    if not file.is_file():
+        raise CaseError([CaseProblem((), "no such case: there is no case.toml", file=str(path))])
+    folder = file.resolve().parent
+    given = read_toml(file.resolve())
+    layers = Layers(given, file.name)
+    level_name = chosen_level(folder, given, level)
+    at_level = _lay_level(layers, folder, level_name) if level_name else None
+    for override in overrides:
+        layers.lay(parsed(override), "--set")
+    effects, effects_for = (layers.merged.get(key) for key in EFFECTS)
+    effects_file = layers.source(EFFECTS[:1])
+    layers.lay(dict.fromkeys(EFFECTS), effects_file)
+    return LoadedCase(
+        name=visible(folder.name),
+        folder=folder,
+        case=validated(layers),
+        layers=layers,
+        level=at_level,
+        effects=effects,
+        effects_for=effects_for or (),
+        effects_file=effects_file,
+        origin=Origin(folder, given, level_name, tuple(overrides)),
+    )
+
+
+def level_names(folder: Path) -> list[str]:
+    """The levels that a case's folder has."""
+    return sorted(file.stem for file in (folder / "levels").glob("*.toml"))
+
+
+def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
+    """The level asked for; else the case's default, else the only one, else none ("")."""
+    known = level_names(folder)
+    wanted = level if level is not None else given.get("default_level", "")
+    if not wanted:
+        return known[0] if len(known) == 1 else ""
+    if wanted not in known:
+        hint = did_you_mean(str(wanted), known, say="levels")
+        file = "case.toml" if level is None else "--level"
+        key = ("default_level",) if level is None else ()
+        raise CaseError([CaseProblem(key, f"no level {shown(wanted)}", hint, file=file)])
+    return str(wanted)
+
+
+def validated(layers: Layers) -> Case:
+    """The case of all layers, complete.  Raises CaseError with every problem found."""
+    try:
+        return complete(Case.model_validate(layers.merged))
+    except ValidationError as error:
+        problems = from_validation(error, Case)
+    except CaseError as error:
+        problems = [*error.mistakes]
+    raise CaseError(layers.named(problems))
+
+
+def complete(bare: Case) -> Case:
+    """The case with branches fitted, decks laid out, particles as coarse as wanted, and cut to its
+    slice.  Raises CaseError."""
+    return sliced(coarsened(laid_out(damped(bare))))
+
+
+def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
+    """Lay the level over the case."""
+    before = dict(layers.merged)
+    source = f"levels/{name}.toml"
+    overlay = read_toml(folder / source, folder)
+    without = overlay.pop("without", [])
+    overlay.pop("about", None)
+    layers.lay(overlay, source)
+    if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
+        what = f"{shown(without)} is wrong, a list of names is wanted"
+        raise CaseError([CaseProblem(("without",), what, file=source)])
+    return Level(name, tuple(without), before, dict(layers.merged))
