@@ -45,12 +45,21 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Asked:
+    """The keys ``effects`` and ``effects_for`` as they were given, and the file or option that gave
+    the first."""
+
+    effects: Any
+    effects_for: Any
+    file: str
+
+
+@dataclass(frozen=True)
 class LoadedCase:
     """A case as its files and ``--set`` give it.
 
-    ``layers`` knows which file gave a key; ``level`` is None for the bare case; ``effects`` and
-    ``effects_for`` are these keys as they were given, which ``layers`` no longer has, and
-    ``effects_file`` is who gave the first; ``origin`` is what the case was read from.
+    ``layers`` knows which file gave a key, and has none of those in ``asked``; ``level`` is None for
+    the bare case; ``origin`` is what the case was read from.
     """
 
     name: str
@@ -58,10 +67,16 @@ class LoadedCase:
     case: Case
     layers: Layers
     level: Level | None
-    effects: Any
-    effects_for: Any
-    effects_file: str
+    asked: Asked
     origin: Origin
+
+
+class InvalidTables(CaseError):
+    """Tables that make no case; what they ask of the judgement can be looked at nevertheless."""
+
+    def __init__(self, problems: Sequence[CaseProblem], asked: Asked) -> None:
+        super().__init__(problems)
+        self.asked = asked
 
 
 def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> LoadedCase:
@@ -80,18 +95,20 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     at_level = _lay_level(layers, folder, level_name) if level_name else None
     for override in overrides:
         layers.lay(parsed(override), "--set")
-    effects, effects_for = (layers.merged.get(key) for key in EFFECTS)
-    effects_file = layers.source(EFFECTS[:1])
-    layers.lay(dict.fromkeys(EFFECTS), effects_file)
+    effects, results = (layers.merged.get(key) for key in EFFECTS)
+    asked = Asked(effects, results or (), layers.source(EFFECTS[:1]))
+    layers.lay(dict.fromkeys(EFFECTS), asked.file)
+    try:
+        case = validated(layers)
+    except CaseError as error:
+        raise InvalidTables(error.mistakes, asked) from error
     return LoadedCase(
         name=visible(folder.name),
         folder=folder,
-        case=validated(layers),
+        case=case,
         layers=layers,
         level=at_level,
-        effects=effects,
-        effects_for=effects_for or (),
-        effects_file=effects_file,
+        asked=asked,
         origin=Origin(folder, given, level_name, tuple(overrides)),
     )
 

@@ -8,7 +8,7 @@ by other keys of the case, which are laid over it; nothing after this knows of `
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from orchestrator.case.file.deck_layout import laid_out
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, shown
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.file.overlays import Layers, changed
-from orchestrator.case.load import Level, LoadedCase, load, validated
+from orchestrator.case.load import Asked, InvalidTables, Level, LoadedCase, load, validated
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks.of_tables import OF_TABLES
@@ -95,21 +95,30 @@ class JudgedCase:
 
 
 def load_judged(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> JudgedCase:
-    """The case in ``path`` at a level as it will be run.  Raises CaseError as ``load`` does."""
-    return judge(load(path, level, overrides))
+    """The case in ``path`` at a level as it will be run.
+
+    Raises CaseError with every problem in its tables and in ``effects``, or in its level.
+    """
+    try:
+        return judge(load(path, level, overrides))
+    except InvalidTables as error:
+        named = [replace(problem, file=error.asked.file) for problem in _wrong_effects(error.asked)]
+        raise CaseError([*error.mistakes, *named]) from error
 
 
 def judge(loaded: LoadedCase) -> JudgedCase:
     """Decide what the case leaves out.
 
-    Problems in ``effects`` and in what the level says that it leaves out are in ``choice``; a case
-    that has other problems is left as it is.  Raises CaseError where what is left is no case.
+    Problems in ``effects`` are in ``choice``; a case that has others is left as it is.  Raises
+    CaseError for a level that leaves out what it does not name, and where what is left is no case.
     """
     layers = loaded.layers.copy()
+    if problems := [*_wrong_level(loaded.level)]:
+        raise CaseError(problems)
     choice, case = Choice(), loaded.case
-    if problems := (*_wrong_effects(loaded), *_wrong_level(loaded.level)):
-        choice = Choice(problems=problems)
-    elif loaded.effects is not None and not any(True for rule in OF_TABLES for _ in rule(case.whole)):
+    if wrong := tuple(_wrong_effects(loaded.asked)):
+        choice = Choice(problems=wrong)
+    elif loaded.asked.effects is not None and not any(True for rule in OF_TABLES for _ in rule(case.whole)):
         choice = _choose(layers, loaded)
         case = validated(layers)
     given = loaded.origin.given
@@ -138,12 +147,12 @@ def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
 
 def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
     """Lay over the layers what ``effects`` wants."""
-    bare, source = Case.model_validate(layers.merged), f"effects in {loaded.effects_file}"
-    if loaded.effects == "auto":
-        results = tuple(loaded.effects_for) or (*SCALARS,)
+    bare, source = Case.model_validate(layers.merged), f"effects in {loaded.asked.file}"
+    if loaded.asked.effects == "auto":
+        results = tuple(loaded.asked.effects_for) or (*SCALARS,)
         return _judged_choice(layers, bare, loaded.case, source, loaded.origin, results)
     without = loaded.level.without if loaded.level is not None else ()
-    return _named_choice(layers, bare, loaded.case, loaded.effects, without, source)
+    return _named_choice(layers, bare, loaded.case, loaded.asked.effects, without, source)
 
 
 def _all_left_out(case: Case, choice: Choice) -> dict[str, str]:
@@ -173,9 +182,9 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
             yield CaseProblem(("without",), what, did_you_mean(word, needed), source)
 
 
-def _wrong_effects(loaded: LoadedCase) -> Iterator[CaseProblem]:
-    yield from _misnamed(loaded.effects)
-    yield from _unknown_results(loaded.effects_for)
+def _wrong_effects(asked: Asked) -> Iterator[CaseProblem]:
+    yield from _misnamed(asked.effects)
+    yield from _unknown_results(asked.effects_for)
 
 
 def _judged_choice(

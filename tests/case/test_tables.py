@@ -39,6 +39,7 @@ DIMENSIONLESS = frozenset(
         "rated_slip",
         "breakdown_ratio",
         "tolerance",
+        "limit",  # of a monitor item, in its own unit
         "largest_created_share",
         "largest_created_in_total",
         "largest_growing_share",

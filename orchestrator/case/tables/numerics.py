@@ -11,7 +11,7 @@ from annotated_types import Ge, Gt, Le
 from pydantic import Field, Strict
 
 from orchestrator.case.solvers import Known
-from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Number, Positive, Switch, Table
+from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Positive, Switch, Table
 
 
 class PanelSolver(Table):
@@ -112,7 +112,7 @@ class ItemSettings(Table):
 
     then: Then
     """What is done beyond the limit."""
-    limit: Number
+    limit: Annotated[float, Strict(), Ge(-1e12), Le(1e12)]
     """The largest value at which nothing is amiss, in the item's own unit."""
 
 
