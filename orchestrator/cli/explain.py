@@ -11,10 +11,10 @@ from rich.console import Console
 from rich.table import Table
 
 from orchestrator.case.scalars import SCALARS
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, spared, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import doubted, weighed
-from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.scene.effect import Part, in_words
 from orchestrator.preflight.stability.choice import AUTO
 from orchestrator.studies.pairs import TriedEffects

@@ -23,8 +23,8 @@ from orchestrator.preflight.bed_cost import THICK, THIN, bed_cost
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import in_words, particles_at_start, predicted_range_s
-from orchestrator.preflight.judgement.account import account, at_start
 from orchestrator.preflight.judge import JudgedCase
+from orchestrator.preflight.judgement.account import account, at_start
 from orchestrator.preflight.stability import plain, words
 from orchestrator.preflight.stability.choice import settled_card, with_scheme
 

@@ -13,8 +13,8 @@ from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.run_folder import SUMMARY, FolderUnusable, is_at_work, write_case, write_json
-from orchestrator.preflight.judgement.account import account
 from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.preflight.judgement.account import account
 from orchestrator.run.origin import origin, refuse_another_run, warnings
 
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"

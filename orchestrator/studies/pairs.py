@@ -23,6 +23,7 @@ from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.origin import CHEAP_LEVEL
+from orchestrator.case.load import level_names
 from orchestrator.case.playback import turning
 from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
@@ -33,12 +34,10 @@ from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import mistakes
 from orchestrator.preflight.cost import particles_at_start, predicted_s
-from orchestrator.preflight.judge import known_pairs
+from orchestrator.preflight.judge import JudgedCase, known_pairs, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, can_go, present, with_dependents
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember, remembered
 from orchestrator.preflight.judgement.weighing import undecided, weighed
-from orchestrator.case.load import level_names
-from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import in_words
 from orchestrator.studies.points import MAIN, sample_s
 

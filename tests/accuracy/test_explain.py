@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.main import app
-from orchestrator.preflight.judgement.catalogue import judged
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.judgement.catalogue import judged
 from orchestrator.studies.accuracy.plan import Stored, measured_verdict, stored
 from tests.runs.outside import ROOT
 

@@ -11,8 +11,8 @@ import pytest
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.run_folder import write_json
-from orchestrator.preflight.level_file import write_level
 from orchestrator.preflight.judge import load_judged
+from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s
 from orchestrator.studies.accuracy.plan import Clock, Plan, Stored, Timing, filling, planned, stored
 from tests.case.cases import written

@@ -13,9 +13,9 @@ from typer.testing import CliRunner
 from orchestrator.case.scalars import SCALARS, Value, scalar
 from orchestrator.cli.main import app
 from orchestrator.output.subprocesses import python
+from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, agree, changed, key_of, remember, remembered
-from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import pairs
 from orchestrator.studies.pairs import tried
 from tests.case.cases import CASE, loaded, written
