@@ -8,7 +8,7 @@ import pytest
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
-from orchestrator.ports.penetration import Body, Penetration, Penetrations, ProbedPanel
+from orchestrator.ports.penetration import Penetration, Penetrations, ProbedPanel, SurfaceBody
 
 THICK_M = 0.004
 FLAT = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.2, 0.019)
@@ -36,10 +36,10 @@ def found(
 ) -> Penetration | None:
     drawn_plate_m = plate_now_m if plate_drawn_m is None else plate_drawn_m
     points = len(drawn_m)
-    plate = Body("plate", np.array([[0, 1, 2], [0, 2, 3]]) + points)
+    plate = SurfaceBody("plate", np.array([[0, 1, 2], [0, 2, 3]]) + points)
     panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
     all_drawn_m = np.vstack([drawn_m, drawn_plate_m])
-    looked = Penetrations(all_drawn_m, [Body("deck", CELLS.triangles), plate], [panel])
+    looked = Penetrations(all_drawn_m, [SurfaceBody("deck", CELLS.triangles), plate], [panel])
     return looked.deepest(np.vstack([now_m, plate_now_m]))
 
 
@@ -59,7 +59,7 @@ def test_it_is_found_however_large_or_small_the_plates_triangles() -> None:
         wide = Rectangle(np.array([0.05, 0.02, -0.02]), *np.eye(3)[:2], size_m, size_m, size_m, 0.0)
         fine = grid(wide, (cells, cells))
         points_m = wide.mounted(fine.coordinates_m) - (size_m > 1) * np.array([500, 500, 0])
-        bodies = [Body("deck", CELLS.triangles), Body("plate", fine.triangles + len(DRAWN_M))]
+        bodies = [SurfaceBody("deck", CELLS.triangles), SurfaceBody("plate", fine.triangles + len(DRAWN_M))]
         panel = ProbedPanel(0, np.column_stack([FREE, FREE]), THICK_M)
         looked = Penetrations(np.vstack([DRAWN_M, points_m]), bodies, [panel])
         deepest = looked.deepest(np.vstack([hanging_m(0.039), points_m]))
@@ -106,7 +106,7 @@ def test_one_panel_through_another() -> None:
     """Two decks 30 mm apart: the upper one sags by 40 mm, the lower one by 5 mm; then the lower
     one is thrown up by 35 mm."""
     lower_m, points = DRAWN_M - (0, 0, 0.03), len(DRAWN_M)
-    bodies = [Body("upper", CELLS.triangles), Body("lower", CELLS.triangles + points)]
+    bodies = [SurfaceBody("upper", CELLS.triangles), SurfaceBody("lower", CELLS.triangles + points)]
     pairs = np.column_stack([FREE, FREE])
     panels = [ProbedPanel(0, pairs, THICK_M), ProbedPanel(1, pairs + points, THICK_M)]
     looked = Penetrations(np.vstack([DRAWN_M, lower_m]), bodies, panels)

@@ -45,7 +45,7 @@ class Level:
 
 
 @dataclass(frozen=True)
-class Asked:
+class AskedEffects:
     """The keys ``effects`` and ``effects_for`` as they were given, and the file or option that gave
     the first."""
 
@@ -67,14 +67,14 @@ class LoadedCase:
     case: Case
     layers: Layers
     level: Level | None
-    asked: Asked
+    asked: AskedEffects
     origin: Origin
 
 
 class InvalidTables(CaseError):
     """Tables that make no case; what they ask of the judgement can be looked at nevertheless."""
 
-    def __init__(self, problems: Sequence[CaseProblem], asked: Asked) -> None:
+    def __init__(self, problems: Sequence[CaseProblem], asked: AskedEffects) -> None:
         super().__init__(problems)
         self.asked = asked
 
@@ -96,7 +96,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     for override in overrides:
         layers.lay(parsed(override), "--set")
     effects, results = (layers.merged.get(key) for key in EFFECTS)
-    asked = Asked(effects, results or (), layers.source(EFFECTS[:1]))
+    asked = AskedEffects(effects, results or (), layers.source(EFFECTS[:1]))
     layers.lay(dict.fromkeys(EFFECTS), asked.file)
     try:
         case = validated(layers)

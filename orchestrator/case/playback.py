@@ -58,7 +58,7 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
     """By the panels' names; empty unless the panels are recorded ones.  The motion grows within
     the run-up, but not faster than in a cycle.
 
-    Raises NoMatch, and recording_file.Unreadable.
+    Raises NoMatch, and recording_file.UnreadableRecording.
     """
     if not solvers.panel(case).plays_back:
         return {}
@@ -79,7 +79,7 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
     }
 
 
-def _fitting(panel: SinglePanel, recorded: recording_file.File) -> recording_file.Panel:
+def _fitting(panel: SinglePanel, recorded: recording_file.File) -> recording_file.RecordedShape:
     """The recording of the same name, or the only one there is."""
     known = recorded.panels
     found = known.get(panel.name) or (next(iter(known.values())) if len(known) == 1 else None)

@@ -18,12 +18,12 @@ LENGTHS = ("length_m", "span_m", "width_m", "clamp_m", "thickness_m")
 SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
 
 
-class Unreadable(Exception):
+class UnreadableRecording(Exception):
     """No such file, or no recording; the message says what is wrong."""
 
 
 @dataclass(frozen=True)
-class Panel:
+class RecordedShape:
     """What is recorded of one panel, and its lengths in m by name."""
 
     recording: Recording
@@ -35,7 +35,7 @@ class File:
     """``speed_rad_per_s`` of the machine that was recorded, and its panels by name."""
 
     speed_rad_per_s: float
-    panels: Mapping[str, Panel]
+    panels: Mapping[str, RecordedShape]
 
 
 def write(path: Path, content: File) -> None:
@@ -61,7 +61,7 @@ def write(path: Path, content: File) -> None:
 def read(path: Path) -> File:
     """Raises Unreadable."""
     if not path.is_file():
-        raise Unreadable(f"{path}: no such file; flipflow record makes one from a run's folder")
+        raise UnreadableRecording(f"{path}: no such file; flipflow record makes one from a run's folder")
     import h5py  # here because checks of cases without recordings do not need it
 
     try:
@@ -70,14 +70,16 @@ def read(path: Path) -> File:
             version = file.attrs.get("format_version")
             if version != FORMAT:
                 has = "no version of its format, as older ones" if version is None else f"format {version}"
-                raise Unreadable(f"{path}: has {has}; this flipflow reads {FORMAT}: record the run again")
+                raise UnreadableRecording(
+                    f"{path}: has {has}; this flipflow reads {FORMAT}: record the run again"
+                )
             return File(speed_rad_per_s, {name: _panel(group) for name, group in file.items()})
     except (OSError, KeyError, ValueError, AttributeError) as error:
-        raise Unreadable(f"{path}: is no recording ({error})") from None
+        raise UnreadableRecording(f"{path}: is no recording ({error})") from None
 
 
-def _panel(group: Any) -> Panel:
+def _panel(group: Any) -> RecordedShape:
     shape = {name: float(group.attrs[name]) for name in LENGTHS}
     grid = RecordedGrid(group["rows_m"][:], group["columns_m"][:])
     series = {name: np.asarray(group[name][:]) for name in SERIES}
-    return Panel(Recording(grid, int(group.attrs["cycles"]), **series), shape)
+    return RecordedShape(Recording(grid, int(group.attrs["cycles"]), **series), shape)

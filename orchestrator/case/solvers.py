@@ -32,7 +32,7 @@ NONE = "none"
 
 
 @dataclass(frozen=True)
-class Known:
+class SolverName:
     """A value that is the name of a solver of ``port``: a mark for a case's table."""
 
     port: Port

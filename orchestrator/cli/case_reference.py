@@ -15,7 +15,7 @@ from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from orchestrator.case.solvers import Known, Port, adapter, names
+from orchestrator.case.solvers import Port, SolverName, adapter, names
 from orchestrator.case.tables.case import Case
 from orchestrator.case.units import unit_of
 from orchestrator.preflight.judgement.catalogue import EFFECTS
@@ -92,7 +92,7 @@ def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
 
 def _solvers(field: FieldInfo) -> str:
     """Returns what a key may be that names a solver, "" for another key."""
-    marks = [mark for mark in field.metadata if isinstance(mark, Known)]
+    marks = [mark for mark in field.metadata if isinstance(mark, SolverName)]
     return " or ".join(f'"{name}"' for mark in marks for name in mark.allowed)
 
 

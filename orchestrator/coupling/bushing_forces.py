@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestrator.ports import Array, Indices, Motion
-from orchestrator.ports.plans import Bushing
+from orchestrator.ports.plans import BushingPlan
 
 ARMS = 3
 
@@ -34,7 +34,7 @@ class BushingForces:
     damping_N_s_per_m: Array
 
     @staticmethod
-    def of(bushings: Sequence[Bushing], centres: Mapping[str, int], position_m: Array) -> BushingForces:
+    def of(bushings: Sequence[BushingPlan], centres: Mapping[str, int], position_m: Array) -> BushingForces:
         """Returns the bushings of a plan.
 
         ``centres``: each frame's centre of mass among the carried points, followed by its

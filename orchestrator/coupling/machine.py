@@ -33,7 +33,7 @@ class PanelPoints:
 
 
 @dataclass(frozen=True)
-class Probe:
+class PlacedProbe:
     """A point whose time series is wanted.
 
     ``on`` is "clamps" (a point carried by a frame), "surface" (a point of a panel) or
@@ -64,7 +64,7 @@ class Machine:
     panels: tuple[PanelPoints, ...]
     penetrations: Penetrations
     centres: dict[str, int]
-    probes: tuple[Probe, ...]
+    probes: tuple[PlacedProbe, ...]
     bushings: BushingForces
     material: MaterialBook | None
     wearing: Wearing | None

@@ -36,7 +36,7 @@ from orchestrator.ports import (
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Rectangle, foot_on_triangle
 from orchestrator.ports.optional import surface_ahead, surface_inertia
-from orchestrator.ports.plans import PanelPlan, Stop
+from orchestrator.ports.plans import PanelPlan, StopPlan
 from orchestrator.ports.state import restorable, restore_attributes, save_attributes
 
 
@@ -75,7 +75,7 @@ class Tops:
         return given
 
 
-def tops(stops: tuple[Stop, ...], rectangle: Rectangle, spacing_m: Array) -> Tops:
+def tops(stops: tuple[StopPlan, ...], rectangle: Rectangle, spacing_m: Array) -> Tops:
     """Returns all tops, with points in the middles of cells of ``spacing_m`` (2,) at most."""
     coordinates, number, areas = [], [], []
     for place, stop in enumerate(stops):
@@ -91,7 +91,7 @@ def tops(stops: tuple[Stop, ...], rectangle: Rectangle, spacing_m: Array) -> Top
     return Tops(np.concatenate(coordinates), of, stiffness * area_m2, damping * area_m2)
 
 
-def corners_m(stop: Stop, rectangle: Rectangle) -> Array:
+def corners_m(stop: StopPlan, rectangle: Rectangle) -> Array:
     """Returns the top's corners (3, 3) in the world at t = 0, with the panel straight between its clamps."""
     below_m = rectangle.corner_m - stop.gap_m * rectangle.normal
     ends = np.array([[stop.from_m, 0.0], [stop.to_m, 0.0], [stop.from_m, rectangle.width_m]])

@@ -7,12 +7,12 @@ import numpy as np
 from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.planning import material_numbers
 from orchestrator.case.tables.case import Case
-from orchestrator.coupling.machine import PanelPoints, Probe
+from orchestrator.coupling.machine import PanelPoints, PlacedProbe
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.surface_parts import SurfacePart
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.penetration import Body, Penetrations, ProbedPanel
+from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 
 NONE = np.empty(0, dtype=np.int64)  # a machine need not have anything to touch
 
@@ -82,7 +82,7 @@ def penetrations(case: Case, parts: list[SurfacePart], panels: int, together: Pa
     """Returns the search for penetrations: of the first ``panels`` parts, where no clamp and no stop
     holds them, through everything that has triangles."""
     bodies = [
-        Body(part.name, part.triangles + points.start)
+        SurfaceBody(part.name, part.triangles + points.start)
         for part, points in zip(parts, together.surface, strict=True)
     ]
     singles = zip(single_panels(case), parts[:panels], together.surface, strict=False)
@@ -106,7 +106,7 @@ def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
     return np.asarray(pairs[free])
 
 
-def probes(case: Case, parts: list[SurfacePart], together: PanelSet) -> tuple[Probe, ...]:
+def probes(case: Case, parts: list[SurfacePart], together: PanelSet) -> tuple[PlacedProbe, ...]:
     """Returns the case's probes; points of frames are read from the clamps, which are exact."""
     found = []
     for number, part in enumerate(parts):
@@ -115,9 +115,9 @@ def probes(case: Case, parts: list[SurfacePart], together: PanelSet) -> tuple[Pr
         for name, point in part.points.items():
             if name in case.probes:
                 on = "clamps" if on_frame else "surface"
-                found.append(Probe(name, on, points.start + point))
+                found.append(PlacedProbe(name, on, points.start + point))
     found += [
-        Probe(name, "particle", probe.particle)
+        PlacedProbe(name, "particle", probe.particle)
         for name, probe in case.probes.items()
         if probe.particle is not None
     ]

@@ -17,7 +17,7 @@ import numpy as np
 from orchestrator.case import solvers
 from orchestrator.case.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.case.deck.surface_grids import surface_grids
-from orchestrator.case.deck.triangle_grid import Grid
+from orchestrator.case.deck.triangle_grid import TriangleGrid
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.planning import panel_plans
 from orchestrator.case.playback import playbacks
@@ -68,7 +68,9 @@ def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any 
     ]
 
 
-def _panel(case: Case, plan: PanelPlan, material: str, touched: Grid, stopwatch: Stopwatch) -> SurfacePart:
+def _panel(
+    case: Case, plan: PanelPlan, material: str, touched: TriangleGrid, stopwatch: Stopwatch
+) -> SurfacePart:
     at = {
         name: np.multiply(probe.at, (plan.rectangle.length_m, plan.rectangle.width_m))
         for name, probe in case.probes.items()

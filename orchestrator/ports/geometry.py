@@ -73,7 +73,7 @@ class Rectangle:
 
 
 @dataclass(frozen=True)
-class Apertures:
+class AperturePattern:
     """A regular pattern of equal openings in a rectangular panel, in its material coordinates.
 
     Each opening stands in a cell of ``pitch_along_m`` by ``pitch_across_m``; as many whole cells

@@ -25,7 +25,7 @@ ON_RIM = 1e-9  # share of a corner: rounding on an edge that two triangles share
 
 
 @dataclass(frozen=True)
-class Body:
+class SurfaceBody:
     """A panel or a rigid surface: its ``triangles`` (m, 3) of point numbers."""
 
     name: str
@@ -65,7 +65,7 @@ class Penetrations:
         What is looked at.
     """
 
-    def __init__(self, drawn_m: Array, bodies: Sequence[Body], panels: Sequence[ProbedPanel]) -> None:
+    def __init__(self, drawn_m: Array, bodies: Sequence[SurfaceBody], panels: Sequence[ProbedPanel]) -> None:
         self._bodies, self._panels = tuple(bodies), tuple(panels)
         self._drawn_m = drawn_m
         nothing = np.empty((0, 3), dtype=np.int64)

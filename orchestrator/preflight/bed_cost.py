@@ -21,14 +21,14 @@ from orchestrator.case.tables.case import Case
 
 
 @dataclass(frozen=True)
-class Bed:
+class BedDensity:
     """How fast material moves along the deck."""
 
     transport_m_per_s: float
 
 
-THICK = Bed(transport_m_per_s=TRANSPORT_M_S)
-THIN = Bed(transport_m_per_s=1.5)
+THICK = BedDensity(transport_m_per_s=TRANSPORT_M_S)
+THIN = BedDensity(transport_m_per_s=1.5)
 """Level dry of cases/ffs0827-slice: single dry particles, thrown."""
 TIMES = 2000  # places in time at which particles are counted
 
@@ -46,7 +46,7 @@ class BedCost:
         return self.mean * self.steps
 
 
-def bed_cost(case: Case, at_start: int, bed: Bed) -> BedCost:
+def bed_cost(case: Case, at_start: int, bed: BedDensity) -> BedCost:
     """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
     stays_s = stay_s(case, bed.transport_m_per_s)

@@ -22,7 +22,7 @@ from orchestrator.case.planning.panel_meshes import mesh_sizes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import Cost, FramesWork, PanelsWork, ParticlesWork, SolverMissing
-from orchestrator.preflight.bed_cost import THICK, THIN, Bed, bed_cost
+from orchestrator.preflight.bed_cost import THICK, THIN, BedDensity, bed_cost
 from orchestrator.preflight.effort import RUNS
 from orchestrator.preflight.stability.choice import settled
 
@@ -47,7 +47,7 @@ SAVE_S = 0.04
 """At the end."""
 
 
-def predicted_parts_s(case: Case, at_start: int, bed: Bed = THICK) -> dict[str, float]:
+def predicted_parts_s(case: Case, at_start: int, bed: BedDensity = THICK) -> dict[str, float]:
     """Processor time by part, "start" first (importing, which no wall time counts), of a run with
     ``at_start`` particles at t = 0 in ``bed``.  Pictures and the report are made apart."""
     case = settled(case)
@@ -79,7 +79,7 @@ def predicted_parts_s(case: Case, at_start: int, bed: Bed = THICK) -> dict[str, 
     return found | {"output": _output_s(case, panels, mean), "saves": SAVE_S}
 
 
-def predicted_s(case: Case, at_start: int, bed: Bed = THICK) -> float:
+def predicted_s(case: Case, at_start: int, bed: BedDensity = THICK) -> float:
     """Processor time of the whole run."""
     return sum(predicted_parts_s(case, at_start, bed).values())
 
@@ -132,7 +132,7 @@ def _frames(case: Case) -> FramesWork:
     )
 
 
-def _particles(case: Case, at_start: int, bed: Bed, runs: float) -> ParticlesWork:
+def _particles(case: Case, at_start: int, bed: BedDensity, runs: float) -> ParticlesWork:
     if not has_particles(case):
         return ParticlesWork(0.0, 0.0, 0.0, 0, False)
     interval_s = case.coupling.sync_interval_s

@@ -18,7 +18,7 @@ from orchestrator.case.file.deck_layout import laid_out
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, shown
 from orchestrator.case.file.origin import Origin
 from orchestrator.case.file.overlays import Layers, changed
-from orchestrator.case.load import Asked, InvalidTables, Level, LoadedCase, load, validated
+from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, validated
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks.of_tables import OF_TABLES
@@ -182,7 +182,7 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
             yield CaseProblem(("without",), what, did_you_mean(word, needed), source)
 
 
-def _wrong_effects(asked: Asked) -> Iterator[CaseProblem]:
+def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
     yield from _misnamed(asked.effects)
     yield from _unknown_results(asked.effects_for)
 

@@ -102,7 +102,7 @@ def _recorded(run: Path, cycles: int) -> Recorded:
                 if f"shapes/{panel.name}" not in history:
                     raise _refused(run, "no shapes were recorded; run it with --set output.shapes_s=")
                 recording, change[panel.name] = _panel(case, history, panel, machine, cycles)
-                panels[panel.name] = recording_file.Panel(recording, shape_of(panel))
+                panels[panel.name] = recording_file.RecordedShape(recording, shape_of(panel))
     except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
         raise _refused(run, f"history.h5 cannot be read: {error}") from None
     return Recorded(cycles, recording_file.File(machine.speed_rad_per_s, panels), change)

@@ -13,11 +13,11 @@ from orchestrator.case.deck.perforated_grid import BadMesh, perforated_grid, qua
 from orchestrator.case.deck.surface_grids import surface_grids
 from orchestrator.case.planning.panel_meshes import mesh_sizes
 from orchestrator.cli.overview import overview
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, complaints, loaded, only_complaint, written
 
-FFS0827 = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)
+FFS0827 = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)
 KEYS = (
     "length_m=0.02, width_m=0.003, pitch_along_m=0.025, pitch_across_m=0.006, "
     "margin_along_m=0.03, margin_across_m=0.01"
@@ -42,13 +42,13 @@ def test_the_pattern_is_centred_and_whole_pitches_fit() -> None:
 
 
 def test_a_slice_of_whole_pitches_is_perforated_to_its_edges() -> None:
-    slice_pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
+    slice_pattern = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
     assert slice_pattern.counts(panel(width_m=0.03)) == (9, 5)
     assert slice_pattern.region_m(panel(width_m=0.03))[:, 1] == pytest.approx([0.0, 0.03])
 
 
 def test_staggered_rows_are_shifted_and_keep_what_fits() -> None:
-    pattern = Apertures("slot", 0.010, 0.006, 0.015, 0.010, 0.5, 0.0, 0.0)
+    pattern = AperturePattern("slot", 0.010, 0.006, 0.015, 0.010, 0.5, 0.0, 0.0)
     centres = pattern.centres_m(panel(0.03, 0.05))
     assert centres[:, 0] == pytest.approx([0.0075] * 5 + [0.0225] * 4)
     assert centres[5:, 1] == pytest.approx([0.01, 0.02, 0.03, 0.04])
@@ -58,16 +58,16 @@ def test_staggered_rows_are_shifted_and_keep_what_fits() -> None:
     ("pattern", "largest", "per_opening"),
     [
         (FFS0827, 0.0225, 7),
-        (Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.5, 0.03, 0.02), 0.0225, 7),
-        (Apertures("slot", 0.020, 0.003, 0.025, 0.006, 0.0, 0.03, 0.02), 0.0225, 13),
-        (Apertures("rectangle", 0.006, 0.006, 0.010, 0.010, 0.0, 0.03, 0.02), 0.0225, 7),
-        (Apertures("slot", 0.010, 0.010, 0.015, 0.017, 0.5, 0.02, 0.01), 0.0225, 24),
-        (Apertures("slot", 0.005, 0.030, 0.010, 0.040, 0.3, 0.02, 0.01), 0.0225, 26),
+        (AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.5, 0.03, 0.02), 0.0225, 7),
+        (AperturePattern("slot", 0.020, 0.003, 0.025, 0.006, 0.0, 0.03, 0.02), 0.0225, 13),
+        (AperturePattern("rectangle", 0.006, 0.006, 0.010, 0.010, 0.0, 0.03, 0.02), 0.0225, 7),
+        (AperturePattern("slot", 0.010, 0.010, 0.015, 0.017, 0.5, 0.02, 0.01), 0.0225, 24),
+        (AperturePattern("slot", 0.005, 0.030, 0.010, 0.040, 0.3, 0.02, 0.01), 0.0225, 26),
     ],
     ids=["slots", "staggered", "round-ends", "squares", "round", "across"],
 )
 def test_triangles_cover_the_material_and_nothing_else(
-    pattern: Apertures, largest: float, per_opening: int
+    pattern: AperturePattern, largest: float, per_opening: int
 ) -> None:
     """Open area within 2 % of the exact one (straight sides: exact), edges no longer than a cell
     or an opening allows, no slivers, normals up, and not many triangles."""
@@ -107,13 +107,13 @@ def test_the_same_twice_to_the_last_bit() -> None:
 def test_few_triangles_for_the_ffs0827_panel_and_its_slice() -> None:
     """What docs/measured/perforated_panel.md says they cost."""
     assert len(perforated_grid(panel(), FFS0827, (22, 8)).triangles) < 8000
-    thin = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
+    thin = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.0)
     assert len(perforated_grid(panel(width_m=0.03), thin, (22, 2)).triangles) < 350
 
 
 def test_slivers_are_refused() -> None:
     """Lands of 0.2 mm along openings that long facets divide."""
-    thin = Apertures("rectangle", 0.020, 0.0058, 0.025, 0.006, 0.0, 0.03, 0.02)
+    thin = AperturePattern("rectangle", 0.020, 0.0058, 0.025, 0.006, 0.0, 0.03, 0.02)
     with pytest.raises(BadMesh, match=r"an angle of 0\.\d+ deg"):
         perforated_grid(panel(), thin, (8, 8))
 
@@ -217,5 +217,5 @@ def test_straight_passing() -> None:
     """Gaudin's (a - d)(b - d) over the cell; for round holes the smaller circle's area."""
     assert straight_passing(FFS0827, 0.001) == pytest.approx(19 * 2 / 150)
     assert straight_passing(FFS0827, 0.003) == 0.0
-    hole = Apertures("slot", 0.01, 0.01, 0.02, 0.02)
+    hole = AperturePattern("slot", 0.01, 0.01, 0.02, 0.02)
     assert straight_passing(hole, 0.004) == pytest.approx(np.pi * 3e-3**2 / 4e-4)

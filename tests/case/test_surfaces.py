@@ -11,7 +11,7 @@ import pytest
 
 from meshes.side_walls import side_walls
 from orchestrator.case.deck.panels import walls
-from orchestrator.case.deck.stl import Facets, Unreadable, read
+from orchestrator.case.deck.stl import Facets, UnreadableStl, read
 from orchestrator.preflight.checks.surfaces import faults
 from tests.case.cases import complaints, loaded
 
@@ -77,7 +77,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     ):
         if content is not None:
             file.write_bytes(content)
-        with pytest.raises(Unreadable, match=said):
+        with pytest.raises(UnreadableStl, match=said):
             read(tmp_path, file.name)
 
 
@@ -90,7 +90,7 @@ def test_a_file_that_is_cut_off_anywhere(tmp_path: Path, binary: bool) -> None:
     assert len(read(tmp_path, "wall.stl").triangles) == 12
     for kept in range(0, whole.rindex(b"endsolid") if not binary else len(whole), 7):
         (tmp_path / "wall.stl").write_bytes(whole[:kept])
-        with pytest.raises(Unreadable, match="is cut off"):
+        with pytest.raises(UnreadableStl, match="is cut off"):
             read(tmp_path, "wall.stl")
 
 
@@ -122,14 +122,14 @@ def test_a_file_of_somebody_else(tmp_path: Path) -> None:
     (folder / "link.stl").symlink_to(tmp_path / "wall.stl")
     for name in ("../wall.stl", str(tmp_path / "wall.stl"), "link.stl", "levels/../../wall.stl"):
         (folder / "levels").mkdir(exist_ok=True)
-        with pytest.raises(Unreadable, match="outside of the case's folder"):
+        with pytest.raises(UnreadableStl, match="outside of the case's folder"):
             read(folder, name)
     for name in ("/dev/zero", "levels", "x" * 5000, "nul\0.stl", "/etc"):
-        with pytest.raises(Unreadable, match=r"no such file|no name of a file"):
+        with pytest.raises(UnreadableStl, match=r"no such file|no name of a file"):
             read(folder, name)
     (folder / "large.stl").touch()
     os.truncate(folder / "large.stl", 10**12)  # takes no room on the disk
-    with pytest.raises(Unreadable, match="is larger than"):
+    with pytest.raises(UnreadableStl, match="is larger than"):
         read(folder, "large.stl")
 
 

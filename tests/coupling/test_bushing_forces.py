@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.ports import Array, Motion
-from orchestrator.ports.plans import Bushing
+from orchestrator.ports.plans import BushingPlan
 
 CENTRES = {"driving": 0, "driven": 5}
 CENTRE_M = np.array([[1.0, 0.2, -0.3], [0.8, 0.3, 0.1]])
@@ -21,7 +21,7 @@ DRAWN_M = np.vstack([CENTRE_M[0] + ARMS, PROBE_M, CENTRE_M[1] + ARMS])
 
 
 def forces(*bodies: str) -> BushingForces:
-    bushing = Bushing("b", (bodies[0], bodies[1]), PLACE_M, AXES, STIFFNESS, DAMPING)
+    bushing = BushingPlan("b", (bodies[0], bodies[1]), PLACE_M, AXES, STIFFNESS, DAMPING)
     return BushingForces.of([bushing], CENTRES, DRAWN_M)
 
 

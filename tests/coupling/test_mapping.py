@@ -7,7 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from orchestrator.case.deck.triangle_grid import Grid, grid
+from orchestrator.case.deck.triangle_grid import TriangleGrid, grid
 from orchestrator.ports.geometry import Rectangle
 
 
@@ -16,7 +16,7 @@ def rectangle(clamp_m: float) -> Rectangle:
     return Rectangle(np.array([0.1, 0.2, 0.3]), along, across, 0.3, 0.31, 0.2, clamp_m)
 
 
-def corners(found: Grid) -> np.ndarray:
+def corners(found: TriangleGrid) -> np.ndarray:
     """(triangles, 3, 2) material coordinates."""
     return np.asarray(found.coordinates_m[found.triangles])
 

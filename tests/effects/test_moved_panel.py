@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from orchestrator.ports.geometry import Apertures, Rectangle
-from orchestrator.ports.plans import Hyperelastic
+from orchestrator.ports.geometry import AperturePattern, Rectangle
+from orchestrator.ports.plans import HyperelasticPlan
 from orchestrator.preflight.scene.moved_panel import (
     MovedPanel,
     answer,
@@ -24,7 +24,7 @@ from orchestrator.preflight.scene.moved_panel import (
 from orchestrator.preflight.scene.scene import scene
 from tests.case.cases import loaded
 
-LAW = Hyperelastic(1150.0, 0.7e6, 2.8e6, 2e9)
+LAW = HyperelasticPlan(1150.0, 0.7e6, 2.8e6, 2e9)
 
 
 @pytest.mark.parametrize("approach_m", [0.003, 0.0059, 0.009])
@@ -59,7 +59,7 @@ def test_no_strain_no_difference() -> None:
 
 def test_loss_factor_of_one_branch() -> None:
     """At w tau = 1 a branch of ratio g stores g/2 and loses g/2: g / (2 + g)."""
-    law = Hyperelastic(1150.0, 0.7e6, 2.8e6, 2e9, ((0.2, 0.01),))
+    law = HyperelasticPlan(1150.0, 0.7e6, 2.8e6, 2e9, ((0.2, 0.01),))
     assert loss_factor(law, 100.0) == pytest.approx(0.2 / 2.2, rel=1e-12)
     assert loss_factor(LAW, 100.0) == 0.0
 
@@ -67,7 +67,7 @@ def test_loss_factor_of_one_branch() -> None:
 def test_loss_factor_is_that_of_the_complex_modulus() -> None:
     branches = ((0.2, 1e-2), (0.2, 2e-3), (0.2, 4e-4))
     modulus = 1 + sum(g * 1j * 78.5 * tau / (1 + 1j * 78.5 * tau) for g, tau in branches)
-    law = Hyperelastic(1150.0, 0.7e6, 2.8e6, 2e9, branches)
+    law = HyperelasticPlan(1150.0, 0.7e6, 2.8e6, 2e9, branches)
     assert loss_factor(law, 78.5) == pytest.approx(modulus.imag / modulus.real, rel=1e-12)
 
 
@@ -89,7 +89,7 @@ def test_slots_take_their_part_of_the_stiffness() -> None:
     a quarter is whole, of the rest 4/5 have half the section: 1 / (0.25 + 0.75 (0.2 + 1.6))."""
     along, across = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
     rectangle = Rectangle(np.zeros(3), along, across, 0.3, 0.3, 0.06, 0.0)
-    slots = Apertures("slot", 0.02, 0.003, 0.025, 0.006, margin_along_m=0.0375)
+    slots = AperturePattern("slot", 0.02, 0.003, 0.025, 0.006, margin_along_m=0.0375)
     assert stiffness_share(slots, rectangle) == pytest.approx(1 / 1.6, rel=1e-9)
     assert stiffness_share(None, rectangle) == 1.0
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adapters.frames.common import linear
-from orchestrator.ports.plans import Drive
+from orchestrator.ports.plans import DrivePlan
 from orchestrator.preflight.scene.shaking import PanelSpring, shakings
 from tests.frames.machines import bushing, exciter, steady_amplitudes_m, two_bodies
 
@@ -74,7 +74,7 @@ def test_a_driven_frame_moves_a_free_one_through_its_bushings() -> None:
     drive is  amplitude sin(w t + phase)."""
     plan = two_bodies(loss_factor=0.0)
     still, size_m = np.zeros(3), np.array([2e-3, 0.0, 0.0])
-    drive = Drive("driving", still, 60.0, size_m, np.full(3, 0.4), still, still, 0.0)
+    drive = DrivePlan("driving", still, 60.0, size_m, np.full(3, 0.4), still, still, 0.0)
     (found,) = shakings(replace(plan, drives=(drive,)))
     base_m = 2e-3 * np.exp(1j * (0.4 - np.pi / 2))
     stiffness = 2.37e6 + 4.0

@@ -15,7 +15,7 @@ import pytest
 
 from orchestrator.ports import Account, Array, Frames, Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Drive, FramesPlan
+from orchestrator.ports.plans import DrivePlan, FramesPlan
 from tests.frames.machines import exciter, two_bodies
 
 INTERVAL_S = 5e-4
@@ -34,14 +34,14 @@ class Case:
         return frames
 
 
-def driven(*drives: Drive) -> FramesPlan:
+def driven(*drives: DrivePlan) -> FramesPlan:
     return replace(two_bodies(drawn_at_rest=False), bushings=(), drives=drives)
 
 
-def drive(body: str = "driven", size: float = 1.0) -> Drive:
+def drive(body: str = "driven", size: float = 1.0) -> DrivePlan:
     half, none = np.array([0.0, 0.3, 1.0]), np.zeros(3)
     swing, rock = size * np.array([8e-3, 0.0, 5e-3]), size * np.array([0.0, 0.01, 0.0])
-    return Drive(body, none, 78.5, swing, half, rock, half, 0.05)
+    return DrivePlan(body, none, 78.5, swing, half, rock, half, 0.05)
 
 
 def excited(step_s: float) -> FramesPlan:

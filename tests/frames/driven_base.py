@@ -9,20 +9,20 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Body, Bushing, Drive, FramesPlan
+from orchestrator.ports.plans import BodyPlan, BushingPlan, DrivePlan, FramesPlan
 from tests.frames.machines import body
 
 MASS_kg, STIFFNESS_N_per_m, DAMPING_N_s_per_m, SPEED_rad_per_s = 20.0, 1e5, 600.0, 60.0
 NONE = np.zeros(3)
 
 
-def shaken(amplitude_m: Array, rotation_rad: Array = NONE, run_up_s: float = 0.0) -> Drive:
-    return Drive("base", NONE, SPEED_rad_per_s, amplitude_m, NONE, rotation_rad, NONE, run_up_s)
+def shaken(amplitude_m: Array, rotation_rad: Array = NONE, run_up_s: float = 0.0) -> DrivePlan:
+    return DrivePlan("base", NONE, SPEED_rad_per_s, amplitude_m, NONE, rotation_rad, NONE, run_up_s)
 
 
-def on_a_base(base: Drive, bushing: Bushing, step_s: float) -> FramesPlan:
+def on_a_base(base: DrivePlan, bushing: BushingPlan, step_s: float) -> FramesPlan:
     """A mass whose centre is at the bushing, so that the bushing does not turn it."""
-    free = Body("mass", MASS_kg, 0.5 * MASS_kg * np.eye(3), bushing.position_m)
+    free = BodyPlan("mass", MASS_kg, 0.5 * MASS_kg * np.eye(3), bushing.position_m)
     return FramesPlan(
         bodies=(body("base", 50.0), free),
         bushings=(bushing,),
@@ -38,10 +38,10 @@ def on_a_base(base: Drive, bushing: Bushing, step_s: float) -> FramesPlan:
     )
 
 
-def isotropic(position_m: Array, bodies: tuple[str, str] = ("base", "mass")) -> Bushing:
+def isotropic(position_m: Array, bodies: tuple[str, str] = ("base", "mass")) -> BushingPlan:
     size = np.ones(3)
     k, c = STIFFNESS_N_per_m * size, DAMPING_N_s_per_m * size
-    return Bushing("spring", bodies, position_m, np.eye(3), k, c)
+    return BushingPlan("spring", bodies, position_m, np.eye(3), k, c)
 
 
 def rocked(step_s: float, turn_rad: Array, bodies: tuple[str, str], stiffness_N_per_m: Array) -> FramesPlan:

@@ -6,17 +6,17 @@ import numpy as np
 
 from adapters.frames.common import linear
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Body, Bushing, Exciter, FramesPlan
+from orchestrator.ports.plans import BodyPlan, BushingPlan, ExciterPlan, FramesPlan
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 ALONG, ACROSS, UP = np.eye(3)
 POINTS_M = np.array([[-1.2, 0.4, 0.1], [1.2, -0.4, 0.1], [-1.0, 0.4, 0.4], [1.0, -0.3, 0.4]])
 
 
-def body(name: str, mass_kg: float = 764.0, center_m: Array | None = None) -> Body:
+def body(name: str, mass_kg: float = 764.0, center_m: Array | None = None) -> BodyPlan:
     center_m = np.zeros(3) if center_m is None else center_m
     inertia = np.diag([0.3, 0.67, 0.8]) * mass_kg
-    return Body(name, mass_kg, inertia, center_m)
+    return BodyPlan(name, mass_kg, inertia, center_m)
 
 
 def bushing(
@@ -25,22 +25,22 @@ def bushing(
     stiffness_N_per_m: tuple[float, float, float],
     loss_factor: float = 0.1,
     axes: Array | None = None,
-) -> Bushing:
+) -> BushingPlan:
     """Damped so that a loss factor at 78.5 rad/s results."""
     k = np.array(stiffness_N_per_m)
     name = f"{bodies[0]}-{bodies[1]}-{position_m.tolist()}"
     axes = np.eye(3) if axes is None else axes
-    return Bushing(name, bodies, position_m, axes, k, loss_factor * k / 78.5)
+    return BushingPlan(name, bodies, position_m, axes, k, loss_factor * k / 78.5)
 
 
-def exciter(speed_rad_per_s: float = 78.5, run_up_s: float = 0.0, **changed: object) -> Exciter:
+def exciter(speed_rad_per_s: float = 78.5, run_up_s: float = 0.0, **changed: object) -> ExciterPlan:
     given = {"body": "driving", "position_m": np.zeros(3), "axis": ACROSS, "start": UP}
     given |= {"mass_moment_kg_m": 3.5, "phase_rad": 0.0} | changed
-    return Exciter(speed_rad_per_s=speed_rad_per_s, run_up_s=run_up_s, **given)  # type: ignore[arg-type]
+    return ExciterPlan(speed_rad_per_s=speed_rad_per_s, run_up_s=run_up_s, **given)  # type: ignore[arg-type]
 
 
 def two_bodies(
-    exciters: tuple[Exciter, ...] = (),
+    exciters: tuple[ExciterPlan, ...] = (),
     drawn_at_rest: bool = True,
     interval_s: float = 1e-3,
     step_s: float = 0.0,

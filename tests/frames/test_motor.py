@@ -19,13 +19,13 @@ from adapters.frames import planar
 from adapters.frames.common.exciter import motor_torque_N_m
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import FramesPlan, Motor
+from orchestrator.ports.plans import FramesPlan, MotorPlan
 from tests.frames.contract import INTERVAL_S, accounts, defect_J, loads
 from tests.frames.machines import UP, body, bushing, exciter, two_bodies
 
 STIFFNESS_N_per_m, MASS_kg, MOMENT_kg_m = 4 * 225e3, 764.0, 3.5
 DAMPING_N_s_per_m = 0.2 * STIFFNESS_N_per_m / 34.3
-MOTOR = Motor(
+MOTOR = MotorPlan(
     rated_power_W=11e3,
     synchronous_rad_per_s=80.0,
     rated_slip=0.04,
@@ -35,7 +35,7 @@ MOTOR = Motor(
 )
 
 
-def one_body(motor: Motor, interval_s: float = 5e-3) -> FramesPlan:
+def one_body(motor: MotorPlan, interval_s: float = 5e-3) -> FramesPlan:
     """Its resonance is at 34.3 rad/s."""
     places = [np.array([x, y, 0.0]) for x in (-0.9, 0.9) for y in (-0.4, 0.4)]
     springs = [bushing(("ground", "driving"), p, (225e3,) * 3) for p in places]
@@ -52,7 +52,7 @@ def one_body(motor: Motor, interval_s: float = 5e-3) -> FramesPlan:
     )
 
 
-def surplus_N_m(motor: Motor, speed: Array | float) -> Array:
+def surplus_N_m(motor: MotorPlan, speed: Array | float) -> Array:
     """Torque of the motor less what bearing and dampers take at a steady speed."""
     w = np.asarray(speed)
     dynamic = STIFFNESS_N_per_m - MASS_kg * w**2 + 1j * DAMPING_N_s_per_m * w
@@ -61,7 +61,7 @@ def surplus_N_m(motor: Motor, speed: Array | float) -> Array:
     return np.asarray(motor_torque_N_m(motor, motor.synchronous_rad_per_s - w) - taken)
 
 
-def steady_speeds(motor: Motor) -> list[float]:
+def steady_speeds(motor: MotorPlan) -> list[float]:
     """Where the surplus changes its sign, from low to high."""
     tried = np.linspace(1.0, motor.synchronous_rad_per_s, 4000)
     signs = np.sign(surplus_N_m(motor, tried))

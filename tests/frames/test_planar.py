@@ -11,7 +11,7 @@ from scipy.special import ellipk
 from adapters.frames import exudyn, planar, prescribed, two_mass
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Body, Bushing, FramesPlan, SolverFailed
+from orchestrator.ports.plans import BodyPlan, BushingPlan, FramesPlan, SolverFailed
 from tests.frames.contract import both_driven, compared, drive, driven, loads, one_driven
 from tests.frames.driven_base import carried_along_m, rocked
 from tests.frames.machines import ACROSS, ALONG, POINTS_M, UP, body, bushing, exciter, two_bodies
@@ -74,12 +74,12 @@ def test_a_compound_pendulum_swings_as_the_elliptic_integral_says(start_rad: flo
     k = 1e-5 m at rest, by up to five times that in the swing, and rings on: 1e-4 m."""
     mass_kg, arm_m, inertia_kg_m2 = 10.0, 0.4, 1.2
     center_m = arm_m * np.array([np.sin(start_rad), 0.0, -np.cos(start_rad)])
-    pin = Bushing("pin", ("ground", "body"), np.zeros(3), np.eye(3), np.full(3, 1e7), np.zeros(3))
+    pin = BushingPlan("pin", ("ground", "body"), np.zeros(3), np.eye(3), np.full(3, 1e7), np.zeros(3))
     period_s = 4 * np.sqrt((inertia_kg_m2 + mass_kg * arm_m**2) / (mass_kg * 9.81 * arm_m))
     period_s *= ellipk(np.sin(start_rad / 2) ** 2)
     interval_s = period_s / 4 / 50
     plan = FramesPlan(
-        bodies=(Body("body", mass_kg, np.diag([1.0, inertia_kg_m2, 1.0]), center_m),),
+        bodies=(BodyPlan("body", mass_kg, np.diag([1.0, inertia_kg_m2, 1.0]), center_m),),
         bushings=(pin,),
         exciters=(),
         drives=(),

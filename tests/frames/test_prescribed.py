@@ -14,10 +14,10 @@ from adapters.frames.common.drive import angular_velocity, moved
 from adapters.frames.prescribed import build
 from orchestrator.ports import Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Drive, FramesPlan
+from orchestrator.ports.plans import DrivePlan, FramesPlan
 from tests.frames.machines import POINTS_M, exciter, two_bodies
 
-DRIVE = Drive(
+DRIVE = DrivePlan(
     body="driven",
     center_m=np.array([0.1, 0.0, 0.2]),
     speed_rad_per_s=78.5,
@@ -29,7 +29,7 @@ DRIVE = Drive(
 )
 
 
-def plan(*drives: Drive) -> FramesPlan:
+def plan(*drives: DrivePlan) -> FramesPlan:
     return replace(two_bodies(drawn_at_rest=False), bushings=(), drives=drives)
 
 

@@ -14,7 +14,7 @@ from orchestrator.case import solvers
 from orchestrator.ports import Account, Array, Load, MeshedPanel, Motion, Panel, PanelState
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import PanelPlan
 from tests.panel.elastic_plans import plan
 from tests.panel.recordings import playback
@@ -58,13 +58,13 @@ def hinged(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
 
 def perforated(integrator: str, cells: tuple[int, int] = (8, 1)) -> PanelPlan:
     """3 x 3 openings of 16 x 8 mm, half a land at the sides."""
-    openings = Apertures("rectangle", 0.016, 0.008, 0.024, 0.014, 0.0, 0.02, 0.0)
+    openings = AperturePattern("rectangle", 0.016, 0.008, 0.024, 0.014, 0.0, 0.02, 0.0)
     return replace(small(integrator, cells), apertures=openings)
 
 
 def pierced() -> PanelPlan:
     """One opening of 40 x 20 mm, for a mesh that has it: few cells."""
-    opening = Apertures("rectangle", 0.04, 0.02, 0.12, 0.05)
+    opening = AperturePattern("rectangle", 0.04, 0.02, 0.12, 0.05)
     return replace(small("implicit", (3, 1)), apertures=opening)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from orchestrator.ports import Array, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import Apertures, Rectangle
-from orchestrator.ports.plans import Hyperelastic, PanelPlan
+from orchestrator.ports.geometry import AperturePattern, Rectangle
+from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 # Polyurethane of the FFS0827 screen: C10 and C01 as the paper prints them, K = 2 GPa.
 C10_PA, C01_PA, BULK_PA = 7e5, 2.8e6, 2e9
@@ -28,7 +28,7 @@ def plan(
     density_kg_per_m3: float = 1200.0,
     branches: tuple[tuple[float, float], ...] = (),
     sync_interval_s: float = 1e-4,
-    apertures: Apertures | None = None,
+    apertures: AperturePattern | None = None,
 ) -> PanelPlan:
     """A panel along x, its width along y, gravity down z."""
     rectangle = Rectangle(
@@ -45,7 +45,7 @@ def plan(
         rectangle=rectangle,
         frames=("driving", "driven"),
         thickness_m=thickness_m,
-        material=Hyperelastic(density_kg_per_m3, C10_PA, C01_PA, BULK_PA, branches),
+        material=HyperelasticPlan(density_kg_per_m3, C10_PA, C01_PA, BULK_PA, branches),
         gravity_m_per_s2=np.array([0.0, 0.0, -gravity_m_per_s2]),
         cells=cells,
         step_s=step_s,

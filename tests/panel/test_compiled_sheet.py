@@ -11,13 +11,13 @@ import pytest
 from adapters.panel.common.body import Action
 from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import SolverFailed
 from tests.panel.elastic_plans import BRANCHES, difference, plan, shaken
 
 pytestmark = pytest.mark.solver
 
-SLOTS = Apertures("rectangle", 0.009, 0.003, 0.012, 0.006, 0.0, 0.03, 0.012)
+SLOTS = AperturePattern("rectangle", 0.009, 0.003, 0.012, 0.006, 0.0, 0.03, 0.012)
 PATTERNS = pytest.mark.parametrize("pattern", [None, SLOTS], ids=["plain", "perforated"])
 ROUNDING = 1e-12  # of sums over cells in another order, with products fused
 

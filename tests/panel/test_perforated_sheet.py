@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from tests.panel.elastic_plans import BRANCHES, plan, pull_N
 
 pytestmark = pytest.mark.solver
 
-ALONG = Apertures("rectangle", 0.009, 0.003, 0.012, 0.006, 0.0, 0.012, 0.006)
-ACROSS = Apertures("rectangle", 0.003, 0.009, 0.006, 0.012, 0.0, 0.012, 0.006)
+ALONG = AperturePattern("rectangle", 0.009, 0.003, 0.012, 0.006, 0.0, 0.012, 0.006)
+ACROSS = AperturePattern("rectangle", 0.003, 0.009, 0.006, 0.012, 0.0, 0.012, 0.006)
 
 
 def small(pattern, span_m=0.12, gravity_m_per_s2=1e-4, **more):
@@ -58,7 +58,7 @@ def test_bent_by_its_weight_and_vibrating_without_tension(pattern):
 
 def test_tiny_openings_change_nothing():
     """Square holes of 0.01 % of the area: as the sheet without (0.1 %)."""
-    tiny = Apertures("rectangle", 1e-4, 1e-4, 0.01, 0.01)
+    tiny = AperturePattern("rectangle", 1e-4, 1e-4, 0.01, 0.01)
     from adapters.panel import sheet
 
     pulls = []
@@ -106,7 +106,7 @@ def test_strip_and_sheet_agree():
     between its openings contracts freely, the sheet is held at the clamps."""
     from adapters.panel import sheet, strip
 
-    pattern = Apertures("rectangle", 0.012, 0.006, 0.016, 0.010, 0.0, 0.03, 0.0)
+    pattern = AperturePattern("rectangle", 0.012, 0.006, 0.016, 0.010, 0.0, 0.03, 0.0)
     given = plan(
         length_m=0.3, span_m=0.306, width_m=0.03, cells=(30, 3), gravity_m_per_s2=0.0, apertures=pattern
     )

@@ -14,14 +14,14 @@ import pytest
 
 from orchestrator.ports import Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from tests.panel.contract import driven, pierced
 from tests.panel.elastic_plans import BRANCHES, difference, plan, pull_N, shaken
 
 pytestmark = pytest.mark.solver
 
-ALONG = Apertures("rectangle", 0.012, 0.006, 0.018, 0.012, 0.0, 0.024, 0.0)
-ACROSS = Apertures("rectangle", 0.006, 0.012, 0.012, 0.018, 0.0, 0.024, 0.006)
+ALONG = AperturePattern("rectangle", 0.012, 0.006, 0.018, 0.012, 0.0, 0.024, 0.0)
+ACROSS = AperturePattern("rectangle", 0.006, 0.012, 0.012, 0.018, 0.0, 0.024, 0.006)
 both_patterns = pytest.mark.parametrize("pattern", [ALONG, ACROSS], ids=["along", "across"])
 
 

@@ -8,10 +8,10 @@ import sys
 import numpy as np
 import pytest
 
-from adapters.panel.finite_element.grid import Grid
+from adapters.panel.finite_element.grid import ElementGrid
 from tests.panel.elastic_plans import plan
 
-GRID = Grid.of(plan().rectangle, (7, 3))
+GRID = ElementGrid.of(plan().rectangle, (7, 3))
 
 
 def test_reproduces_biquadratic_fields():
@@ -41,7 +41,7 @@ def test_refuses_points_outside(point):
 
 
 def test_a_hinge_has_no_cells_under_the_clamp():
-    hinged = Grid.of(plan(clamp_m=0.0).rectangle, (7, 3))
+    hinged = ElementGrid.of(plan(clamp_m=0.0).rectangle, (7, 3))
     assert hinged.shape == (7, 3)
     assert GRID.shape == (9, 3)
 

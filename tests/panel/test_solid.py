@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from orchestrator.ports import Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Hyperelastic
+from orchestrator.ports.plans import HyperelasticPlan
 from tests.panel.elastic_plans import (
     BRANCHES,
     C01_PA,
@@ -100,7 +100,7 @@ def beam(poisson_ratio):
         gravity_m_per_s2=9.8,
         density_kg_per_m3=2500.0,
     )
-    material = Hyperelastic(2500.0, 0.5 * half_shear_Pa, 0.5 * half_shear_Pa, bulk_Pa)
+    material = HyperelasticPlan(2500.0, 0.5 * half_shear_Pa, 0.5 * half_shear_Pa, bulk_Pa)
     return dataclasses.replace(given, material=material)
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from adapters.panel.finite_element.solid_grid import bearable_grid, size, solid_grid
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from tests.panel.elastic_plans import plan
 
-SLOTS = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.004)
+SLOTS = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.004)
 STAGGERED = replace(SLOTS, stagger=0.4)
 
 
@@ -92,7 +92,7 @@ def test_each_node_is_found_by_its_coordinates():
 
 def test_openings_at_the_clamps_and_at_the_sides():
     """Half a land from either, without margins: as many cells as between openings."""
-    pattern = Apertures("rectangle", 0.02, 0.004, 0.03, 0.008)
+    pattern = AperturePattern("rectangle", 0.02, 0.004, 0.03, 0.008)
     grid = solid_grid(given(pattern))
     assert grid.whole.s_m[:4] == pytest.approx([-0.02, 0.0, 0.005, 0.025])
     assert grid.whole.y_m[:4] == pytest.approx([0.0, 0.002, 0.006, 0.008])

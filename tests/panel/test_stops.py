@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from orchestrator.coupling.stopped_panel import StoppedPanel
 from orchestrator.ports import Account, Array, Known, Load, Motion, Mount, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import PanelPlan, Stop
+from orchestrator.ports.plans import PanelPlan, StopPlan
 from tests.panel.elastic_plans import plan
 from tests.saved_states import differences
 
@@ -29,14 +29,14 @@ AREAL_KG_M2 = DENSITY_KG_PER_M3 * THICKNESS_M
 INTERVAL_S = 1e-4
 
 
-def stop(q: float, gap_m: float = 0.002, damping_ratio: float = 0.0, frame: str = "driving") -> Stop:
+def stop(q: float, gap_m: float = 0.002, damping_ratio: float = 0.0, frame: str = "driving") -> StopPlan:
     """All along the middle half; ``q`` = k dt^2 / m, the limit is 4."""
     stiffness = q * AREAL_KG_M2 / INTERVAL_S**2
     damping = 2 * damping_ratio * np.sqrt(stiffness * AREAL_KG_M2)
-    return Stop("beam", frame, 0.03, 0.09, gap_m, stiffness, damping)
+    return StopPlan("beam", frame, 0.03, 0.09, gap_m, stiffness, damping)
 
 
-def stopped(solver: str, stops: tuple[Stop, ...], **changes: object) -> StoppedPanel:
+def stopped(solver: str, stops: tuple[StopPlan, ...], **changes: object) -> StoppedPanel:
     cells = (ALONG[solver], 1)
     made: PanelPlan = plan(length_m=0.12, cells=cells, clamp_m=0.02, **changes)
     if solver == "solid":

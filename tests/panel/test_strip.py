@@ -14,12 +14,12 @@ from adapters.panel.strip.chain import chain, nominal_stress_Pa, stiffness_Pa
 from adapters.panel.strip.motion import ChainMotion
 from orchestrator.ports import Array, Load, Motion, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Hyperelastic, PanelPlan, SolverFailed
+from orchestrator.ports.plans import HyperelasticPlan, PanelPlan, SolverFailed
 from tests.panel.contract import held, swung
 from tests.panel.elastic_plans import BRANCHES, C01_PA, C10_PA, difference, plan
 
-PRINTED = Hyperelastic(1200.0, C10_PA, C01_PA, 2e9)
-SWAPPED = Hyperelastic(1200.0, C01_PA, C10_PA, 2e9)
+PRINTED = HyperelasticPlan(1200.0, C10_PA, C01_PA, 2e9)
+SWAPPED = HyperelasticPlan(1200.0, C01_PA, C10_PA, 2e9)
 
 
 def taut(cells: int = 24, **changed: object) -> PanelPlan:
@@ -47,7 +47,7 @@ def middle_m(panel: strip.Strip) -> float:
         (SWAPPED, 2.0, "11.0250"),
     ],
 )
-def test_uniaxial_law(material: Hyperelastic, stretch: float, stress_MPa: str) -> None:
+def test_uniaxial_law(material: HyperelasticPlan, stretch: float, stress_MPa: str) -> None:
     """P = 2 (l - l^-2)(C10 + C01 / l), evaluated independently; to the digits given."""
     found = nominal_stress_Pa(material, np.array([stretch]))[0]
     digits = len(stress_MPa.split(".")[1])

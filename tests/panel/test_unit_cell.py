@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 
 pytestmark = pytest.mark.solver
 
 
-def cell(pattern: Apertures, thickness_m: float = 0.004):
+def cell(pattern: AperturePattern, thickness_m: float = 0.004):
     from adapters.panel.perforation.unit_cell import cell_stiffness
 
     return cell_stiffness(pattern, thickness_m)
@@ -20,12 +20,12 @@ def modulus(stiffness, axis: int) -> float:
     return 1 / np.linalg.inv(stiffness)[axis, axis]
 
 
-def hexagonal(diameter: float) -> Apertures:
+def hexagonal(diameter: float) -> AperturePattern:
     """Round holes at the corners of equilateral triangles of side 1."""
-    return Apertures("slot", diameter, diameter, 3**0.5 / 2, 1.0, 0.5)
+    return AperturePattern("slot", diameter, diameter, 3**0.5 / 2, 1.0, 0.5)
 
 
-def open_share(pattern: Apertures) -> float:
+def open_share(pattern: AperturePattern) -> float:
     """Of the polygons that stand for round holes."""
     x, y = pattern.outline_m().T
     area = np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2
@@ -60,7 +60,7 @@ def test_a_hexagonal_pattern_is_isotropic_and_within_the_bound(diameter: float):
 def test_slots_lie_between_bars_and_mixture(stagger: float):
     """Stretching: no softer than the straight bars that run through, no stiffer than the share of
     material (least complementary and least potential energy); bending likewise."""
-    pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, stagger)
+    pattern = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, stagger)
     found = cell(pattern)
     for stiffness in (found.membrane, found.bending):
         assert (0.5 if stagger in (0.0,) else 0.0) < modulus(stiffness, 0) < 0.6
@@ -72,7 +72,7 @@ def test_long_slots_leave_bars_that_twist_as_saint_venant_says():
     ... by the series of Timoshenko and Goodier (Theory of Elasticity, art. 109).  2 %: ends of
     the slots, and Reissner-Mindlin theory with factor 5/6 itself."""
     width, thickness, pitch = 0.003, 0.004, 0.006
-    pattern = Apertures("rectangle", 0.3, width, 0.302, pitch)
+    pattern = AperturePattern("rectangle", 0.3, width, 0.302, pitch)
     short, long = sorted((width, thickness))
     odd = np.arange(1, 60, 2)
     series = np.sum(np.tanh(odd * np.pi * long / (2 * short)) / odd**5)
@@ -85,7 +85,7 @@ def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
     """1 % at twice the triangles per land: corners of the openings converge slowly."""
     from adapters.panel.perforation import unit_cell
 
-    pattern = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006)
+    pattern = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006)
     usual = cell(pattern)
     monkeypatch.setattr(unit_cell, "TRIANGLES_PER_LAND", 12)
     fine = unit_cell.cell_stiffness.__wrapped__(pattern, 0.004)
@@ -96,7 +96,7 @@ def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
 def test_the_membrane_s_factors_would_not_do_for_bending():
     """Along and across they are alike, but twisted lands are ten times as stiff as sheared ones:
     why bending has a cell problem of its own."""
-    found = cell(Apertures("rectangle", 0.020, 0.003, 0.025, 0.006))
+    found = cell(AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006))
     for axis in (0, 1):
         assert modulus(found.bending, axis) == pytest.approx(modulus(found.membrane, axis), 0.02)
     assert found.bending[2, 2] > 9 * found.membrane[2, 2]
@@ -105,12 +105,12 @@ def test_the_membrane_s_factors_would_not_do_for_bending():
 @pytest.mark.parametrize(
     ("pattern", "shear"),
     [
-        (Apertures("rectangle", 0.020, 0.003, 0.025, 0.006), 0.05),
-        (Apertures("rectangle", 0.003, 0.003, 0.006, 0.006), 0.09),
+        (AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006), 0.05),
+        (AperturePattern("rectangle", 0.003, 0.003, 0.006, 0.006), 0.09),
     ],
     ids=["slots", "squares"],
 )
-def test_three_dimensions(pattern: Apertures, shear: float):
+def test_three_dimensions(pattern: AperturePattern, shear: float):
     """4 mm thick with lands of 3 mm, where plate theory might be doubted, against a cell of
     three-dimensional elasticity (Poisson's ratio 0.49).  Along and across, stretched and bent:
     2 % (measured 1.5 % at most, of which the quick mesh here has half); twist 4 % (2.9 %); sheared

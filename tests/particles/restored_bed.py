@@ -18,7 +18,7 @@ from orchestrator.case.bed.material_book import CountedFeed
 from orchestrator.coupling.metered import MeteredParticles, Stopwatch
 from orchestrator.ports import HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Exit, ParticlesPlan
+from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
@@ -44,7 +44,7 @@ def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> l
     return found
 
 
-OPEN_END = Exit("end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1]))
+OPEN_END = ExitPlan("end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1]))
 INLET = Inlet(
     sizes=(Sizes(5e-3, 6e-3, 1.0),),
     rate_kg_per_s=0.15,

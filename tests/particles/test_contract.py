@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from orchestrator.ports import BrokenRecord, HermitePath, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Exit, GrainMaterial, ParticleList, ParticlesPlan
+from orchestrator.ports.plans import ExitPlan, GrainMaterial, ParticleList, ParticlesPlan
 from tests.particles.contract import (
     G_M_PER_S2,
     WEIGHTLESS,
@@ -242,10 +242,10 @@ def test_who_leaves_the_domain_is_taken_out_and_booked(build: Build) -> None:
     assert energy_defect_J(before, after) == pytest.approx(0.0, abs=1e-12 * MASS_KG)
 
 
-def exit_box(center_m: Any, half_m: Any, turned_deg: float = 0.0) -> Exit:
+def exit_box(center_m: Any, half_m: Any, turned_deg: float = 0.0) -> ExitPlan:
     """A box turned about y."""
     axes = Rotation.from_euler("y", turned_deg, degrees=True).as_matrix().T
-    return Exit("box", "undersize", np.array(center_m), axes, np.array(half_m))
+    return ExitPlan("box", "undersize", np.array(center_m), axes, np.array(half_m))
 
 
 def test_exits_take_out_who_is_inside(build: Build) -> None:

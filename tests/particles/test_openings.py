@@ -11,15 +11,15 @@ from scipy.stats import binom
 from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.perforated_grid import perforated_grid
 from orchestrator.ports import Array
-from orchestrator.ports.geometry import Apertures, Rectangle, TriangleSurface
+from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
 from tests.particles.contract import SOLVERS, Run, one, particles, plan, solver_module
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
 PANEL = Rectangle(np.zeros(3), np.eye(3)[0], np.eye(3)[1], 0.3, 0.3, 0.3, 0.0)
-SQUARES = Apertures("rectangle", 0.010, 0.010, 0.015, 0.015, 0.0, 0.02, 0.02)
-SLOTS = Apertures("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.02, 0.02)
-STAGGERED = Apertures("rectangle", 0.010, 0.006, 0.015, 0.009, 0.5, 0.02, 0.02)
+SQUARES = AperturePattern("rectangle", 0.010, 0.010, 0.015, 0.015, 0.0, 0.02, 0.02)
+SLOTS = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.02, 0.02)
+STAGGERED = AperturePattern("rectangle", 0.010, 0.006, 0.015, 0.009, 0.5, 0.02, 0.02)
 
 
 def build(solver: str, **given: Any) -> Any:
@@ -29,7 +29,7 @@ def build(solver: str, **given: Any) -> Any:
 every_solver = pytest.mark.parametrize("solver", SOLVERS)
 
 
-def still(pattern: Apertures, panel: Rectangle = PANEL) -> TriangleSurface:
+def still(pattern: AperturePattern, panel: Rectangle = PANEL) -> TriangleSurface:
     """The perforated panel in z = 0."""
     grid = perforated_grid(panel, pattern, (20, 20))
     material = np.zeros(len(grid.triangles), dtype=np.int64)
@@ -42,7 +42,7 @@ def run(solver: str, surface: TriangleSurface, **given: Any) -> Run:
     return Run(opened, wanted)
 
 
-def over_the_pattern(pattern: Apertures, diameter_m: float, seed: int) -> Array:
+def over_the_pattern(pattern: AperturePattern, diameter_m: float, seed: int) -> Array:
     """Places (n, 2) clear of each other, each uniform over one cell of the pattern."""
     pitch = np.array([pattern.pitch_along_m, pattern.pitch_across_m])
     apart = np.ceil(1.5 * diameter_m / pitch + 1).astype(int)
@@ -72,7 +72,7 @@ def untouched_and_passed(run: Run, time_s: float) -> tuple[int, int]:
     ids=["squares", "large", "slots", "staggered"],
 )
 def test_single_attempts_pass_with_the_probability_of_gaudin(
-    solver: str, pattern: Apertures, diameter_m: float
+    solver: str, pattern: AperturePattern, diameter_m: float
 ) -> None:
     """Spheres falling straight down at random places pass without a touch with the probability
     (a - d)(b - d) / pitches of A. M. Gaudin (Principles of Mineral Dressing, 1939): their number
@@ -102,7 +102,7 @@ def test_single_attempts_pass_with_the_probability_of_gaudin(
 
 @every_solver
 @pytest.mark.parametrize("pattern", [SQUARES, SLOTS], ids=["squares", "slots"])
-def test_what_is_larger_than_an_opening_never_passes(solver: str, pattern: Apertures) -> None:
+def test_what_is_larger_than_an_opening_never_passes(solver: str, pattern: AperturePattern) -> None:
     """5 % larger than the width, thrown at 0.3 m/s and left to bounce for 0.06 s.  These soft
     spheres (10 MPa) have a tenth of the energy that would squeeze them through:
     2 (8/15) E* sqrt(R) ((d - a) / 2)^(5/2), a contact on either side."""
@@ -135,7 +135,7 @@ def test_what_is_a_little_smaller_slips_through(solver: str) -> None:
     [(SLOTS, 0.004), (SQUARES, 0.0125), (SQUARES, 0.02)],
     ids=["slot", "square", "square-large"],
 )
-def test_a_sphere_rests_on_an_opening_s_rim(solver: str, pattern: Apertures, diameter_m: float) -> None:
+def test_a_sphere_rests_on_an_opening_s_rim(solver: str, pattern: AperturePattern, diameter_m: float) -> None:
     """Its centre is sqrt(r^2 - a^2/4) over the panel, a the width between the rims that hold
     it, less what its weight presses it in (1e-3 r)."""
     radius_m, half_m = diameter_m / 2, pattern.width_m / 2

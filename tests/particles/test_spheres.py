@@ -8,7 +8,7 @@ import pytest
 from adapters.particles import spheres
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import closest_on_triangle
-from orchestrator.ports.plans import Exit, GrainMaterial
+from orchestrator.ports.plans import ExitPlan, GrainMaterial
 from tests.particles.contract import WEIGHTLESS, Run, energy_defect_J, one, particles, plan, plate
 
 MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3
@@ -163,7 +163,7 @@ def test_contacts_go_on_when_another_particle_leaves_or_comes() -> None:
 def test_contacts_that_end_by_removal_take_their_energy_along() -> None:
     """Two spheres pressed 0.5 mm into each other and the lower one into the plate; the upper one is
     in an exit: what their contact stores goes with it."""
-    exits = (Exit("above", "undersize", np.array([0.0, 0.0, 0.05]), np.eye(3), 0.04 * np.ones(3)),)
+    exits = (ExitPlan("above", "undersize", np.array([0.0, 0.0, 0.05]), np.eye(3), 0.04 * np.ones(3)),)
     given = particles([[0.0, 0.0, 0.0045], [0.0, 0.0, 0.0140]])
     quick = {"restitution": one(1.0), "step_s": 1e-7, "sync_interval_s": 1e-6}
     run = opened(plan(plate(0.02, 3), given, exits=exits, **quick))

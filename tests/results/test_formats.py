@@ -105,5 +105,5 @@ def test_another_version_of_a_recording_is_refused(tmp_path: Path) -> None:
     assert recording_file.read(file).speed_rad_per_s == 78.5
     with h5py.File(file, "a") as opened:
         opened.attrs["format_version"] = 1
-    with pytest.raises(recording_file.Unreadable, match="has format 1; this flipflow reads"):
+    with pytest.raises(recording_file.UnreadableRecording, match="has format 1; this flipflow reads"):
         recording_file.read(file)

@@ -14,7 +14,7 @@ import numpy as np
 from adapters.frames.common.linear import skew
 from orchestrator.ports import Array, Known, Motion
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.plans import Drive, FramesPlan
+from orchestrator.ports.plans import DrivePlan, FramesPlan
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -36,7 +36,7 @@ class Driving:
         return self.center_m + arm_m, self.velocity_m_per_s + arm_m @ skew(self.spin_rad_per_s).T
 
 
-def driving(drive: Drive, time_s: float) -> Driving:
+def driving(drive: DrivePlan, time_s: float) -> Driving:
     """Return the motion that the drive prescribes."""
     from scipy.spatial.transform import Rotation
 
@@ -51,7 +51,7 @@ def driving(drive: Drive, time_s: float) -> Driving:
     )
 
 
-def moved(drive: Drive, points_m: Array, time_s: float) -> tuple[Array, Array]:
+def moved(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
     """Return position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
 
@@ -82,12 +82,12 @@ class DrivenPoints:
         return Known(self.at(interval.end_s), self.still_or_driven)
 
 
-def shifted(drive: Drive, time_s: Array) -> tuple[Array, Array]:
+def shifted(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
     """Return displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
 
 
-def turned(drive: Drive, time_s: Array) -> tuple[Array, Array]:
+def turned(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
     """Return the rotation vector and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
 
@@ -108,7 +108,7 @@ def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
     return np.asarray(rate_rad_per_s + one_minus_cos * across + one_minus_sinc * (turn @ across))
 
 
-def _harmonic(drive: Drive, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
+def _harmonic(drive: DrivePlan, size: Array, phase_rad: Array, time_s: Array) -> tuple[Array, Array]:
     """Return value and rate, (n, 3) each, of  ramp(t) * size * sin(w t + phase)."""
     ramp, ramp_1_s = (one[:, None] for one in _ramp(drive.run_up_s, time_s))
     angle = drive.speed_rad_per_s * time_s[:, None] + phase_rad

@@ -17,7 +17,7 @@ from typing import ClassVar
 import numpy as np
 
 from orchestrator.ports import Array, Saved
-from orchestrator.ports.plans import Exciter, FramesPlan, Motor
+from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 
@@ -28,7 +28,7 @@ class Unbalance:
     time derivative of  mass_moment * radial.
     """
 
-    def __init__(self, exciter: Exciter) -> None:
+    def __init__(self, exciter: ExciterPlan) -> None:
         self._exciter = exciter
         # rows: radial and tangential at angle 0
         self._axes = np.stack([exciter.start, np.cross(exciter.axis, exciter.start)])
@@ -60,7 +60,7 @@ class Unbalance:
         return angle + phase, speed, growth
 
 
-def motor_torque_N_m(motor: Motor, lag_rad_per_s: Array) -> Array:
+def motor_torque_N_m(motor: MotorPlan, lag_rad_per_s: Array) -> Array:
     """Return an induction motor's torque at a lag of its shaft behind the synchronous speed.
 
     Kloss, Archiv fuer Elektrotechnik 5, 1916, 59-87: 2 T d D / (d^2 + D^2) at the lag d, where T is
@@ -82,7 +82,7 @@ class Shaft:
 
     STATE: ClassVar[tuple[str, ...]] = ("angle_rad", "speed_rad_per_s", "motor_J", "lost_J")
 
-    def __init__(self, exciter: Exciter, motor: Motor, plan: FramesPlan) -> None:
+    def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan) -> None:
         self._exciter, self._motor = exciter, motor
         self._gravity_m_per_s2, self._across = plan.gravity_m_per_s2, np.cross(exciter.axis, exciter.start)
         self.angle_rad, self.speed_rad_per_s = exciter.phase_rad, 0.0

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.plans import Body, Drive, Exciter, FramesPlan
+from orchestrator.ports.plans import BodyPlan, DrivePlan, ExciterPlan, FramesPlan
 
 IN_BALANCE = 1e-6  # of the forces in play: ten times what panels at rest are out of balance by
 TRANSLATIONS = (0, 1, 2)
@@ -114,7 +114,7 @@ def in_play_N(plan: FramesPlan) -> float:
     return float(weight_N + np.linalg.norm(plan.reaction_N, axis=1).sum())
 
 
-def displacement(body: Body, place_m: Array) -> Array:
+def displacement(body: BodyPlan, place_m: Array) -> Array:
     """Return (3, 6): how a point of the body moves per translation and small rotation."""
     return np.hstack([np.eye(3), -skew(place_m - body.center_of_mass_m)])
 
@@ -171,14 +171,14 @@ def largest_step_s(plan: FramesPlan, machine: LinearMachine, largest_rad: float)
 
     Rates are the natural frequencies, the speeds of exciters and drives, and those of their run-ups.
     """
-    shaking: list[Exciter | Drive] = [*plan.exciters, *plan.drives]
+    shaking: list[ExciterPlan | DrivePlan] = [*plan.exciters, *plan.drives]
     run_ups = [math.pi / source.run_up_s for source in shaking if source.run_up_s > 0]
     rates = [machine.fastest_rad_per_s(), *(source.speed_rad_per_s for source in shaking), *run_ups]
     limit_s = largest_rad / max(rates) if max(rates) > 0 else plan.sync_interval_s
     return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
 
 
-def _mass(body: Body) -> Array:
+def _mass(body: BodyPlan) -> Array:
     import scipy.linalg
 
     return np.asarray(scipy.linalg.block_diag(body.mass_kg * np.eye(3), body.inertia_kg_m2))

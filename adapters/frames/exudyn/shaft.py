@@ -14,7 +14,7 @@ from adapters.frames.common import linear
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.exudyn.poses import Attached, Poses
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Exciter, FramesPlan, Motor, SolverFailed
+from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
 
 MOST_ROUNDS = 50
 TOLERANCE = 1e-14
@@ -35,7 +35,7 @@ class SpatialShaft(Shaft):
 
     STATE = (*Shaft.STATE, "wrench", "_given_1_s", "_felt_m_per_s2", "_felt_before_m_per_s2")
 
-    def __init__(self, exciter: Exciter, motor: Motor, plan: FramesPlan, drawn_m: Array) -> None:
+    def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan, drawn_m: Array) -> None:
         super().__init__(exciter, motor, plan)
         numbers = linear.numbers(plan, (exciter.body,))
         self.body = int(numbers[0])

@@ -15,7 +15,7 @@ from adapters.frames.common.drive import driving
 from adapters.frames.common.exciter import Unbalance
 from adapters.frames.exudyn.poses import turning
 from orchestrator.ports import Array, Saved
-from orchestrator.ports.plans import Body, Bushing, Drive, FramesPlan, SolverFailed
+from orchestrator.ports.plans import BodyPlan, BushingPlan, DrivePlan, FramesPlan, SolverFailed
 
 items: Any = exudyn.itemInterface
 homogeneous: Any = exudyn.HT
@@ -82,19 +82,19 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
     return multibody
 
 
-def _node(system: Any, body: Body) -> int:
+def _node(system: Any, body: BodyPlan) -> int:
     """Tait-Bryan angles: their coordinates are total displacements, as ``Poses.of`` reads them."""
     place = [*body.center_of_mass_m, 0.0, 0.0, 0.0]
     return int(system.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=place)))
 
 
-def _body(system: Any, node: int, body: Body) -> int:
+def _body(system: Any, node: int, body: BodyPlan) -> int:
     i = body.inertia_kg_m2
     inertia = [i[0, 0], i[1, 1], i[2, 2], i[1, 2], i[0, 2], i[0, 1]]
     return int(system.AddObject(items.ObjectRigidBody(nodeNumber=node, mass=body.mass_kg, inertia=inertia)))
 
 
-def _add_bushing(system: Any, bushing: Bushing, markers: list[int], stretched_m: Array) -> None:
+def _add_bushing(system: Any, bushing: BushingPlan, markers: list[int], stretched_m: Array) -> None:
     stiffness, damping = np.zeros((2, 6, 6))
     np.fill_diagonal(stiffness[:3, :3], bushing.stiffness_N_per_m)
     np.fill_diagonal(damping[:3, :3], bushing.damping_N_s_per_m)
@@ -194,7 +194,7 @@ class Driven:
     rotation angles end.
     """
 
-    def __init__(self, number: int, body: Body, drive: Drive, largest_tilt_rad: float) -> None:
+    def __init__(self, number: int, body: BodyPlan, drive: DrivePlan, largest_tilt_rad: float) -> None:
         self.body, self._drive = number, drive
         self._drawn_m = body.center_of_mass_m
         largest_rad = float(np.linalg.norm(drive.rotation_rad))

@@ -11,7 +11,7 @@ from adapters.frames.common.collocation import STAGES, Collocation
 from adapters.frames.common.exciter import Shaft, Unbalance
 from adapters.frames.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Exciter, FramesPlan, Motor
+from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ class PlanarShaft(Shaft):
 
     STATE = (*Shaft.STATE, "_felt_m_per_s2", "_growth_rad_per_s2")
 
-    def __init__(self, exciter: Exciter, motor: Motor, plan: FramesPlan, drawn_m: Array) -> None:
+    def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan, drawn_m: Array) -> None:
         if abs(exciter.axis[1]) < 1 - 1e-12:
             raise ValueError("a motor's shaft must lie across, along y, where frames are planar")
         super().__init__(exciter, motor, plan)

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from adapters.frames.common import linear
 from adapters.frames.common.drive import shifted, turned
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.plans import Body, Drive, FramesPlan
+from orchestrator.ports.plans import BodyPlan, DrivePlan, FramesPlan
 
 Complex = npt.NDArray[np.complex128]
 
@@ -128,7 +128,7 @@ class PlanarDrive:
     Raises ValueError for a drive that leaves the plane.
     """
 
-    def __init__(self, number: int, body: Body, drive: Drive) -> None:
+    def __init__(self, number: int, body: BodyPlan, drive: DrivePlan) -> None:
         across = (drive.amplitude_m[1], *drive.rotation_rad[[0, 2]])
         if any(across):
             raise ValueError(

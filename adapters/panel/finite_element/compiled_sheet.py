@@ -16,7 +16,7 @@ from adapters.panel._kernel import LANES, Sheet
 from adapters.panel.common.body import Action, BodyState, CompiledBody, HeldForce
 from adapters.panel.common.maxwell import checked
 from adapters.panel.finite_element.elastic_panel import ElasticPanel
-from adapters.panel.finite_element.grid import Grid, Surface
+from adapters.panel.finite_element.grid import ElementGrid, SurfaceNodes
 from adapters.panel.finite_element.sheet_forms import openings, strain_entries
 from adapters.panel.finite_element.structure import Structure
 from orchestrator.ports import Array, Indices
@@ -25,7 +25,7 @@ from orchestrator.ports.plans import PanelPlan
 
 
 def panel(
-    plan: PanelPlan, structure: Structure, surface: Surface[Grid], resting_m: Array, step_s: float
+    plan: PanelPlan, structure: Structure, surface: SurfaceNodes[ElementGrid], resting_m: Array, step_s: float
 ) -> ElasticPanel:
     """Return the panel of ``plan`` at rest at ``resting_m`` (nodes, 3), in steps of at most ``step_s``.
 
@@ -44,7 +44,9 @@ class CompiledSheet(CompiledBody):
     branches, each over its ratio; their energies (2, branches); the energy lost (1,).
     """
 
-    def __init__(self, plan: PanelPlan, structure: Structure, surface: Surface[Grid], step_s: float) -> None:
+    def __init__(
+        self, plan: PanelPlan, structure: Structure, surface: SurfaceNodes[ElementGrid], step_s: float
+    ) -> None:
         nodes, bending = surface.nodes, structure.bending
         assert bending is not None  # every sheet bends
         count, branches = len(nodes), len(plan.material.branches)
@@ -100,7 +102,7 @@ class CompiledSheet(CompiledBody):
         """Nothing is open."""
 
 
-def _cells(plan: PanelPlan, structure: Structure, grid: Grid) -> dict[str, Any]:
+def _cells(plan: PanelPlan, structure: Structure, grid: ElementGrid) -> dict[str, Any]:
     """The membrane's law on each cell of ``grid``, y running fastest."""
     flat = structure.space.mesh
     count = grid.shape[0] * grid.shape[1]
@@ -126,7 +128,7 @@ def _cells(plan: PanelPlan, structure: Structure, grid: Grid) -> dict[str, Any]:
     }
 
 
-def _cell_numbers(grid: Grid, middle_m: Array) -> Indices:
+def _cell_numbers(grid: ElementGrid, middle_m: Array) -> Indices:
     """(cells,): for each cell of ``grid``, which of the points ``middle_m`` is in it."""
     row = np.searchsorted(grid.s_m, middle_m[:, 0]) - 1
     column = np.searchsorted(grid.y_m, middle_m[:, 1]) - 1

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array, identity
 
 from adapters.panel.common.body import Action, BodyState, HeldForce
 from adapters.panel.finite_element import integrators
-from adapters.panel.finite_element.grid import Interpolating, Surface
+from adapters.panel.finite_element.grid import Interpolating, SurfaceNodes
 from adapters.panel.finite_element.resting_shape import first_guess_m, settle
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
@@ -37,7 +37,7 @@ from orchestrator.ports.state import restore_attributes, save_attributes
 _STATE = ("_clamps", "_impulse_N_s", "_load_J", "_clamps_J")
 
 
-class Body(Restorable, Protocol):
+class ElasticBody(Restorable, Protocol):
     """What moves: mass (nodes,), which nodes are held, and what it stores and loses."""
 
     mass_kg: Array
@@ -68,7 +68,7 @@ class ElasticPanel:
     def __init__(
         self,
         plan: PanelPlan,
-        body: Body,
+        body: ElasticBody,
         integrator: Integrator,
         state: BodyState,
         grid: Interpolating,
@@ -187,11 +187,11 @@ def _mount(plan: PanelPlan, held_m: Array) -> Mount:
 
 
 # From plan, structure, surface, resting shape (nodes, 3) and step in s; owns the structure.
-Explicitly = Callable[[PanelPlan, Structure, Surface[Any], Array, float], ElasticPanel]
+Explicitly = Callable[[PanelPlan, Structure, SurfaceNodes[Any], Array, float], ElasticPanel]
 
 
 def explicit(
-    plan: PanelPlan, structure: Structure, surface: Surface[Any], resting_m: Array, step_s: float
+    plan: PanelPlan, structure: Structure, surface: SurfaceNodes[Any], resting_m: Array, step_s: float
 ) -> ElasticPanel:
     """Open a panel with explicit steps in Python, for any structure."""
     state = _at_rest(structure, resting_m)
@@ -200,7 +200,7 @@ def explicit(
 
 
 def open_panel(
-    plan: PanelPlan, structure: Structure, surface: Surface[Any], explicitly: Explicitly = explicit
+    plan: PanelPlan, structure: Structure, surface: SurfaceNodes[Any], explicitly: Explicitly = explicit
 ) -> ElasticPanel:
     """Open the panel at rest between its clamps; ``explicitly`` makes the one with explicit steps.
 

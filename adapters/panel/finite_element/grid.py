@@ -48,14 +48,14 @@ def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices
 
 
 @dataclass(frozen=True)
-class Grid:
+class ElementGrid:
     """Cell borders along and across in m, both increasing."""
 
     s_m: Array
     y_m: Array
 
     @staticmethod
-    def of(rectangle: Rectangle, cells: tuple[int, int], region_m: Array | None = None) -> Grid:
+    def of(rectangle: Rectangle, cells: tuple[int, int], region_m: Array | None = None) -> ElementGrid:
         """Make ``cells`` cells along the free length and across, and one more column under each clamp (none
         where ``clamp_m`` is 0: such an edge is held at its points only, a hinge).
 
@@ -68,7 +68,7 @@ class Grid:
         free = _breaks_m(rectangle.length_m, cells[0], margin_m[0])
         under = [rectangle.clamp_m] if rectangle.clamp_m > 0.0 else []
         s = np.concatenate([[-c for c in under], free, [rectangle.length_m + c for c in under]])
-        return Grid(s, _breaks_m(rectangle.width_m, cells[1], margin_m[1]))
+        return ElementGrid(s, _breaks_m(rectangle.width_m, cells[1], margin_m[1]))
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -119,7 +119,7 @@ AnyGrid = TypeVar("AnyGrid", bound=Interpolating, covariant=True)
 
 
 @dataclass(frozen=True)
-class Surface(Generic[AnyGrid]):
+class SurfaceNodes(Generic[AnyGrid]):
     """What particles touch: a grid, and which node of a body stands at each of its nodes."""
 
     grid: AnyGrid

@@ -16,10 +16,10 @@ from mpi4py import MPI
 
 from adapters.panel.common.compiled import function_space
 from adapters.panel.finite_element.bending import Bending, plate, stiffness_matrix
-from adapters.panel.finite_element.grid import Grid, Surface
+from adapters.panel.finite_element.grid import ElementGrid, SurfaceNodes
 from adapters.panel.finite_element.structure import Law, Structure
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Hyperelastic, PanelPlan
+from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 if TYPE_CHECKING:
     from adapters.panel.perforation.sheet import Perforated
@@ -28,7 +28,7 @@ QUADRATURE_DEGREE = 4  # 3 x 3 Gauss points
 POISSON_RATIO = 0.5
 
 
-def flat_mesh(grid: Grid) -> Any:
+def flat_mesh(grid: ElementGrid) -> Any:
     """Make a mesh of one quadrilateral per cell of ``grid``, in its material coordinates."""
     along, across = grid.shape
     flat = mesh.create_rectangle(
@@ -40,13 +40,13 @@ def flat_mesh(grid: Grid) -> Any:
     return flat
 
 
-def _membrane_energy(material: Hyperelastic, thickness_m: float, C: Any) -> Any:
+def _membrane_energy(material: HyperelasticPlan, thickness_m: float, C: Any) -> Any:
     """Energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
     trace, det = ufl.tr(C), ufl.det(C)
     return thickness_m * (material.c10_Pa * (trace + 1 / det - 3) + material.c01_Pa * (det + trace / det - 3))
 
 
-def strain_entries(material: Hyperelastic, thickness_m: float) -> tuple[float, ...]:
+def strain_entries(material: HyperelasticPlan, thickness_m: float) -> tuple[float, ...]:
     """Return the entries of ``scaled_strain`` with which half its square is the small-strain plane-stress
     energy  mu t (E:E + (tr E)^2)."""
     root = (2.0 * material.shear_modulus_Pa * thickness_m) ** 0.5
@@ -66,11 +66,11 @@ def scaled_strain(entries: Any, C: Any) -> Any:
     )
 
 
-def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
+def sheet(plan: PanelPlan) -> tuple[Structure, SurfaceNodes[ElementGrid]]:
     """Make the structure of ``plan``; its surface is all its nodes."""
     pattern = plan.apertures
     region_m = pattern.region_m(plan.rectangle) if pattern else None
-    grid = Grid.of(plan.rectangle, plan.cells, region_m)
+    grid = ElementGrid.of(plan.rectangle, plan.cells, region_m)
     flat = flat_mesh(grid)
     holes = openings(plan, flat)
     space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 2, dim=3))
@@ -83,7 +83,7 @@ def sheet(plan: PanelPlan) -> tuple[Structure, Surface[Grid]]:
         areal_mass_kg_per_m2 = holes.areal_mass_kg_per_m2(areal_mass_kg_per_m2)
     membrane = law(plan, fem.Function(space), holes)
     bent = bending(plan, scalars, material_m, holes)
-    return Structure(membrane, areal_mass_kg_per_m2, held, bent), Surface(grid, nodes)
+    return Structure(membrane, areal_mass_kg_per_m2, held, bent), SurfaceNodes(grid, nodes)
 
 
 def openings(plan: PanelPlan, flat: Any) -> Perforated | None:

@@ -16,7 +16,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from adapters.panel.common.compiled import function_space
-from adapters.panel.finite_element.grid import Surface
+from adapters.panel.finite_element.grid import SurfaceNodes
 from adapters.panel.finite_element.solid_grid import PiercedGrid, bearable_grid
 from adapters.panel.finite_element.structure import Law, Structure
 from orchestrator.ports import Array, Indices
@@ -87,7 +87,7 @@ def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
     return held if plan.rectangle.clamp_m > 0.0 else np.intersect1d(held, middle)
 
 
-def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
+def solid(plan: PanelPlan) -> tuple[Structure, SurfaceNodes[PiercedGrid]]:
     """Make the structure of ``plan``; its surface is the nodes of the mid-surface."""
     grid = bearable_grid(plan)
     box = box_mesh(grid, plan.thickness_m)
@@ -96,4 +96,4 @@ def solid(plan: PanelPlan) -> tuple[Structure, Surface[PiercedGrid]]:
     middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
     held = held_nodes(plan, material_m, middle)
     structure = Structure(law(plan, fem.Function(space)), plan.material.density_kg_per_m3, held)
-    return structure, Surface(grid, middle[grid.numbers_of(material_m[middle])])
+    return structure, SurfaceNodes(grid, middle[grid.numbers_of(material_m[middle])])

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.finite_element.grid import Grid, numbers_at_nodes
+from adapters.panel.finite_element.grid import ElementGrid, numbers_at_nodes
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
 
 CELLS_PER_LAND = 2
@@ -32,7 +32,7 @@ def solid_grid(plan: PanelPlan) -> PiercedGrid:
     ValueError for openings with round ends.
     """
     if plan.apertures is None:
-        return PiercedGrid(Grid.of(plan.rectangle, plan.cells), np.empty((0, 2, 2)))
+        return PiercedGrid(ElementGrid.of(plan.rectangle, plan.cells), np.empty((0, 2, 2)))
     rectangle, pattern = plan.rectangle, plan.apertures
     if pattern.shape != "rectangle":
         raise ValueError(
@@ -44,7 +44,7 @@ def solid_grid(plan: PanelPlan) -> PiercedGrid:
     s_m = [*(-c for c in clamp_m), *along.borders_m(plan.cells[0])]
     s_m += [rectangle.length_m + c for c in clamp_m]
     holes_m = np.stack([along.sides_m, across.sides_m], axis=-1)
-    return PiercedGrid(Grid(np.array(s_m), across.borders_m(plan.cells[1])), holes_m)
+    return PiercedGrid(ElementGrid(np.array(s_m), across.borders_m(plan.cells[1])), holes_m)
 
 
 def size(plan: PanelPlan) -> MeshSize:
@@ -86,7 +86,7 @@ class _Way:
     staggered: bool
 
     @staticmethod
-    def of(pattern: Apertures, rectangle: Rectangle, number: int) -> _Way:
+    def of(pattern: AperturePattern, rectangle: Rectangle, number: int) -> _Way:
         """Along (0) or across (1)."""
         panel_m = (rectangle.length_m, rectangle.width_m)[number]
         opening_m = (pattern.length_m, pattern.width_m)[number]
@@ -149,7 +149,7 @@ class PiercedGrid:
 
     ``holes_m`` (holes, 2, 2): lowest and highest (s, y) of each in m, on borders of cells."""
 
-    whole: Grid
+    whole: ElementGrid
     holes_m: Array
 
     def hole_of_cell(self) -> Indices:

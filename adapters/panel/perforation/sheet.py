@@ -19,7 +19,7 @@ from scipy.linalg import eigh
 from adapters.panel.common.compiled import function_space
 from adapters.panel.perforation.unit_cell import SOLID, CellStiffness, cell_stiffness
 from orchestrator.ports import Array
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import PanelPlan
 
 
@@ -90,7 +90,7 @@ class Perforated:
         return np.asarray((1.0 - share) * SOLID + share * self.cell.membrane)
 
 
-def perforated(plan: PanelPlan, apertures: Apertures, flat: Any) -> Perforated:
+def perforated(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
     """Return the perforation on the mesh ``flat`` in material coordinates."""
     space = function_space(flat, ufl.FiniteElement("DG", flat.ufl_cell(), 0))
     share = fem.Function(space)

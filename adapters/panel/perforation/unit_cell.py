@@ -23,7 +23,7 @@ from scipy.sparse.linalg import splu
 
 from adapters.panel.common.compiled import assembled_matrix, form, function_space
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.meshing import gmsh_session
 
 TRIANGLES_PER_LAND = 6
@@ -52,7 +52,7 @@ def along(stiffness: Array) -> float:
 
 
 @cache
-def cell_stiffness(apertures: Apertures, thickness_m: float) -> CellStiffness:
+def cell_stiffness(apertures: AperturePattern, thickness_m: float) -> CellStiffness:
     """Return the stiffness of the pattern in a sheet of ``thickness_m``; margins do not matter."""
     cell = _mesh(*cell_triangles(apertures))
     area_m2 = float(np.prod(cell_m(apertures)))
@@ -141,19 +141,19 @@ def _periodic(points_m: Array, period_m: Array, size: int) -> csr_matrix:
     return csr_matrix((np.ones(len(rows)), (rows, columns)))
 
 
-def cell_m(apertures: Apertures) -> tuple[float, float]:
+def cell_m(apertures: AperturePattern) -> tuple[float, float]:
     """Return the period along and across: two rows if they are staggered."""
     rows = 2 if apertures.stagger else 1
     return rows * apertures.pitch_along_m, apertures.pitch_across_m
 
 
-def cell_triangles(apertures: Apertures) -> tuple[Array, Indices]:
+def cell_triangles(apertures: AperturePattern) -> tuple[Array, Indices]:
     """Return points (n, 2) and triangles (m, 3) of the material in one period."""
     with gmsh_session() as gmsh:
         return _meshed(gmsh, apertures)
 
 
-def _meshed(gmsh: Any, apertures: Apertures) -> tuple[Array, Indices]:
+def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
     model, (along_m, across_m) = gmsh.model.occ, cell_m(apertures)
     box = model.addRectangle(0.0, 0.0, 0.0, along_m, across_m)
     holes = [(2, _polygon(model, outline)) for outline in _outlines(apertures)]
@@ -175,7 +175,7 @@ def _meshed(gmsh: Any, apertures: Apertures) -> tuple[Array, Indices]:
     return places.reshape(-1, 3)[order][used, :2], triangles.reshape(-1, 3)
 
 
-def _outlines(apertures: Apertures) -> list[Array]:
+def _outlines(apertures: AperturePattern) -> list[Array]:
     """Of all openings that reach into the cell."""
     along_m, across_m = apertures.pitch_along_m, apertures.pitch_across_m
     rows = (0.0, apertures.stagger) if apertures.stagger else (0.0,)

@@ -23,7 +23,7 @@ import numpy as np
 
 from adapters.panel.perforation.strip import left
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.plans import Hyperelastic, PanelPlan
+from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Chain:
     springs: slice
     rest_m: float
     area_m2: Array
-    material: Hyperelastic
+    material: HyperelasticPlan
     curvature_1_m2: Array
     bending_N_m3: Array
     at_clamps: Indices
@@ -139,12 +139,12 @@ def chain(plan: PanelPlan) -> Chain:
     )
 
 
-def nominal_stress_Pa(material: Hyperelastic, stretch: Array) -> Array:
+def nominal_stress_Pa(material: HyperelasticPlan, stretch: Array) -> Array:
     """Return the uniaxial stress of incompressible material: force over the undeformed cross-section."""
     return np.asarray(2 * (stretch - stretch**-2) * (material.c10_Pa + material.c01_Pa / stretch))
 
 
-def stiffness_Pa(material: Hyperelastic, stretch: Array) -> Array:
+def stiffness_Pa(material: HyperelasticPlan, stretch: Array) -> Array:
     """Return the derivative of the nominal stress; E at stretch 1."""
     shear = material.c10_Pa + material.c01_Pa / stretch
     softening = (stretch - stretch**-2) * material.c01_Pa / stretch**2

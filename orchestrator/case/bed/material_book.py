@@ -17,7 +17,7 @@ from orchestrator.case.bed.material_watch import MaterialWatch
 from orchestrator.ports import Array, Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.ports.plans import Exit, ParticleList, SolverFailed
+from orchestrator.ports.plans import ExitPlan, ParticleList, SolverFailed
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 
@@ -119,7 +119,7 @@ class MaterialBook:
     """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
     particles that it feeds."""
 
-    def __init__(self, feed: CountedFeed, exits: tuple[Exit, ...], watch: MaterialWatch) -> None:
+    def __init__(self, feed: CountedFeed, exits: tuple[ExitPlan, ...], watch: MaterialWatch) -> None:
         self.feed, self.exits, self._watch = feed, exits, watch
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
         self.escaped = Amount()  # of those through exits

@@ -11,7 +11,7 @@ import numpy as np
 from orchestrator.case.bed.feed import RateFeed
 from orchestrator.case.tables.numerics import MonitorSettings
 from orchestrator.ports import Indices, Removed, Saved
-from orchestrator.ports.plans import Exit, SolverFailed
+from orchestrator.ports.plans import ExitPlan, SolverFailed
 
 LOG = logging.getLogger("flipflow")
 LEAST_SHARE = 0.5  # of what is due, that an inlet must take in ``jam_s`` or it counts as jammed
@@ -40,14 +40,14 @@ class MaterialWatch:
             )
             self._say("lost", what, self._wanted.lost_particles)
 
-    def too_large(self, removed: Removed, exits: Sequence[Exit]) -> Indices:
+    def too_large(self, removed: Removed, exits: Sequence[ExitPlan]) -> Indices:
         """Rows of the particles in the undersize that fit through no opening."""
         if self._widest_m is None:
             return np.empty(0, dtype=np.int64)
         undersize = np.array([*(one.product == "undersize" for one in exits), False])  # -1: lost
         return np.flatnonzero(undersize[removed.exit] & (removed.diameter_m > self._widest_m))
 
-    def escaped(self, removed: Removed, exits: Sequence[Exit]) -> None:
+    def escaped(self, removed: Removed, exits: Sequence[ExitPlan]) -> None:
         """Particles in the undersize that fit through no opening; the first is named."""
         for row in self.too_large(removed, exits)[:1]:
             what = (

@@ -15,7 +15,7 @@ from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Feed, ParticleList
+from orchestrator.ports.plans import ParticleFeed, ParticleList
 
 
 class NoRoom(Exception):
@@ -105,7 +105,7 @@ def batch_s(case: Case) -> float:
     return interval_s * max(1, round(case.particles.feed_interval_s / interval_s))
 
 
-def combined_feed(case: Case, numbers: dict[str, int]) -> Feed | None:
+def combined_feed(case: Case, numbers: dict[str, int]) -> ParticleFeed | None:
     """All feeds as one; None without any."""
     if not case.bed.feeds:
         return None

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 from orchestrator.case.deck.panels import perforated
 from orchestrator.case.tables.case import Case
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 
 
-def straight_passing(apertures: Apertures, diameter_m: float) -> float:
+def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
     """Chance that a sphere falling straight down somewhere on the pattern touches nothing.
 
     (a - d)(b - d) / (pitch_along pitch_across) for rectangles a x b, the single-attempt
@@ -19,7 +19,7 @@ def straight_passing(apertures: Apertures, diameter_m: float) -> float:
     a, b = apertures.length_m - diameter_m, apertures.width_m - diameter_m
     if min(a, b) <= 0.0:
         return 0.0
-    free = Apertures(apertures.shape, a, b, apertures.pitch_along_m, apertures.pitch_across_m)
+    free = AperturePattern(apertures.shape, a, b, apertures.pitch_along_m, apertures.pitch_across_m)
     return 1.0 - free.solid_share
 
 
@@ -35,7 +35,7 @@ def openings(case: Case) -> Iterator[str]:
             yield f"             {_passing(pattern, sizes_m)}"
 
 
-def _pattern(pattern: Apertures, rectangle: Rectangle) -> str:
+def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
     count = len(pattern.centres_m(rectangle))
     free_m2 = rectangle.length_m * rectangle.width_m
     lands = (pattern.pitch_along_m - pattern.length_m, pattern.pitch_across_m - pattern.width_m)
@@ -47,7 +47,7 @@ def _pattern(pattern: Apertures, rectangle: Rectangle) -> str:
     )
 
 
-def _passing(pattern: Apertures, sizes_m: list[float]) -> str:
+def _passing(pattern: AperturePattern, sizes_m: list[float]) -> str:
     limit_m = min(pattern.length_m, pattern.width_m)
     low, high = sizes_m[0], sizes_m[-1]
     span = f"particles of {low * 1e3:.3g} to {high * 1e3:.3g} mm"

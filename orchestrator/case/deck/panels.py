@@ -12,9 +12,9 @@ import numpy as np
 from orchestrator.case.deck import stl
 from orchestrator.case.file.slice import cut_surface
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.screen import Panel, Surface
+from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 
 
 def axes(case: Case) -> Array:
@@ -35,10 +35,10 @@ class SinglePanel:
 
     name: str
     table_name: str
-    table: Panel
+    table: PanelTable
     frames: tuple[str, str]
     rectangle: Rectangle
-    apertures: Apertures | None
+    apertures: AperturePattern | None
 
 
 def single_panels(case: Case) -> tuple[SinglePanel, ...]:
@@ -50,7 +50,7 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
             table=row,
             frames=row.frames if number % 2 == 0 else row.frames[::-1],
             rectangle=_rectangle(case, row, number),
-            apertures=Apertures(**dict(row.apertures)) if row.apertures else None,
+            apertures=AperturePattern(**dict(row.apertures)) if row.apertures else None,
         )
         for name, row in case.screen.panels.items()
         for number in range(row.count)
@@ -68,7 +68,7 @@ def perforated(case: Case) -> list[tuple[SinglePanel, ...]]:
     return [tuple(panels) for panels in alike.values()]
 
 
-def span_m(panel: Panel) -> float:
+def span_m(panel: PanelTable) -> float:
     """Distance between the clamps' inner edges."""
     return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)
 
@@ -79,7 +79,7 @@ def unit(vector: Sequence[float] | Array) -> Array:
     return np.asarray(array / np.linalg.norm(array))
 
 
-def _rectangle(case: Case, row: Panel, number: int) -> Rectangle:
+def _rectangle(case: Case, row: PanelTable, number: int) -> Rectangle:
     along, across = unit(row.along), unit(row.across)
     corner = np.asarray(row.corner_m) + number * (row.pitch_m or 0.0) * along
     return Rectangle(
@@ -105,7 +105,7 @@ class Wall:
 
 
 def walls(case: Case, folder: Path) -> tuple[Wall, ...]:
-    """The rigid surfaces of the case: plates, and files in its folder.  Raises stl.Unreadable."""
+    """The rigid surfaces of the case: plates, and files in its folder.  Raises stl.UnreadableStl."""
     found = []
     for name, surface in case.screen.surfaces.items():
         corners_m, triangles = cut_surface(case, *_triangles(surface, folder))

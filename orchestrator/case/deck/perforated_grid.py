@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.case.deck.triangle_grid import Grid
+from orchestrator.case.deck.triangle_grid import TriangleGrid
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.meshing import gmsh_session
 
 GIVEN_POINTS_ONLY = 3  # gmsh's Mesh.Algorithm "initial mesh only"
@@ -35,7 +35,7 @@ class Quality:
     covered_m2: float
 
 
-def perforated_grid(rectangle: Rectangle, apertures: Apertures, cells: tuple[int, int]) -> Grid:
+def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tuple[int, int]) -> TriangleGrid:
     """Triangles over the material between the openings and under both clamps.
 
     ``cells`` along the free length and across say how large triangles may be where there are no
@@ -52,12 +52,12 @@ def perforated_grid(rectangle: Rectangle, apertures: Apertures, cells: tuple[int
     points, triangles = _with_clamps(rectangle, points, triangles)
     s = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
     line = np.column_stack([s, np.full(len(s), rectangle.width_m / 2)])
-    made = Grid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
+    made = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
     _inspect(made, rectangle, len(holes) * _area_m2(outline))
     return made
 
 
-def quality(grid: Grid) -> Quality:
+def quality(grid: TriangleGrid) -> Quality:
     """Figures of all triangles; an area is negative where a triangle is turned over."""
     corners = grid.coordinates_m[grid.triangles]
     sides = np.roll(corners, -1, axis=1) - corners  # (m, 3, 2)
@@ -68,7 +68,7 @@ def quality(grid: Grid) -> Quality:
     return Quality(float(np.degrees(angle.min())), float(length_m.max()), float(cross[:, 0].sum() / 2))
 
 
-def _inspect(grid: Grid, rectangle: Rectangle, open_m2: float) -> None:
+def _inspect(grid: TriangleGrid, rectangle: Rectangle, open_m2: float) -> None:
     found = quality(grid)
     if not found.least_angle_deg >= SMALLEST_ANGLE_DEG:
         raise BadMesh(
@@ -98,7 +98,7 @@ def _divided(polygon: Array, size_m: float) -> Array:
     return np.vstack(pieces)
 
 
-def _between_m(rectangle: Rectangle, apertures: Apertures, size_m: float) -> Array:
+def _between_m(rectangle: Rectangle, apertures: AperturePattern, size_m: float) -> Array:
     """Points ``size_m`` apart inside the free length, no nearer than half of that to an opening."""
     along, across = (max(round(x / size_m), 1) for x in (rectangle.length_m, rectangle.width_m))
     s = np.linspace(0.0, rectangle.length_m, along + 1)[1:-1]

@@ -22,7 +22,7 @@ WORDS_BETWEEN = (b"outer", b"endloop")  # of a text, around the three corners of
 TAIL_BYTES = 400  # of a text, with room for the solid's name after its last word
 
 
-class Unreadable(Exception):
+class UnreadableStl(Exception):
     """The file is missing, empty or no STL; the message says which."""
 
 
@@ -43,15 +43,15 @@ def read(folder: Path, name: str) -> Facets:
         if _is_binary(file):
             normal, corner_m = _binary(file)
         elif not _ends(file):
-            raise Unreadable("is cut off, or no STL file: it does not end with endsolid")
+            raise UnreadableStl("is cut off, or no STL file: it does not end with endsolid")
         else:
             normal, corner_m = _text(file)
     except OSError as error:
-        raise Unreadable(f"cannot be read ({error.strerror})") from None
+        raise UnreadableStl(f"cannot be read ({error.strerror})") from None
     if len(normal) == 0:
-        raise Unreadable("has no triangles")
+        raise UnreadableStl("has no triangles")
     if not np.isfinite(corner_m).all():
-        raise Unreadable("has coordinates that are no numbers")
+        raise UnreadableStl("has coordinates that are no numbers")
     return Facets(*_each_corner_once(corner_m), normal)
 
 
@@ -82,9 +82,9 @@ def _text(file: Path) -> tuple[Array, Array]:
                     raise ValueError
             except (ValueError, IndexError):
                 said = line[:80].decode(errors="replace").strip()
-                raise Unreadable(f"is no STL file (line {number}: {said!r})") from None
+                raise UnreadableStl(f"is no STL file (line {number}: {said!r})") from None
     if len(corner_m) != 3 * len(normal):
-        raise Unreadable("is no STL file (its last triangle lacks a corner)")
+        raise UnreadableStl("is no STL file (its last triangle lacks a corner)")
     return np.array(normal).reshape(-1, 3), np.array(corner_m).reshape(-1, 3)
 
 
@@ -106,13 +106,13 @@ def found(folder: Path, name: str) -> Path:
     file = folder / name
     try:
         if not file.is_file():
-            raise Unreadable("no such file")
+            raise UnreadableStl("no such file")
         if is_outside(file, folder):
-            raise Unreadable("is outside of the case's folder: copy it there")
+            raise UnreadableStl("is outside of the case's folder: copy it there")
         if file.stat().st_size > LARGEST_BYTES:
-            raise Unreadable(f"is larger than {LARGEST_BYTES} bytes")
+            raise UnreadableStl(f"is larger than {LARGEST_BYTES} bytes")
     except (OSError, ValueError):  # a name that is too long, or has a NUL
-        raise Unreadable("is no name of a file") from None
+        raise UnreadableStl("is no name of a file") from None
     return file
 
 

@@ -7,13 +7,13 @@ import math
 from orchestrator.case.deck.panels import SinglePanel
 from orchestrator.case.tables import stop as tables
 from orchestrator.case.tables.case import Case
-from orchestrator.ports.plans import Stop
+from orchestrator.ports.plans import StopPlan
 
 USUAL, MOST = 0.1, 1.0
 """k dt^2 / m of a layer of stiffness k under a mass m per area; beyond 4 it is unstable."""
 
 
-def planned_stops(case: Case, panel: SinglePanel) -> tuple[Stop, ...]:
+def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
     """Of one panel, in the order of the case."""
     return tuple(_stop(case, panel, name, row) for name, row in panel.table.stops.items())
 
@@ -30,11 +30,11 @@ def areal_mass_kg_per_m2(case: Case, panel: SinglePanel) -> float:
     return density_kg_per_m3 * panel.table.thickness_m * solid
 
 
-def _stop(case: Case, panel: SinglePanel, name: str, row: tables.Stop) -> Stop:
+def _stop(case: Case, panel: SinglePanel, name: str, row: tables.Stop) -> StopPlan:
     mass_kg_per_m2 = areal_mass_kg_per_m2(case, panel)
     stiffness_Pa_per_m = row.stiffness_Pa_per_m or USUAL / MOST * stiffest_Pa_per_m(case, panel)
     nearer = (row.from_m + row.to_m) / 2 > panel.table.length_m / 2
-    return Stop(
+    return StopPlan(
         name=name,
         frame=row.frame or panel.frames[nearer],
         from_m=row.from_m,

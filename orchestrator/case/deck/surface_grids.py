@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.deck.triangle_grid import Grid, grid
+from orchestrator.case.deck.triangle_grid import TriangleGrid, grid
 from orchestrator.case.file.contents import has_particles
 from orchestrator.case.tables.case import Case
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 
 
-def surface_grids(case: Case) -> dict[str, Grid]:
+def surface_grids(case: Case) -> dict[str, TriangleGrid]:
     """By the panel's name.  Raises SolverMissing (gmsh) and BadMesh for panels with apertures.
 
     Openings are resolved for particles only: without any, the surface is just looked at.
     """
-    made: dict[object, Grid] = {}
+    made: dict[object, TriangleGrid] = {}
     grids = {}
     for panel in single_panels(case):
         r = panel.rectangle
@@ -26,7 +26,7 @@ def surface_grids(case: Case) -> dict[str, Grid]:
     return grids
 
 
-def _grid(rectangle: Rectangle, apertures: Apertures | None, cells: tuple[int, int]) -> Grid:
+def _grid(rectangle: Rectangle, apertures: AperturePattern | None, cells: tuple[int, int]) -> TriangleGrid:
     if apertures is None:
         return grid(rectangle, cells)
     from orchestrator.case.deck.perforated_grid import perforated_grid

@@ -11,7 +11,7 @@ from orchestrator.ports.geometry import Rectangle
 
 
 @dataclass(frozen=True)
-class Grid:
+class TriangleGrid:
     """Triangles over a panel, in material coordinates.
 
     ``coordinates_m`` (n, 2), ``triangles`` (m, 3) with normals to the bed's side, and
@@ -23,7 +23,7 @@ class Grid:
     centre_line: Indices
 
 
-def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
+def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
     """A regular grid of right triangles over the free length and under both clamps.
 
     The diagonals alternate, so that the panel has no preferred direction.
@@ -40,4 +40,4 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> Grid:
     one = np.where(even[:, None], np.column_stack([a, b, c]), np.column_stack([a, b, d]))
     two = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
     coordinates = np.column_stack([np.repeat(s, rows), np.tile(y, len(s))])
-    return Grid(coordinates, np.vstack([one, two]).astype(np.int64), number[:, rows // 2])
+    return TriangleGrid(coordinates, np.vstack([one, two]).astype(np.int64), number[:, rows // 2])

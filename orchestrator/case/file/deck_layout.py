@@ -18,7 +18,7 @@ from orchestrator.case.file.plausible import wrong_sizes
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.deck import Deck
 from orchestrator.case.tables.quantities import Vector
-from orchestrator.case.tables.screen import Panel, Surface
+from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array
 
 LARGEST_STRAIN = 0.1  # tension_m over length_m: a panel at work is stretched by some 0.025
@@ -113,7 +113,7 @@ def beams(deck: Deck, inclination_deg: float) -> Array:
     return np.vstack([np.zeros(3), np.cumsum(steps_m, axis=0)]) + deck.corner_m
 
 
-def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Panel]]:
+def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, PanelTable]]:
     """Each panel in the middle between its beams."""
     for number, (start_m, end_m) in enumerate(pairwise(beams_m)):
         tension_m = tensions(deck)[number]
@@ -121,7 +121,7 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
         corner_m = start_m + (deck.pitch_m - deck.length_m - tension_m) / 2 * along
         yield (
             f"{name}-{number + 1}",
-            Panel(
+            PanelTable(
                 material=deck.material,
                 frames=deck.frames if number % 2 == 0 else deck.frames[::-1],
                 corner_m=_vector(corner_m),

@@ -16,7 +16,7 @@ from orchestrator.case.file import slice_surfaces, slice_tables
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.tables.bed import Block, Feed
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.screen import Panel
+from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports import Array, Indices
 
 Filled = TypeVar("Filled", Block, Feed)
@@ -145,7 +145,7 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
     return found
 
 
-def _sides_m(panel: Panel) -> tuple[float, float]:
+def _sides_m(panel: PanelTable) -> tuple[float, float]:
     one = panel.corner_m[1]
     other = one + (panel.width_m if panel.across[1] > 0 else -panel.width_m)
     return min(one, other), max(one, other)

@@ -8,7 +8,7 @@ from typing import TypeVar
 from orchestrator.case.tables.bed import Bed, Block, Feed
 from orchestrator.case.tables.frames import Bushing, Exciter, Frame
 from orchestrator.case.tables.quantities import Box
-from orchestrator.case.tables.screen import Panel, Screen
+from orchestrator.case.tables.screen import PanelTable, Screen
 
 Filled = TypeVar("Filled", Block, Feed)
 
@@ -51,7 +51,7 @@ def _exciter(row: Exciter, part: float) -> Exciter:
     return row.model_copy(update=update)
 
 
-def _panel(row: Panel, y_m: tuple[float, float]) -> Panel:
+def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
     """The part of a panel that the slice has, perforated from side to side."""
     x, _, z = row.corner_m
     corner_m = (x, y_m[0] if row.across[1] > 0 else y_m[1], z)

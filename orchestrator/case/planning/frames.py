@@ -11,7 +11,7 @@ from orchestrator.case.deck.panels import axes, to_world, unit
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Body, Bushing, Drive, Exciter, FramesPlan, Motor
+from orchestrator.ports.plans import BodyPlan, BushingPlan, DrivePlan, ExciterPlan, FramesPlan, MotorPlan
 
 
 def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_N: Array) -> FramesPlan:
@@ -37,13 +37,13 @@ def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_
     )
 
 
-def _body(case: Case, name: str, frame: tables.Frame) -> Body:
+def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
     """Driven frames need no mass: it is 0 where the case gives none."""
     tensor = np.diag(frame.inertia_kg_m2 or (0.0, 0.0, 0.0))
     upper = np.zeros((3, 3))
     upper[[0, 0, 1], [1, 2, 2]] = frame.products_of_inertia_kg_m2
     turn = axes(case)
-    return Body(
+    return BodyPlan(
         name=name,
         mass_kg=frame.mass_kg or 0.0,
         inertia_kg_m2=turn @ (tensor + upper + upper.T) @ turn.T,
@@ -51,12 +51,12 @@ def _body(case: Case, name: str, frame: tables.Frame) -> Body:
     )
 
 
-def bushings(case: Case) -> list[Bushing]:
+def bushings(case: Case) -> list[BushingPlan]:
     """One by one, in world axes."""
     from scipy.spatial.transform import Rotation
 
     return [
-        Bushing(
+        BushingPlan(
             name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",
             bodies=row.between,
             position_m=to_world(case, position),
@@ -69,11 +69,11 @@ def bushings(case: Case) -> list[Bushing]:
     ]
 
 
-def _exciters(case: Case) -> list[Exciter]:
+def _exciters(case: Case) -> list[ExciterPlan]:
     """One by one, in world axes; solvers that know no motors turn their shafts at full speed."""
     motors = solvers.frames(case).motors
     return [
-        Exciter(
+        ExciterPlan(
             body=exciter.frame,
             position_m=to_world(case, exciter.position_m),
             axis=to_world(case, unit(exciter.axis)),
@@ -90,10 +90,10 @@ def _exciters(case: Case) -> list[Exciter]:
     ]
 
 
-def _motor(motor: tables.Motor | None) -> Motor | None:
+def _motor(motor: tables.Motor | None) -> MotorPlan | None:
     if motor is None:
         return None
-    return Motor(
+    return MotorPlan(
         rated_power_W=motor.rated_power_W,
         synchronous_rad_per_s=motor.synchronous_speed_rad_per_s,
         rated_slip=motor.rated_slip,
@@ -103,14 +103,14 @@ def _motor(motor: tables.Motor | None) -> Motor | None:
     )
 
 
-def _drives(case: Case) -> list[Drive]:
+def _drives(case: Case) -> list[DrivePlan]:
     return [_drive(case, name, f.drive) for name, f in case.screen.frames.items() if f.drive]
 
 
-def _drive(case: Case, name: str, drive: tables.Drive) -> Drive:
+def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
     amplitude_m, phase_rad = _turned(case, drive.amplitude_m, drive.phase_rad)
     rotation_rad, rotation_phase_rad = _turned(case, drive.rotation_rad, drive.rotation_phase_rad)
-    return Drive(
+    return DrivePlan(
         body=name,
         center_m=to_world(case, drive.center_m),
         speed_rad_per_s=drive.speed_rad_per_s,

@@ -6,14 +6,14 @@ import numpy as np
 
 from orchestrator.case.tables.case import Case, Material
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Hyperelastic
+from orchestrator.ports.plans import HyperelasticPlan
 
 
-def hyperelastic(material: Material) -> Hyperelastic:
+def hyperelastic(material: Material) -> HyperelasticPlan:
     """A panel's material."""
     law = material.hyperelastic
     assert law is not None, "checks.references refuses panels of other materials"
-    return Hyperelastic(
+    return HyperelasticPlan(
         density_kg_per_m3=material.density_kg_per_m3,
         c10_Pa=law.c10_Pa,
         c01_Pa=law.c01_Pa,

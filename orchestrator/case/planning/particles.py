@@ -17,7 +17,7 @@ from orchestrator.case.planning.materials import by_pair, material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import TriangleSurface
-from orchestrator.ports.plans import Exit, GrainMaterial, ParticlesPlan
+from orchestrator.ports.plans import ExitPlan, GrainMaterial, ParticlesPlan
 
 
 def particles_plan(
@@ -53,13 +53,13 @@ def particles_plan(
     )
 
 
-def exits(case: Case) -> tuple[Exit, ...]:
+def exits(case: Case) -> tuple[ExitPlan, ...]:
     """The exits, as boxes in the world, in the order of the case."""
     found = []
     for name, row in case.screen.exits.items():
         low, high = np.array(row.box_m)
         center_m = to_world(case, (low + high) / 2.0)
-        found.append(Exit(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
+        found.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
     return tuple(found)
 
 

@@ -10,14 +10,14 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, Strict
 
-from orchestrator.case.solvers import Known
+from orchestrator.case.solvers import SolverName
 from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Positive, Switch, Table
 
 
 class PanelSolver(Table):
     """How the panels are solved."""
 
-    solver: Annotated[str, Known("panel")] = "sheet"
+    solver: Annotated[str, SolverName("panel")] = "sheet"
     """The solver."""
     recording: str | None = None
     """File made by ``flipflow record``, for solver "recorded": its path from the case's folder,
@@ -36,7 +36,7 @@ class PanelSolver(Table):
 class FramesSolver(Table):
     """How the frames are solved."""
 
-    solver: Annotated[str, Known("frames")] = "exudyn"
+    solver: Annotated[str, SolverName("frames")] = "exudyn"
     """The solver."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own."""
@@ -45,7 +45,7 @@ class FramesSolver(Table):
 class ParticlesSolver(Table):
     """How the particles are solved."""
 
-    solver: Annotated[str, Known("particles")] = "liggghts"
+    solver: Annotated[str, SolverName("particles")] = "liggghts"
     """The solver; "none" lets the machine run empty."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes ``rayleigh_fraction`` of the Rayleigh time."""

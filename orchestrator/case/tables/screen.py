@@ -27,7 +27,7 @@ from orchestrator.case.tables.quantities import (
 from orchestrator.case.tables.stop import Stop
 
 
-class Panel(Table):
+class PanelTable(Table):
     """A rectangular panel clamped at both ends, or a row of ``count`` of them.
 
     A row's panels are ``pitch_m`` apart along ``along``; their frames alternate, so that
@@ -109,7 +109,7 @@ class Screen(Table):
     """Exciters by name."""
     decks: dict[Name, Deck] = Field(default_factory=dict)
     """Decks by name: each stands for panels and surfaces."""
-    panels: dict[Name, Panel] = Field(default_factory=dict)
+    panels: dict[Name, PanelTable] = Field(default_factory=dict)
     """Panels, or rows of panels, by name."""
     surfaces: dict[Name, Surface] = Field(default_factory=dict)
     """Rigid surfaces by name."""

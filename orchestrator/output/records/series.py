@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial.transform import Rotation
 
-from orchestrator.coupling.machine import Machine, Probe
+from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import History
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
@@ -114,7 +114,7 @@ class TimeSeries:
             self._history.add(f"frames/{frame}", time_s, values)
 
 
-def _at(probe: Probe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
+def _at(probe: PlacedProbe, state: State, followed: ParticleSnapshot | None) -> tuple[Any, Any]:
     """Position and velocity (3,) of a probe; NaN for a particle that has left, or
     where particles are left out."""
     if probe.on == "particle":

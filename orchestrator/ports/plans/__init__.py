@@ -8,13 +8,20 @@ Here they are by port, each field with its unit and meaning: ``frames``, ``panel
 from __future__ import annotations
 
 from orchestrator.ports.failures import SolverFailed, SolverMissing
-from orchestrator.ports.plans.frames import Body, Bushing, Drive, Exciter, FramesPlan, Motor
-from orchestrator.ports.plans.panel import LARGEST_MESHES_GIB, Hyperelastic, MeshSize, PanelPlan, Stop
+from orchestrator.ports.plans.frames import (
+    BodyPlan,
+    BushingPlan,
+    DrivePlan,
+    ExciterPlan,
+    FramesPlan,
+    MotorPlan,
+)
+from orchestrator.ports.plans.panel import LARGEST_MESHES_GIB, HyperelasticPlan, MeshSize, PanelPlan, StopPlan
 from orchestrator.ports.plans.particles import (
-    Exit,
-    Feed,
+    ExitPlan,
     GrainMaterial,
     Jkr,
+    ParticleFeed,
     ParticleList,
     ParticlesPlan,
     Sjkr,
@@ -23,27 +30,27 @@ from orchestrator.ports.plans.work import Cost, FramesWork, PanelsWork, Particle
 
 __all__ = [
     "LARGEST_MESHES_GIB",
-    "Body",
-    "Bushing",
+    "BodyPlan",
+    "BushingPlan",
     "Cost",
-    "Drive",
-    "Exciter",
-    "Exit",
-    "Feed",
+    "DrivePlan",
+    "ExciterPlan",
+    "ExitPlan",
     "FramesPlan",
     "FramesWork",
     "GrainMaterial",
-    "Hyperelastic",
+    "HyperelasticPlan",
     "Jkr",
     "MeshSize",
-    "Motor",
+    "MotorPlan",
     "PanelPlan",
     "PanelsWork",
+    "ParticleFeed",
     "ParticleList",
     "ParticlesPlan",
     "ParticlesWork",
     "Sjkr",
     "SolverFailed",
     "SolverMissing",
-    "Stop",
+    "StopPlan",
 ]

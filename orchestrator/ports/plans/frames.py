@@ -8,7 +8,7 @@ from orchestrator.ports import Array
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyPlan:
     """A rigid frame: mass, inertia about the centre of mass in world axes at t = 0."""
 
     name: str
@@ -18,7 +18,7 @@ class Body:
 
 
 @dataclass(frozen=True)
-class Bushing:
+class BushingPlan:
     """Linear spring and damper along three axes between two bodies ("ground" is the fixed one).
 
     ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_per_m`` and
@@ -35,7 +35,7 @@ class Bushing:
 
 
 @dataclass(frozen=True)
-class Motor:
+class MotorPlan:
     """An induction motor by its rating: lags behind ``synchronous_rad_per_s`` by ``rated_slip`` of it
     at ``rated_power_W``; its breakdown torque is ``breakdown_ratio`` times the rated one.
     ``inertia_kg_m2`` of all that turns, the unbalance included; ``bearing_N_m_s`` torque lost per
@@ -50,7 +50,7 @@ class Motor:
 
 
 @dataclass(frozen=True)
-class Exciter:
+class ExciterPlan:
     """A rotating unbalance: force of size  mass_moment * speed^2  turning about ``axis``.
 
     It stands still until ``start_s``.  Then the angle runs up smoothly: with t from there,
@@ -71,12 +71,12 @@ class Exciter:
     run_up_s: float
     phase_rad: float = 0.0
     start_s: float = 0.0
-    motor: Motor | None = None
+    motor: MotorPlan | None = None
     name: str = ""
 
 
 @dataclass(frozen=True)
-class Drive:
+class DrivePlan:
     """Prescribed harmonic motion of a body about its place at t = 0, with smooth run-up.
 
     Nothing turns the body from it; one drive per body.  Bodies without one are free, or stand
@@ -106,10 +106,10 @@ class FramesPlan:
     otherwise the machine drops onto force-free bushings.
     """
 
-    bodies: tuple[Body, ...]
-    bushings: tuple[Bushing, ...]
-    exciters: tuple[Exciter, ...]
-    drives: tuple[Drive, ...]
+    bodies: tuple[BodyPlan, ...]
+    bushings: tuple[BushingPlan, ...]
+    exciters: tuple[ExciterPlan, ...]
+    drives: tuple[DrivePlan, ...]
     gravity_m_per_s2: Array
     points_m: Array
     carrier: tuple[str, ...]

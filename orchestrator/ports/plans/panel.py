@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from orchestrator.ports import Array
-from orchestrator.ports.geometry import Apertures, Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.recording import Playback
 
 
 @dataclass(frozen=True)
-class Hyperelastic:
+class HyperelasticPlan:
     """Two-parameter Mooney-Rivlin  W = C10 (I1 - 3) + C01 (I2 - 3) + K/2 (J - 1)^2  with the
     isochoric invariants, and Maxwell branches for damping: each a pair (ratio of the branch's
     modulus to the elastic one, relaxation time in s)."""
@@ -32,7 +32,7 @@ class Hyperelastic:
 
 
 @dataclass(frozen=True)
-class Stop:
+class StopPlan:
     """The flat top of a beam under the free length of a panel from ``from_m`` to ``to_m``, carried
     by ``frame``, ``gap_m`` below the panel as it is mounted straight.  The layer on it has the
     stiffness ``stiffness_Pa_per_m`` and the damping ``damping_Pa_s_per_m``: pressure per depth, per speed.
@@ -62,15 +62,15 @@ class PanelPlan:
     rectangle: Rectangle
     frames: tuple[str, str]
     thickness_m: float
-    material: Hyperelastic
+    material: HyperelasticPlan
     gravity_m_per_s2: Array
     cells: tuple[int, int]
     step_s: float
     integrator: str
     sync_interval_s: float
-    apertures: Apertures | None = None
+    apertures: AperturePattern | None = None
     playback: Playback | None = None
-    stops: tuple[Stop, ...] = ()
+    stops: tuple[StopPlan, ...] = ()
 
     @property
     def mass_kg(self) -> float:

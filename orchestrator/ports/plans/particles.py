@@ -40,7 +40,7 @@ class ParticleList:
         return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
-class Feed(Protocol):
+class ParticleFeed(Protocol):
     """New particles for each interval.  Deterministic: alike on every rank."""
 
     def due(self, interval: Interval) -> ParticleList:
@@ -53,7 +53,7 @@ class Feed(Protocol):
 
 
 @dataclass(frozen=True)
-class Exit:
+class ExitPlan:
     """A box that takes out every particle whose centre is in it.
 
     ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit vectors along its
@@ -121,8 +121,8 @@ class ParticlesPlan:
     rolling: Literal["epsd2", "cdt"] = "epsd2"
     wear_m3_per_N_m: Array | None = None
     predicts_load: bool = False
-    feed: Feed | None = None
-    exits: tuple[Exit, ...] = ()
+    feed: ParticleFeed | None = None
+    exits: tuple[ExitPlan, ...] = ()
     periodic_y: bool = False
     communicator: Any = None
     folder: Path | None = None

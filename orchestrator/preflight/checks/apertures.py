@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from orchestrator.case.deck.panels import SinglePanel, perforated
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case
-from orchestrator.ports.geometry import Apertures
+from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import SolverMissing
 
 THINNEST_LAND = 0.02  # of the longer pitch: thinner ones no unit cell's mesh resolves
@@ -40,7 +40,7 @@ def triangles(case: Case) -> Iterator[CaseProblem]:
         return
 
 
-def _lands(key: Key, apertures: Apertures) -> Iterator[CaseProblem]:
+def _lands(key: Key, apertures: AperturePattern) -> Iterator[CaseProblem]:
     for way, size_m, pitch_m in (
         ("along", apertures.length_m, apertures.pitch_along_m),
         ("across", apertures.width_m, apertures.pitch_across_m),
@@ -77,7 +77,7 @@ def _room(key: Key, panel: SinglePanel) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, f"margin_{way}_m"), what, hint)
 
 
-def _thickness(key: Key, panel: SinglePanel, apertures: Apertures) -> Iterator[CaseProblem]:
+def _thickness(key: Key, panel: SinglePanel, apertures: AperturePattern) -> Iterator[CaseProblem]:
     """Plate theory for the lands needs a plate."""
     pitch_m = max(apertures.pitch_along_m, apertures.pitch_across_m)
     if panel.table.thickness_m > PLATE * pitch_m:

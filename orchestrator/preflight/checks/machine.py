@@ -17,7 +17,7 @@ from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter, Motor
 from orchestrator.case.tables.quantities import GROUND
-from orchestrator.case.tables.screen import Panel
+from orchestrator.case.tables.screen import PanelTable
 
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
@@ -141,7 +141,7 @@ def panels(case: Case) -> Iterator[CaseProblem]:
         yield from _right_angle(key, "along", panel.along, "across", panel.across)
 
 
-def _one_span(key: Key, panel: Panel) -> Iterator[CaseProblem]:
+def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
     if panel.tension_m is not None and panel.span_m is not None:
         hint = "give one of the two"
         yield CaseProblem((*key, "span_m"), "contradicts tension_m, which gives the span, too", hint)

@@ -38,7 +38,7 @@ def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
     """A file that is none, or of other panels."""
     try:
         playbacks(case, folder)
-    except (NoMatch, recording_file.Unreadable) as error:
+    except (NoMatch, recording_file.UnreadableRecording) as error:
         yield CaseProblem(KEY, str(error))
 
 

@@ -23,7 +23,7 @@ def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
         key: Key = ("screen", "surfaces", name, "stl")
         try:
             facets = stl.read(folder, surface.stl)
-        except stl.Unreadable as error:
+        except stl.UnreadableStl as error:
             yield CaseProblem(key, f'"{surface.stl}": {error}')
             continue
         for what, hint in faults(facets):

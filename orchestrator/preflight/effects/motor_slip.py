@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Motor
-from orchestrator.ports.plans import Exciter
+from orchestrator.ports.plans import ExciterPlan
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import Shaking, shakings
@@ -65,7 +65,7 @@ def judge(scene: Scene) -> Verdict | None:
     )
 
 
-def _slip(scene: Scene, exciter: Exciter, motor: Motor) -> tuple[float, float]:
+def _slip(scene: Scene, exciter: ExciterPlan, motor: Motor) -> tuple[float, float]:
     """Mean slip, in proportion to the mean power, and that power over the rated one."""
     power_W = sum(_power_W(exciter, one) for one in scene.shaken)
     if scene.seen.turned is not None:
@@ -75,7 +75,7 @@ def _slip(scene: Scene, exciter: Exciter, motor: Motor) -> tuple[float, float]:
     return motor.rated_slip * share, share
 
 
-def _held(scene: Scene, exciter: Exciter, motor: Motor) -> tuple[float, float]:
+def _held(scene: Scene, exciter: ExciterPlan, motor: Motor) -> tuple[float, float]:
     """Largest share that the machine takes of the torque that the motor has, at any speed below its
     own, and that speed.  A machine that is slow to pass a resonance takes the steady motion's
     power there: an upper bound (Sommerfeld's effect; Kononenko, V. O., Vibrating Systems with a
@@ -106,7 +106,7 @@ def _left_N_m(motor: Motor, speed_rad_per_s: float) -> float:
     return 2 * surplus * rated_N_m * lag_rad_per_s * breakdown_rad_per_s / both
 
 
-def _power_W(exciter: Exciter, shaking: Shaking) -> float:
+def _power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
     """Mean power of its force on the frame's motion, at its own speed."""
     if shaking.speed_rad_per_s != exciter.speed_rad_per_s:
         return 0.0

@@ -10,8 +10,8 @@ import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel
 from orchestrator.case.file.loss_curve import moduli
-from orchestrator.ports.geometry import Apertures, Rectangle
-from orchestrator.ports.plans import Hyperelastic
+from orchestrator.ports.geometry import AperturePattern, Rectangle
+from orchestrator.ports.plans import HyperelasticPlan
 from orchestrator.preflight.scene.seen import Shape
 
 
@@ -21,7 +21,7 @@ class MovedPanel:
     has seen it, None where it is estimated."""
 
     panel: SinglePanel
-    material: Hyperelastic
+    material: HyperelasticPlan
     stroke_m: float
     shape: Shape | None = None
 
@@ -121,7 +121,7 @@ def one_sided(ratio: float) -> float:
     return 0.5 + (math.asin(r) + r * math.sqrt(1 - r * r)) / math.pi
 
 
-def stiffness_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
+def stiffness_share(pattern: AperturePattern | None, rectangle: Rectangle) -> float:
     """Stiffness along the panel against the whole panel's: net sections in series, as if every
     section stayed straight (an upper bound)."""
     if pattern is None:
@@ -133,7 +133,7 @@ def stiffness_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
     return float(1 / (1 - cut + cut / net))
 
 
-def softest_share(pattern: Apertures | None, rectangle: Rectangle) -> float:
+def softest_share(pattern: AperturePattern | None, rectangle: Rectangle) -> float:
     """Lower bound of the same: besides its net section, each row of openings gives way like a row
     of collinear cracks as long as the openings are wide, (4 W / pi) ln sec(pi a / W) for cracks
     2 a at the pitch W; rows near each other shield each other and are stiffer.  Tada, H., Paris,
@@ -171,7 +171,7 @@ def change_of_answer(ratio: float, loss_factor: float, mass_ratio: float) -> flo
     return 0.0 if without == as_it_is else abs(without / as_it_is - 1)
 
 
-def mooney_ratio(law: Hyperelastic, strain: float) -> float:
+def mooney_ratio(law: HyperelasticPlan, strain: float) -> float:
     """Nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
     over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,
     ch. 5."""
@@ -182,6 +182,6 @@ def mooney_ratio(law: Hyperelastic, strain: float) -> float:
     return stress_Pa / (law.youngs_modulus_Pa * strain)
 
 
-def loss_factor(law: Hyperelastic, speed_rad_per_s: float) -> float:
+def loss_factor(law: HyperelasticPlan, speed_rad_per_s: float) -> float:
     """Of the elastic spring with its Maxwell branches, at an angular frequency."""
     return float(moduli(law.branches, np.array([speed_rad_per_s]))[1][0])

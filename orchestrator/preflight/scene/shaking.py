@@ -17,7 +17,7 @@ import numpy as np
 
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports import Array
-from orchestrator.ports.plans import Body, Bushing, Exciter, FramesPlan
+from orchestrator.ports.plans import BodyPlan, BushingPlan, ExciterPlan, FramesPlan
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def free_frames(plan: FramesPlan) -> list[str]:
     return [body.name for body in plan.bodies if body.name not in driven and body.mass_kg > 0]
 
 
-def _exciter_N(exciter: Exciter, speed_rad_per_s: float) -> Array:
+def _exciter_N(exciter: ExciterPlan, speed_rad_per_s: float) -> Array:
     """Complex amplitude (3,): the force turns from ``start`` about ``axis``."""
     size_N = exciter.mass_moment_kg_m * speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
     return np.asarray(size_N * (exciter.start - 1j * np.cross(exciter.axis, exciter.start)))
@@ -92,7 +92,7 @@ def panel_joints(springs: Iterable[PanelSpring]) -> Iterator[Joint]:
         yield Joint(spring.frames, (spring.ends_m[0], spring.ends_m[1]), stiffness)
 
 
-def bushing_N_per_m(bushing: Bushing, speed_rad_per_s: float, loss_factor: float | None) -> Array:
+def bushing_N_per_m(bushing: BushingPlan, speed_rad_per_s: float, loss_factor: float | None) -> Array:
     """Complex stiffness (3, 3) in world axes."""
     if loss_factor is None:
         along = bushing.stiffness_N_per_m + 1j * speed_rad_per_s * bushing.damping_N_s_per_m
@@ -101,7 +101,7 @@ def bushing_N_per_m(bushing: Bushing, speed_rad_per_s: float, loss_factor: float
     return np.asarray(bushing.axes.T @ (along[:, None] * bushing.axes))
 
 
-def _moved(body: Body, place_m: Array, freedoms: int) -> Array:
+def _moved(body: BodyPlan, place_m: Array, freedoms: int) -> Array:
     """(3, freedoms): displacement of a body's point per coordinate."""
     x, y, z = place_m - body.center_of_mass_m
     turned = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
@@ -147,7 +147,7 @@ def assembled(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array
     return whole
 
 
-def mass_of(body: Body, springs: Sequence[PanelSpring] = ()) -> Array:
+def mass_of(body: BodyPlan, springs: Sequence[PanelSpring] = ()) -> Array:
     """(6, 6) of a frame; the panels' share rides at the centre of mass."""
     from scipy.linalg import block_diag
 

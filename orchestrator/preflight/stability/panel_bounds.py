@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from orchestrator.case import solvers
-from orchestrator.case.tables.screen import Panel
+from orchestrator.case.tables.screen import PanelTable
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.stability.bound import Bound
 from orchestrator.preflight.stability.contact_limits import (
@@ -20,7 +20,7 @@ from orchestrator.preflight.stability.contact_limits import (
 )
 from orchestrator.preflight.stability.frame_modes import FrameMatrices
 from orchestrator.preflight.stability.panel_masses import areal_kg_per_m2, lightest_point_kg
-from orchestrator.preflight.stability.touching import Contact, Touch, touches
+from orchestrator.preflight.stability.touching import ContactSpring, Touch, touches
 
 SOURCE = "docs/theory/stability.md, "
 
@@ -75,11 +75,11 @@ def _late(seats: list[Seat]) -> Iterator[Bound]:
     yield _worst(pairs, seats, _deepest, lambda s, k, g: late_rocking_s(k, g, *_masses(s)))
 
 
-def _deepest(seat: Seat) -> Contact:
+def _deepest(seat: Seat) -> ContactSpring:
     return seat.touch.deepest
 
 
-def _resting(seat: Seat) -> Contact:
+def _resting(seat: Seat) -> ContactSpring:
     return seat.touch.resting
 
 
@@ -94,7 +94,7 @@ def _masses(seat: Seat) -> tuple[float, float]:
 def _worst(
     name: str,
     seats: list[Seat],
-    contact: Callable[[Seat], Contact],
+    contact: Callable[[Seat], ContactSpring],
     limit_s: Callable[[Seat, float, float], float],
 ) -> Bound:
     """Of the seats, the one that allows least."""
@@ -123,7 +123,7 @@ def _seats(scene: Scene, modes_rad_per_s: dict[str, float], frames: FrameMatrice
 
 
 def _mass_kg(
-    scene: Scene, name: str, panel: Panel, touch: Touch, frames: FrameMatrices | None
+    scene: Scene, name: str, panel: PanelTable, touch: Touch, frames: FrameMatrices | None
 ) -> float | None:
     """None where nothing moves under a load."""
     if solvers.panel(scene.case).yields:

@@ -8,13 +8,13 @@ from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.planning import panel_plans
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.screen import Panel
-from orchestrator.ports.geometry import Apertures
+from orchestrator.case.tables.screen import PanelTable
+from orchestrator.ports.geometry import AperturePattern
 
 
-def areal_kg_per_m2(case: Case, panel: Panel) -> float:
+def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
     """Mass of the perforated part per area."""
-    solid = Apertures(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
+    solid = AperturePattern(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
     return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
 
 

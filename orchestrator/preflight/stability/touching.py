@@ -21,7 +21,7 @@ HEXAGONAL = math.sqrt(3) / 2  # of the square of the diameter: what each needs, 
 
 
 @dataclass(frozen=True)
-class Contact:
+class ContactSpring:
     """Linear, about some depth."""
 
     stiffness_N_per_m: float
@@ -39,8 +39,8 @@ class Touch:
     material: str
     diameter_m: float
     mass_kg: float
-    deepest: Contact
-    resting: Contact
+    deepest: ContactSpring
+    resting: ContactSpring
     resting_m: float
     impact_s: float
     area_m2: float
@@ -88,14 +88,16 @@ def _pressed_m(force_N: float, reduced_Pa: float, radius_m: float) -> float:
     return float((3 * force_N / (4 * reduced_Pa * math.sqrt(radius_m))) ** (2 / 3))
 
 
-def _contact(stiffness_N_per_m: float, mass_kg: float, restitution: float) -> Contact:
+def _contact(stiffness_N_per_m: float, mass_kg: float, restitution: float) -> ContactSpring:
     """Hertz's stiffness 2 E* sqrt(R depth) with the damping
     2 sqrt(5/6) beta sqrt(stiffness m), beta = -ln e / sqrt(ln^2 e + pi^2)
     (Tsuji, Tanaka and Ishida, Powder Technology 71, 1992, 239-250,
     doi 10.1016/0032-5910(92)88030-L, in the form of LIGGGHTS's model hertz)."""
     log_e = math.log(restitution)
     beta = -log_e / math.hypot(log_e, math.pi)
-    return Contact(stiffness_N_per_m, 2 * math.sqrt(5 / 6) * beta * math.sqrt(stiffness_N_per_m * mass_kg))
+    return ContactSpring(
+        stiffness_N_per_m, 2 * math.sqrt(5 / 6) * beta * math.sqrt(stiffness_N_per_m * mass_kg)
+    )
 
 
 def _pressure_Pa(scene: Scene) -> float:
