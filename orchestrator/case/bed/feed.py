@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from orchestrator.case.bed.packing import places
 from orchestrator.case.bed.particle_lists import joined, nobody
-from orchestrator.case.bed.particle_sizes import SizeClass, shares
+from orchestrator.case.bed.particle_sizes import SizeInterval, shares
 from orchestrator.case.bed.random_state import set_words, words
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.clock import Interval
@@ -34,7 +34,7 @@ class Inlet:
     come in batches, ``batch_s`` apart.
     """
 
-    sizes: tuple[SizeClass, ...]
+    sizes: tuple[SizeInterval, ...]
     rate_kg_per_s: float
     box_m: Array
     velocity_m_per_s: Array

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.particle_sizes import SizeClass, diameters_m
+from orchestrator.case.bed.particle_sizes import SizeInterval, diameters_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.ports.plans import ParticleList
@@ -22,7 +22,7 @@ SIZE_RATIO = 2.0  # largest to smallest radius in a batch, so that searches stay
 
 
 def block(
-    sizes: Sequence[SizeClass],
+    sizes: Sequence[SizeInterval],
     count: int,
     box_m: Array,
     density_kg_per_m3: float,
