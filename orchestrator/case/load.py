@@ -101,7 +101,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     try:
         case = validated(layers)
     except CaseError as error:
-        raise InvalidTables(error.mistakes, asked) from error
+        raise InvalidTables(error.problems, asked) from error
     return LoadedCase(
         name=visible(folder.name),
         folder=folder,
@@ -139,7 +139,7 @@ def validated(layers: Layers) -> Case:
     except ValidationError as error:
         problems = from_validation(error, Case)
     except CaseError as error:
-        problems = [*error.mistakes]
+        problems = [*error.problems]
     raise CaseError(layers.named(problems))
 
 

@@ -69,9 +69,9 @@ def explain(
     Exit code 0: done, whatever the verdicts; 2: the case has problems.
     """
     from orchestrator.cli.explain import print_explanation
-    from orchestrator.preflight.check import table_mistakes
+    from orchestrator.preflight.check import find_table_problems
 
-    loaded = checked(case, level, overrides, table_mistakes)
+    loaded = checked(case, level, overrides, find_table_problems)
     with reported_errors():
         measured = _stored(loaded, study)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())

@@ -52,11 +52,11 @@ def _code(error: Exception) -> int | None:
     return next((code for kind, code in codes.items() if isinstance(error, kind)), None)
 
 
-def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
+def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """Returns every problem that keeps a case from being run."""
-    from orchestrator.preflight.check import mistakes
+    from orchestrator.preflight.check import find_problems
 
-    problems = mistakes(loaded)
+    problems = find_problems(loaded)
     if loaded.case.monitor.items:
         from orchestrator.run.monitor.discovery import unknown_items
 
@@ -68,7 +68,7 @@ def checked(
     case: Path,
     level: str | None,
     overrides: list[str] | None,
-    find: Callable[[JudgedCase], list[CaseProblem]] = find_problems,
+    find: Callable[[JudgedCase], list[CaseProblem]] = find_all_problems,
 ) -> JudgedCase:
     """Returns the case if it has no problem (by default, of any kind); else reports all of them and
     ends the program."""

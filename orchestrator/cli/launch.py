@@ -23,7 +23,7 @@ from rich.console import Console
 
 from orchestrator.case import distributions, solvers
 from orchestrator.case.file.errors import CaseError
-from orchestrator.cli.console import TOO_LARGE, find_problems
+from orchestrator.cli.console import TOO_LARGE, find_all_problems
 from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
@@ -85,7 +85,7 @@ def _decide_effects(
 def require_runnable(loaded: JudgedCase) -> None:
     """Raises CaseError for a case with problems, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
-    if problems := find_problems(loaded):
+    if problems := find_all_problems(loaded):
         raise CaseError(problems)
     solvers.panel(loaded.case).load()
 

@@ -42,7 +42,7 @@ from orchestrator.coupling.surface_indexing import (
 from orchestrator.coupling.surface_parts import frame_parts, panel_parts, wall_parts
 from orchestrator.ports import Frames, Load, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
-from orchestrator.preflight.check import mistakes_at_rest
+from orchestrator.preflight.check import find_problems_at_rest
 from orchestrator.preflight.effort import effort
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.stability.choice import settled
@@ -95,7 +95,7 @@ def _open_machine(
     # plans of the other solvers
     particles_wanted = particles_plan(case, surface, world, folder)
     start_list = particles_wanted.particles if particles_wanted is not None else nobody()
-    problems = mistakes_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
+    problems = find_problems_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
     if problems:
         raise CaseError(problems)
     frames_wanted = _plan_frames(case, panel_set, rest.reaction)

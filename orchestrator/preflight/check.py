@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from orchestrator.preflight.judge import JudgedCase
 
 
-def mistakes(loaded: JudgedCase) -> list[CaseProblem]:
+def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """All that must be put right before the case can run; empty if nothing."""
     case, folder = loaded.case, loaded.folder
     whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
@@ -66,7 +66,7 @@ def mistakes(loaded: JudgedCase) -> list[CaseProblem]:
     return _as_given(loaded, found)
 
 
-def mistakes_at_rest(
+def find_problems_at_rest(
     loaded: JudgedCase,
     surface: TriangleSurface,
     panel_of_triangle: Indices,
@@ -79,20 +79,20 @@ def mistakes_at_rest(
     return _as_given(loaded, found)
 
 
-def table_mistakes(loaded: JudgedCase) -> list[CaseProblem]:
+def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """The first round alone, which reads no files and places no particles."""
-    found = [mistake for rule in OF_TABLES for mistake in rule(loaded.case.whole)]
+    found = [problem for rule in OF_TABLES for problem in rule(loaded.case.whole)]
     return _as_given(loaded, [*loaded.choice.problems, *found])
 
 
 def _as_given(loaded: JudgedCase, found: list[CaseProblem]) -> list[CaseProblem]:
     """With keys as the user gave them."""
     decks = loaded.layers.merged["screen"].get("decks", {})
-    return loaded.layers.named([as_given(mistake, decks) for mistake in found])
+    return loaded.layers.named([as_given(problem, decks) for problem in found])
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
-    """What is allowed but doubtful, with numbers; for a case without mistakes.  The sync interval
+    """What is allowed but doubtful, with numbers; for a case without problems.  The sync interval
     has a card of its own: stability/card.py."""
     case = loaded.case
     return [

@@ -103,7 +103,7 @@ def load_judged(path: Path, level: str | None = None, overrides: Sequence[str] =
         return judge(load(path, level, overrides))
     except InvalidTables as error:
         named = [replace(problem, file=error.asked.file) for problem in _wrong_effects(error.asked)]
-        raise CaseError([*error.mistakes, *named]) from error
+        raise CaseError([*error.problems, *named]) from error
 
 
 def judge(loaded: LoadedCase) -> JudgedCase:

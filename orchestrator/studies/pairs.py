@@ -32,7 +32,7 @@ from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, known_pairs, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, can_go, present, with_dependents
@@ -111,7 +111,7 @@ class Pairs:
     def _summary(self, path: Path, level: str, sets: tuple[str, ...], what: str) -> dict[str, Any]:
         """Of the run of a case with ``sets``.  Raises NoPair."""
         loaded = _load(path, level, sets)
-        if wrong := mistakes(loaded):
+        if wrong := find_problems(loaded):
             raise NoPair(f"{what} cannot be run: {wrong[0]}")
         same = json.dumps([resolved_case(loaded), str(path)], sort_keys=True, default=str)
         if same not in self._runs:
@@ -177,7 +177,7 @@ def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, tuple[
             except NoPair as why:
                 reasons.append(str(why))
             except CaseError as error:
-                reasons.append(str(error.mistakes[0]))
+                reasons.append(str(error.problems[0]))
     raise NoPair(reasons[-1])
 
 
@@ -193,7 +193,7 @@ def _sets(
         sets = (*sets, *_cheaper_panels(case, effect))
     every = (*sets, _named(_present(folder, level, sets)))
     found = _load(folder, level, every)
-    if wrong := mistakes(found):
+    if wrong := find_problems(found):
         raise NoPair(str(wrong[0]))
     if not present(found.case, effect):
         raise NoPair(f"{effect} is gone with cheaper panels")

@@ -25,7 +25,7 @@ from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, r
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.studies.workers import Crew
 
@@ -86,7 +86,7 @@ class Point:
         try:
             there = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
-            return ", ".join(".".join(map(str, problem.key)) for problem in error.mistakes[:3])
+            return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
         keys = list(changed(there, resolved_case(self.loaded)))
         return ", ".join(".".join(key) for key in keys[:3])
 
@@ -106,7 +106,7 @@ class Point:
 def check_case(case: Path, level: str | None, sets: Sequence[str]) -> JudgedCase:
     """Returns a case that can be run.  Raises CaseError with all that is wrong with it."""
     loaded = load_judged(case, level, sets)
-    if wrong := mistakes(loaded):
+    if wrong := find_problems(loaded):
         raise CaseError(wrong)
     return loaded
 

@@ -7,7 +7,7 @@ import pytest
 
 from orchestrator.ports import Array
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.refinement import offer
@@ -49,7 +49,7 @@ def test_each_model_is_one_part_away_and_better_ones_are_dearer(name: str) -> No
             assert all(key.startswith(f"{series.axis}.") for key in setting.sets)
             if not setting.made_from_run:
                 loaded = load_judged(ROOT / "cases" / name, "default", setting.sets)
-                found = mistakes(loaded)
+                found = find_problems(loaded)
                 assert not found or series.variant in ("two-mass", "planar"), found  # drives, turned parts
                 if series.axis == "panel":
                     costs[series.rank, series.settings.index(setting)] = predicted_s(loaded.case, 0)
@@ -75,10 +75,10 @@ def test_the_solid_is_a_model_where_openings_have_square_corners() -> None:
     openings = f"screen.panels.deck.apertures={{{pattern}}}"
     slots = f"screen.panels.deck.apertures={{{pattern}, shape='slot'}}"
     resolved = load_judged(folder, "default", [*solid.sets, openings])
-    assert mistakes(resolved) == []
+    assert find_problems(resolved) == []
     whole_s = predicted_s(load_judged(folder, "default", solid.sets).case, 0)
     assert predicted_s(resolved.case, 0) > whole_s
-    (refused,) = mistakes(load_judged(folder, "default", [*solid.sets, slots]))
+    (refused,) = find_problems(load_judged(folder, "default", [*solid.sets, slots]))
     assert "follow no round ends" in str(refused)
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import common
 from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
@@ -40,7 +40,7 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
             if setting.sets and series.variant not in ("solid", "two-mass") and not setting.made_from_run:
                 loaded = load_judged(QUICKSTART, "draft", setting.sets)
                 assert loaded.case != case
-                assert not mistakes(loaded), setting
+                assert not find_problems(loaded), setting
     for axis in there.axes:
         assert not there.own(axis).sets
 

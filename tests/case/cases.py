@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase, load_judged
 
 CASE = """
@@ -104,9 +104,9 @@ def loaded(folder: Path, overrides: Sequence[str] = (), level: str | None = None
 def complaints(folder: Path, *overrides: str) -> list[str]:
     """What loading and checking say of the test case with some keys changed."""
     try:
-        return [str(mistake) for mistake in mistakes(loaded(folder, overrides))]
+        return [str(mistake) for mistake in find_problems(loaded(folder, overrides))]
     except CaseError as error:
-        return [str(mistake) for mistake in error.mistakes]
+        return [str(mistake) for mistake in error.problems]
 
 
 def only_complaint(folder: Path, *overrides: str) -> str:

@@ -10,7 +10,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from tests.case.cases import FEED, LEVEL, loaded, written
 from tests.runs.outside import QUICK, flipflow, run_words
 
@@ -33,11 +33,11 @@ def plate(height_m: float) -> str:
 def said(folder: Path, overrides: Sequence[str]) -> list[str]:
     """What is said when the solvers are open; nothing was wrong before."""
     given = loaded(folder, overrides)
-    assert mistakes(given) == []
+    assert find_problems(given) == []
     try:
         build(given, folder, None, Stopwatch()).close()
     except CaseError as error:
-        return [str(mistake) for mistake in error.mistakes]
+        return [str(mistake) for mistake in error.problems]
     return []
 
 
@@ -62,7 +62,7 @@ def test_a_ball_in_the_hollow_or_below_a_slack_panel_is_not(tmp_path: Path, heig
 
 def test_a_ball_inside_a_taut_panel_is_refused_before_any_solver_is_open(tmp_path: Path) -> None:
     given = loaded(tmp_path, [*TAUT_STRIP, ball_at(0.005)])
-    assert [mistake.what for mistake in mistakes(given)] == ['"ball" is 0.005 m inside panel deck']
+    assert [mistake.what for mistake in find_problems(given)] == ['"ball" is 0.005 m inside panel deck']
 
 
 def test_a_feed_into_which_a_slack_panel_hangs_is_refused(tmp_path: Path) -> None:
@@ -92,7 +92,7 @@ def test_nothing_is_left_behind(tmp_path: Path) -> None:
     sets = [*QUICK, *SLACK, *BALL, ball_at(-0.06), plate(-0.02)]
     done = flipflow(*run_words(str(case), tmp_path / "run", sets))
     assert done.returncode == 2, done.stderr
-    assert "2 mistakes in the case:" in done.stderr
+    assert "2 problems in the case:" in done.stderr
     assert "inside panel deck as it hangs at rest" in done.stderr
     assert "through plate before anything moves" in done.stderr
     assert not (tmp_path / "run").exists()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.ports.plans import PanelPlan, SolverFailed
-from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.stability import plain
 from orchestrator.preflight.stability.choice import settled_card
@@ -143,7 +143,7 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     ]
 
     def said(*overrides: str) -> list[str]:
-        return [str(mistake) for mistake in mistakes(load_judged(folder, None, [*given, *overrides]))]
+        return [str(mistake) for mistake in find_problems(load_judged(folder, None, [*given, *overrides]))]
 
     assert said() == []  # exudyn: one driven without a mass, one free that hangs on it
     assert said("frames.solver=prescribed") == []
@@ -162,7 +162,7 @@ def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
 
 def test_exudyn_may_drive_every_frame() -> None:
     case = Path(__file__).parents[2] / "cases" / "bushing-hysteresis"
-    assert mistakes(load_judged(case, "draft", ["frames.solver=exudyn"])) == []
+    assert find_problems(load_judged(case, "draft", ["frames.solver=exudyn"])) == []
 
 
 def test_a_drive_that_runs_up_may_have_any_phase(tmp_path: Path) -> None:
@@ -184,7 +184,7 @@ def test_a_feed_may_stand_on_a_panel(tmp_path: Path) -> None:
 
 def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
     folder = written(tmp_path, CASE.replace("tension_m = 0.002", ""))
-    (said,) = mistakes(load_judged(folder))
+    (said,) = find_problems(load_judged(folder))
     assert said.what == "missing"
     assert said.hint == "give tension_m or span_m"
 
@@ -257,7 +257,7 @@ def test_fines_left_out_are_said(tmp_path: Path) -> None:
 def warned(folder: Path, *overrides: str) -> list[str]:
     """What a case without mistakes is warned of."""
     given = loaded(folder, overrides)
-    assert mistakes(given) == []
+    assert find_problems(given) == []
     return warnings(given)
 
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from orchestrator.cli import launch
 from orchestrator.cli.main import app
-from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, LEVEL, written
 
@@ -38,7 +38,7 @@ def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
     assert done.exit_code == 2
     assert done.stdout == ""
     assert done.stderr == (
-        "1 mistake in the case:\n  --set panel.solver: 'rigd' is not one of 'recorded', 'rigid', "
+        "1 problem in the case:\n  --set panel.solver: 'rigd' is not one of 'recorded', 'rigid', "
         "'sheet', 'solid' or 'strip'; did you mean \"rigid\"?\n"
     )
 
@@ -102,7 +102,7 @@ ACCEPTED = ("coal: ",)  # what their READMEs say of fines
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_without_mistakes_at_every_level(case: str, level: str) -> None:
     found = load_judged(CASES / case, level)
-    assert mistakes(found) == []
+    assert find_problems(found) == []
     accepted = ACCEPTED if case in UNDER_COAL else ()
     assert [said for said in warnings(found) if not said.startswith(accepted)] == []
     assert (CASES / case / "README.md").is_file()

@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, walls
 from orchestrator.case.file.errors import CaseError
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from tests.case.cases import CASE, written
 
@@ -141,7 +141,7 @@ def test_plates_face_the_bed(tmp_path: Path) -> None:
 def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
     loaded = deck(tmp_path)
     assert not loaded.case.screen.decks
-    assert mistakes(loaded) == []
+    assert find_problems(loaded) == []
 
 
 @pytest.mark.parametrize(
@@ -160,9 +160,9 @@ def test_the_resolved_case_has_the_deck_laid_out(tmp_path: Path) -> None:
 )
 def test_mistakes_in_a_deck_are_said_of_the_deck(tmp_path: Path, override: str, said: str) -> None:
     try:
-        found = mistakes(deck(tmp_path, f"screen.decks.deck.{override}"))
+        found = find_problems(deck(tmp_path, f"screen.decks.deck.{override}"))
     except CaseError as error:
-        found = list(error.mistakes)
+        found = list(error.problems)
     assert any(said in str(mistake) for mistake in found), found
 
 
@@ -183,5 +183,5 @@ def test_mistakes_in_a_deck_are_said_of_the_deck(tmp_path: Path, override: str, 
     ],
 )
 def test_a_surface_is_a_file_or_a_plate(tmp_path: Path, surface: str, said: str) -> None:
-    found = mistakes(deck(tmp_path, f"screen.surfaces.plate={surface}"))
+    found = find_problems(deck(tmp_path, f"screen.surfaces.plate={surface}"))
     assert any(said in str(mistake) for mistake in found), found

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.overlays import Layers
 from orchestrator.case.load import validated
-from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import judged
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
@@ -69,7 +69,7 @@ def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: An
     bare = load_judged(folder, "draft")
     with suppress(CaseError):
         bare.layers.lay(nested(key, value), "--set")
-        found = mistakes(replace(bare, case=validated(bare.layers)))
+        found = find_problems(replace(bare, case=validated(bare.layers)))
         assert all(mistake.what and mistake.file for mistake in found)
 
 
@@ -82,7 +82,7 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tm
         with suppress(CaseError):
             found.layers.lay(nested(key, value), "--set")
             spoilt = replace(found, case=validated(found.layers))
-            if not mistakes(spoilt):
+            if not find_problems(spoilt):
                 warnings(spoilt)
                 judged(spoilt.case)
 
@@ -95,7 +95,7 @@ def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
         found = load_judged(folder, "draft")
         with suppress(CaseError):
             found.layers.lay(nested(key, value), "--set")
-            mistakes(replace(found, case=validated(found.layers)))
+            find_problems(replace(found, case=validated(found.layers)))
 
 
 @settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -14,7 +14,7 @@ import pytest
 import tomli_w
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.preflight.check import mistakes, table_mistakes
+from orchestrator.preflight.check import find_problems, find_table_problems
 from orchestrator.preflight.judge import load_judged
 from tests.case.mutations import ROOT, Path_, at, lay_out, places
 
@@ -47,7 +47,7 @@ def is_refused(given: Given, place: Path_, *, key: bool) -> bool:
         holder[place[-1]] = EVIL
     (folder / "case.toml").write_text(tomli_w.dumps(table))
     try:
-        return bool(table_mistakes(load_judged(folder)))
+        return bool(find_table_problems(load_judged(folder)))
     except CaseError:
         return True
 
@@ -83,8 +83,8 @@ def test_a_recording_of_somebody_else(tmp_path: Path, name: str) -> None:
     level = level.replace(b'solver = "strip"', words)
     level = level.replace(b'["variation-across", "frame-rotation"]', without)
     (folder / "levels/draft.toml").write_bytes(level)
-    (found,) = mistakes(load_judged(folder, "draft"))
+    (found,) = find_problems(load_judged(folder, "draft"))
     assert (found.key, found.file) == (("panel", "recording"), "levels/draft.toml")
     assert found.what == "is outside of the case's folder"
-    (found,) = mistakes(load_judged(folder, "draft", [f"panel.recording={name}"]))
+    (found,) = find_problems(load_judged(folder, "draft", [f"panel.recording={name}"]))
     assert "outside" not in found.what  # but it is no recording

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, LEVEL, complaints, loaded, only_complaint, written
 
@@ -97,7 +97,7 @@ def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp
     case = CASE.replace("thickness_m", "thicknes_m").replace("diameter_m = 0.02", "diameter_m = -1")
     folder = written(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))
     said = refused(folder, None, "coupling.sync_interval_s=fast").splitlines()
-    assert said[0] == "4 mistakes in the case:"
+    assert said[0] == "4 problems in the case:"
     assert sorted(said[1:]) == [
         "  --set coupling.sync_interval_s: 'fast' is wrong, a valid number is wanted",
         "  case.toml bed.particles.ball.diameter_m: -1 is wrong, greater than 0 is wanted",
@@ -128,8 +128,8 @@ def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, said
 def test_particles_need_something_to_touch(tmp_path: Path) -> None:
     bare = CASE.partition("[screen.panels.deck]")[0]
     ball = "[bed.particles.ball]\nposition_m = [0, 0, 0]\ndiameter_m = 0.02\nmaterial = 'coal'\n"
-    assert mistakes(load_judged(written(tmp_path, bare))) == []
-    (complaint,) = mistakes(load_judged(written(tmp_path, bare + ball)))
+    assert find_problems(load_judged(written(tmp_path, bare))) == []
+    (complaint,) = find_problems(load_judged(written(tmp_path, bare + ball)))
     assert "screen.panels: missing: there is nothing for particles to touch" in str(complaint)
 
 

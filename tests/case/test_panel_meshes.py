@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.checks import panel_meshes
 from orchestrator.preflight.cost import predicted_parts_s
 from tests.case.cases import loaded
@@ -18,11 +18,11 @@ SHEET = 'panel.solver="sheet"'
 def test_a_sheet_of_a_million_cells_is_refused_before_anything_is_made(tmp_path: Path) -> None:
     """It took all memory of a machine of 23 GiB, and the system ended it without a word."""
     case = loaded(tmp_path, (SHEET, "panel.cells=[1000, 1000]"))
-    found = mistakes(case)
+    found = find_problems(case)
     assert [one.key for one in found] == [("panel", "cells")]
     assert "1000 x 1000 cells" in found[0].what
     assert "at most 64 GiB are allowed" in found[0].what
-    assert not mistakes(loaded(tmp_path / "fine", (SHEET, "panel.cells=[100, 100]")))
+    assert not find_problems(loaded(tmp_path / "fine", (SHEET, "panel.cells=[100, 100]")))
 
 
 def test_what_this_machine_does_not_carry_is_warned_of(

@@ -14,7 +14,7 @@ from tests.case.cases import CASE, written
 def complaints(folder: Path, text: str) -> list[str]:
     with pytest.raises(CaseError) as refused:
         load_judged(written(folder, text))
-    return [str(problem) for problem in refused.value.mistakes]
+    return [str(problem) for problem in refused.value.problems]
 
 
 @pytest.mark.parametrize(

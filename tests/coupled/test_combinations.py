@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.ports.state import as_arrays
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, EXCITER, MACHINE
 from tests.saved_states import differences
@@ -34,7 +34,7 @@ def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -
         case += BED
         settings.append(f"particles.solver={particles}")
     loaded = written(folder, case, settings)
-    found = [str(mistake) for mistake in mistakes(loaded)]
+    found = [str(mistake) for mistake in find_problems(loaded)]
     assert found == [], found
     with opened(loaded) as machine:
         machine.advance(intervals)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.series import rotations
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import BED, MACHINE
 
@@ -24,7 +24,7 @@ def test_books_close_and_the_drive_is_exact(tmp_path: Path, scheme: str) -> None
     """10 ms under a bed.  Momentum to rounding: 1e-12 of what should balance.  The drive's work
     leaves a defect of second order in the frames' step of 5e-5 s; measured 4e-9 of it."""
     loaded = written(tmp_path, MACHINE + BED, [ROCKING, f"coupling.scheme={scheme}"])
-    assert mistakes(loaded) == []
+    assert find_problems(loaded) == []
     with opened(loaded) as run:
         run.advance(200)
         residuals = run.momentum_residual()

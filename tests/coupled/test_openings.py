@@ -8,7 +8,7 @@ import pytest
 
 from orchestrator.case.deck.panels import axes
 from orchestrator.ports import Array
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase
 from tests.coupled.machines import opened, written
 from tests.coupled.screen import CASE
@@ -41,7 +41,7 @@ def test_fines_fall_through_a_shaken_screen_and_the_books_close(tmp_path: Path, 
     """60 ms: of 150 fines some come out under the panels, through openings of 7 mm and past the
     large ones, of those of 8-11 mm none; momentum is handed over to rounding."""
     loaded = written(tmp_path, CASE + OPENINGS, [f"panel.solver={panel}"])
-    assert mistakes(loaded) == []
+    assert find_problems(loaded) == []
     with opened(loaded) as machine:
         state = machine.advance(1200)
         now = machine.particles()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array, ParticleSnapshot
-from orchestrator.preflight.check import mistakes
+from orchestrator.preflight.check import find_problems
 from tests.coupled.machines import Coupled, opened, written
 from tests.coupled.screen import EMPTY
 
@@ -64,7 +64,7 @@ def bed(twins: bool) -> list[str]:
 def run(folder: Path, settings: Sequence[str]) -> tuple[Array, Array, ParticleSnapshot]:
     """Frames' places, the load of each interval on the panels, and the particles at the end."""
     loaded = written(folder, EMPTY, [*settings, *LAWS, "particles.solver=liggghts"])
-    found = [str(mistake) for mistake in mistakes(loaded)]
+    found = [str(mistake) for mistake in find_problems(loaded)]
     assert found == [], found
     loads = []
     with opened(loaded) as machine:

@@ -72,7 +72,7 @@ def all_tried(bank: Mapping[str, Scene], folder: Path, out: Path) -> list[Tried]
         try:
             found.append(tried(name, scene, folder, out))
         except CaseError as error:
-            wrong += [replace(one, file=f"scene {name}, {one.file}") for one in error.mistakes]
+            wrong += [replace(one, file=f"scene {name}, {one.file}") for one in error.problems]
     if wrong:
         raise CaseError(wrong)
     return found
@@ -97,7 +97,7 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
             try:
                 trials.append(_trial(name, effect, case, scene, [*sets, f"effects={kept}"], out))
             except CaseError as error:
-                trials.append(Trial(name, effect, omitted=str(error.mistakes[0])))
+                trials.append(Trial(name, effect, omitted=str(error.problems[0])))
     return Tried(name, scene, loaded, tuple(trials))
 
 

@@ -11,7 +11,7 @@ import tomli_w
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.explain import judge_effects
 from orchestrator.output.records.run_folder import resolved_case
-from orchestrator.preflight.check import mistakes, warnings
+from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present, with_dependents
@@ -67,7 +67,7 @@ def has(case: JudgedCase) -> set[str]:
 
 def test_the_full_case_has_these_effects_that_can_be_left_out(tmp_path: Path) -> None:
     found = load_judged(written(tmp_path, FULL), None, MORE)
-    assert mistakes(found) == []
+    assert find_problems(found) == []
     assert set(CAN_GO) <= {name for name in has(found) if EFFECTS[name].overlay(found.case)}
 
 
@@ -77,7 +77,7 @@ def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: st
     before = has(load_judged(written(tmp_path, FULL), None, MORE))
     with_it = before & set(with_dependents([name], ""))
     found = full(tmp_path, *(before - with_it))
-    assert mistakes(found) == []
+    assert find_problems(found) == []
     assert has(found) == before - with_it
     assert set(found.left_out) == with_it
 
@@ -129,11 +129,11 @@ def test_a_named_effect_that_the_solver_lacks_is_a_mistake(tmp_path: Path) -> No
 def test_a_level_may_leave_out_what_is_named_if_it_says_so(tmp_path: Path) -> None:
     named = 'effects = ["panel-deformation", "variation-across"]\n'
     folder = written(tmp_path, named + CASE, draft=LEVEL)
-    assert mistakes(load_judged(folder, "draft")) == []
+    assert find_problems(load_judged(folder, "draft")) == []
     assert "variation-across" in load_judged(folder, "draft").left_out
     assert "variation-across" in load_judged(folder, "draft", ["effects=auto"]).left_out
     bare = written(tmp_path / "bare", named + CASE)
-    found = mistakes(load_judged(bare, None, ["panel.solver=strip"]))
+    found = find_problems(load_judged(bare, None, ["panel.solver=strip"]))
     assert [str(one).split(":")[0] for one in found] == ["case.toml effects"]
 
 
@@ -148,7 +148,7 @@ def test_a_law_is_chosen_by_its_name(tmp_path: Path) -> None:
     assert full(tmp_path, "sjkr").case.particles.adhesion == "sjkr"
     assert full(tmp_path, "cdt").case.particles.rolling == "cdt"
     given = [*MORE, 'effects=["sjkr"]', "particles.adhesion=jkr"]
-    found = mistakes(load_judged(written(tmp_path, FULL), None, given))
+    found = find_problems(load_judged(written(tmp_path, FULL), None, given))
     assert "\"sjkr\" is named, and particles.adhesion is 'jkr'" in str(found[0])
 
 
@@ -191,7 +191,7 @@ def test_frames_that_no_force_moves_are_prescribed(tmp_path: Path) -> None:
         found = load_judged(folder, None, [f"effects={effects}"])
         assert found.case.frames.solver == "prescribed"
         assert "frame-dynamics" not in found.left_out, "there is none to be left out"
-        assert mistakes(found) == []
+        assert find_problems(found) == []
 
 
 def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from orchestrator.case.scalars import SCALARS
 from orchestrator.cli.explain import COLUMNS, effects_table
 from orchestrator.cli.main import app
 from orchestrator.preflight import effects
-from orchestrator.preflight.check import table_mistakes
+from orchestrator.preflight.check import find_table_problems
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, judged, spared
 from orchestrator.preflight.judgement.weighing import weighed
@@ -48,7 +48,7 @@ def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
 def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, effects: str) -> None:
     """And is then a case without mistakes in its tables, which has none of these effects."""
     found = load_judged(CASES / case, level, [f"effects={effects}"])
-    assert table_mistakes(found) == []
+    assert find_table_problems(found) == []
     asked = weighed(found.case, None, (*SCALARS,))
     here = [one for rows in asked.values() for one in rows if one.present]
     spare = spared(here) if effects == "auto" else [one.effect for one in here if one.can_go]

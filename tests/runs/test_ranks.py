@@ -139,7 +139,7 @@ def test_a_wrong_case_is_said_once(tmp_path: Path) -> None:
     done = flipflow(*run_words("quickstart", tmp_path / "run", ["duration_s=-1"]), ranks=2)
     assert done.returncode == 2, done.stderr
     said_plainly(done)
-    assert done.stderr.count("1 mistake in the case") == 1
+    assert done.stderr.count("1 problem in the case") == 1
     assert list(tmp_path.iterdir()) == []
 
 

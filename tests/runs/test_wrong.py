@@ -15,7 +15,7 @@ def test_all_mistakes_in_one_message_and_nothing_written(tmp_path: Path) -> None
     done = flipflow(*run_words("quickstart", tmp_path / "run", sets))
     assert done.returncode == 2
     said_plainly(done)
-    assert done.stderr.startswith("3 mistakes in the case:\n")
+    assert done.stderr.startswith("3 problems in the case:\n")
     for said in ("duration_s: -1", 'did you mean "rigid"', 'did you mean "sync_interval_s"'):
         assert said in done.stderr
     assert list(tmp_path.iterdir()) == []

@@ -28,7 +28,7 @@ ACROSS, UP = np.eye(3)[1:]
 def laid_out(case: Case) -> Case:
     """The case with its decks' panels and surfaces in the place of the decks.
 
-    Raises CaseError with every mistake in the decks, and with every size out of all proportion in
+    Raises CaseError with every problem in the decks, and with every size out of all proportion in
     the case: those would overflow here.
     """
     screen = case.screen
@@ -36,7 +36,7 @@ def laid_out(case: Case) -> Case:
         return case
     found = [*wrong_sizes(case)]
     if not found:
-        found = [mistake for name, deck in screen.decks.items() for mistake in mistakes(name, deck)]
+        found = [problem for name, deck in screen.decks.items() for problem in problems(name, deck)]
     panels, surfaces = dict(screen.panels), dict(screen.surfaces)
     if not found:
         for name, deck in screen.decks.items():
@@ -52,7 +52,7 @@ def laid_out(case: Case) -> Case:
     return case.model_copy(update={"screen": screen.model_copy(update=update)})
 
 
-def mistakes(name: str, deck: Deck) -> Iterator[CaseProblem]:
+def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
     """Counts that do not fit, tension that no panel takes, and panels that would overlap."""
     key: Key = ("screen", "decks", name)
     segments = len(deck.slopes_deg)
@@ -79,9 +79,9 @@ def mistakes(name: str, deck: Deck) -> Iterator[CaseProblem]:
         yield CaseProblem((*key, "pitch_m"), what, hint)
 
 
-def as_given(mistake: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
-    """A mistake in a panel or surface of a deck, at the deck's key; others as they are."""
-    match mistake.key:
+def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
+    """A problem in a panel or surface of a deck, at the deck's key; others as they are."""
+    match problem.key:
         case ("screen", "panels" | "surfaces", str(part), *inner):
             name = next((name for name in decks if part.startswith(f"{name}-")), None)
             if name is not None:
@@ -89,9 +89,9 @@ def as_given(mistake: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
                 if field in (["apertures"], ["stops"]):  # the same tables in both
                     field = inner
                 key = ("screen", "decks", name, *field)
-                what = mistake.what if part in mistake.what else f"{part}: {mistake.what}"
-                return replace(mistake, key=key, what=what)
-    return mistake
+                what = problem.what if part in problem.what else f"{part}: {problem.what}"
+                return replace(problem, key=key, what=what)
+    return problem
 
 
 def tensions(deck: Deck) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""Mistakes in a case: all of them in one message, each with file, key, value and a suggestion."""
+"""Problems of a case: all of them in one message, each with file, key, value and a suggestion."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 Key = tuple[str | int, ...]
-MOST = 50  # mistakes that are said
+MOST = 50  # problems that are said
 LONGEST = 600  # characters of a line about one
 # keys of earlier versions, and what they are called since 2026-11
 RENAMED = {
@@ -52,13 +52,13 @@ class CaseProblem:
 
 
 class CaseError(Exception):
-    """A case that cannot be run as it is (exit code 2); ``mistakes`` has all that is wrong."""
+    """A case that cannot be run as it is (exit code 2); ``problems`` has all that is wrong."""
 
-    def __init__(self, mistakes: Iterable[CaseProblem]) -> None:
-        self.mistakes = tuple(mistakes)
-        count = len(self.mistakes)
-        head = "1 mistake" if count == 1 else f"{count} mistakes"
-        lines = [f"{head} in the case:", *(f"  {mistake}" for mistake in self.mistakes[:MOST])]
+    def __init__(self, problems: Iterable[CaseProblem]) -> None:
+        self.problems = tuple(problems)
+        count = len(self.problems)
+        head = "1 problem" if count == 1 else f"{count} problems"
+        lines = [f"{head} in the case:", *(f"  {problem}" for problem in self.problems[:MOST])]
         if count > MOST:
             lines.append(f"  and {count - MOST} more")
         super().__init__("\n".join(lines))
@@ -99,10 +99,10 @@ def shown(value: Any) -> str:
 
 
 def from_validation(error: ValidationError, model: type[BaseModel]) -> list[CaseProblem]:
-    """One mistake for each that pydantic found.  A missing key is left out where a misspelt one
+    """One problem for each that pydantic found.  A missing key is left out where a misspelt one
     was meant to be it."""
     details = error.errors(include_url=False)[: 2 * MOST]
-    mistakes: list[CaseProblem] = []
+    problems: list[CaseProblem] = []
     meant: set[Key] = set()
     for detail in details:
         if detail["type"] == "extra_forbidden":
@@ -112,21 +112,21 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
             if renamed in known:
                 meant.add((*table, renamed))
                 hint = f'it is called "{renamed}" now'
-                mistakes.append(CaseProblem(detail["loc"], "the name of an earlier version", hint))
+                problems.append(CaseProblem(detail["loc"], "the name of an earlier version", hint))
                 continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
             what = f"unknown key (its value: {shown(detail['input'])})"
-            mistakes.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
+            problems.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
             continue
         if detail["type"] != "extra_forbidden":
-            mistakes.append(_mistake(detail))
-    return mistakes
+            problems.append(_problem(detail))
+    return problems
 
 
-def _mistake(detail: ErrorDetails) -> CaseProblem:
+def _problem(detail: ErrorDetails) -> CaseProblem:
     kind, key, value = detail["type"], detail["loc"], shown(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):

@@ -58,7 +58,7 @@ def moduli(branches: Branches, speed_rad_per_s: Array) -> tuple[Array, Array]:
 def damped(case: Case) -> Case:
     """The case with branches for all materials that have a ``loss_curve`` and none.  Raises
     CaseError for curves that cannot be met."""
-    materials, mistakes = dict(case.materials), []
+    materials, problems = dict(case.materials), []
     for name, material in case.materials.items():
         law = material.hyperelastic
         if law is None or law.maxwell or not law.loss_curve:
@@ -70,9 +70,9 @@ def damped(case: Case) -> Case:
             maxwell = tuple(MaxwellBranch(ratio=g, relaxation_s=tau) for g, tau in fit.branches)
             law = law.model_copy(update={"maxwell": maxwell})
             materials[name] = material.model_copy(update={"hyperelastic": law})
-        mistakes += found
-    if mistakes:
-        raise CaseError(mistakes)
+        problems += found
+    if problems:
+        raise CaseError(problems)
     return case.model_copy(update={"materials": materials})
 
 

@@ -42,9 +42,9 @@ class Layers:
                 return self._source[words[:end]]
         return self._first
 
-    def named(self, mistakes: Sequence[CaseProblem]) -> list[CaseProblem]:
-        """The mistakes with their files filled in."""
-        return [m if m.file else replace(m, file=self.source(m.key)) for m in mistakes]
+    def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
+        """The problems with their files filled in."""
+        return [m if m.file else replace(m, file=self.source(m.key)) for m in problems]
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
         """``overlay`` over ``below`` at ``key``; changes neither."""

@@ -68,7 +68,7 @@ def sliced(case: Case) -> Case:
     makes no sense."""
     if case.slice is None:
         return case
-    if found := _mistakes(case):
+    if found := _problems(case):
         raise CaseError(found)
     y_m, part = bounds_m(case), share(case)
     domain_m = case.domain_m
@@ -82,7 +82,7 @@ def sliced(case: Case) -> Case:
     return case.cut_to(update)
 
 
-def _mistakes(case: Case) -> list[CaseProblem]:
+def _problems(case: Case) -> list[CaseProblem]:
     assert case.slice is not None
     found = []
     for name, panel in case.screen.panels.items():

@@ -54,7 +54,7 @@ class Judged:
 
 def judged(case: Case) -> dict[Part, list[Judged]]:
     """By part; particles and panels are empty where there are none.  For a case whose tables fit
-    together (``checks.table_mistakes``)."""
+    together (``checks.find_table_problems``)."""
     there: dict[Part, bool] = {
         "particles": has_particles(case),
         "panels": bool(case.screen.panels),

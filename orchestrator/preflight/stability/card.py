@@ -1,6 +1,6 @@
 """The stability card of a case: every bound of its sync interval, before anything runs.
 
-``card`` needs a case without mistakes.  It asks the panels' solver for its largest step, which for
+``card`` needs a case without problems.  It asks the panels' solver for its largest step, which for
 a sheet takes about a second.
 """
 
@@ -24,7 +24,7 @@ RAYLEIGH = "Li, Xu and Thornton 2005, and the share that is usual"
 
 
 def card(case: Case) -> Card:
-    """All bounds of a case without mistakes that names its scheme (choice.py: ``settled_card``)."""
+    """All bounds of a case without problems that names its scheme (choice.py: ``settled_card``)."""
     there = scene(case)
     modes_rad_per_s, unknown = highest_rad_per_s(case)
     frames = frame_matrices(there)

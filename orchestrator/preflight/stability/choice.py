@@ -14,7 +14,7 @@ PLAIN, STRONGER, AUTO = "particles-first", "robin", "auto"
 
 
 def settled_card(case: Case) -> Card:
-    """The card of a case without mistakes.  Where that leaves its scheme to the program: the plain
+    """The card of a case without problems.  Where that leaves its scheme to the program: the plain
     one's where the sync interval is within what it is sure to be stable at, or where nothing is
     stronger there; else ``robin``'s."""
     if case.coupling.scheme != AUTO:

@@ -117,7 +117,7 @@ def combination(
             more = seeded(case, number)
             runs.append(point(asked.case, asked.level, [*sets, *more], name, folder))
     except CaseError as error:
-        return Combination(kind, name, settings, omitted=str(error.mistakes[0]))
+        return Combination(kind, name, settings, omitted=str(error.problems[0]))
     there = runs[0].loaded.case
     return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 

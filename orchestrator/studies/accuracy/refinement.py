@@ -418,7 +418,7 @@ def _width(case: Case, points: int) -> list[RefinementSeries]:
     try:
         low, high = full_width_m(case.whole)
     except CaseError as error:
-        raise NotOffered(str(error.mistakes[0])) from None
+        raise NotOffered(str(error.problems[0])) from None
     solver = solvers.particles(case)
     if case.whole.slice is None and solver is not None and not solver.periodic:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")

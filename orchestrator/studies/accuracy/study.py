@@ -165,7 +165,7 @@ def _made_points(there: Listed, run: Path) -> list[Combination]:
                 point = combination(there.asked, there.loaded.case, there.shared, KNOB, {series.axis: made})
             except CaseError as error:
                 name = named(KNOB, {series.axis: setting})
-                point = Combination(KNOB, name, {series.axis: setting}, omitted=str(error.mistakes[0]))
+                point = Combination(KNOB, name, {series.axis: setting}, omitted=str(error.problems[0]))
             points.append(point)
     return points
 
