@@ -21,6 +21,7 @@ from orchestrator.output.report.drawing import HALF, HELD, WIDE, figure, save
 from orchestrator.output.results.run_reader import RunReader
 
 COLUMNS = 4  # panels or bushings side by side
+LOWEST = 3.8  # inches high: a single row of panels is legible
 MOMENTS = 8  # of a cycle
 MOST_POINTS = 4000  # of a line
 SMALLEST_SHARE = 1e-3  # of the largest term of a picture: smaller ones are left out
@@ -150,7 +151,7 @@ def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any
     """A figure with axes for so many parts, side by side in rows."""
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
-    drawn, axes = figure(rows, columns, WIDE, edge + height * rows)
+    drawn, axes = figure(rows, columns, WIDE, max(edge + height * rows, LOWEST))
     for ax in axes.flat[count:]:
         ax.axis("off")
     for row in axes:
