@@ -18,7 +18,7 @@ from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output.cycles import cycle_numbers, cycle_s
-from orchestrator.output.results.acceleration import acceleration_m_per_s2
+from orchestrator.output.results.machine import acceleration_m_per_s2
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg

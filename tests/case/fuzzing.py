@@ -21,7 +21,7 @@ from pathlib import Path
 
 from orchestrator.cli import main as cli
 from orchestrator.output.report import command
-from orchestrator.output.report.film import Film
+from orchestrator.output.report.page import Film
 from orchestrator.run import ending, run
 
 MEMORY_BYTES = 4 * 1024**3  # of addresses; the libraries alone take 1.5

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.output.results.acceleration import acceleration_m_per_s2, rms
+from orchestrator.output.results.machine import acceleration_m_per_s2, rms
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
 SPEED = 78.5

@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
-from orchestrator.output.report.film import Film
 from orchestrator.output.report.formatting import number
 from orchestrator.output.report.headline import NOT_STEADY, Tile, headline
-from orchestrator.output.report.page import page
+from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 from tests.results.synthetic import CYCLE_S, folder_of
 

@@ -15,10 +15,9 @@ import pytest
 from orchestrator.case.scalars import scalar
 from orchestrator.output.records.history import write_results
 from orchestrator.output.records.summary import write_summary
-from orchestrator.output.report.film import Film
 from orchestrator.output.report.formatting import interval
 from orchestrator.output.report.headline import headline
-from orchestrator.output.report.page import page
+from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.observed import ObservedMotion
 from orchestrator.output.results.run_reader import RunReader

@@ -17,8 +17,7 @@ import numpy as np
 import pytest
 from markupsafe import escape
 
-from orchestrator.output.report.film import Film
-from orchestrator.output.report.page import page
+from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 
 ROOT = Path(__file__).parents[2]

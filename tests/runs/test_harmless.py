@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 import tomli_w
 
-from orchestrator.output.report.film import Film
-from orchestrator.output.report.page import page
+from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 from tests.case.cases import CASE, written
 from tests.results.synthetic import folder_of

@@ -9,6 +9,7 @@ and probes on frames and panels, ``panel_cycles/<name>`` of panels.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,17 +18,18 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import cycle_numbers
 from orchestrator.output.records.history import History
 from orchestrator.output.records.panel_lines import PanelLines, panel_pull_N
-from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 Rows = dict[str, dict[str, Array | float]]
-_STATE = ("_cycle", "_last_s", "_count", "_least", "_most", "_sum")
 
 
-class CycleRecord:
+class CycleRecord(SavedAttributes):
     """Keeps the extremes of the cycle that goes on (``cycles.py`` says which sync points it holds).  A
     cycle that the end of the run cuts short has a row like others."""
+
+    STATE: ClassVar = ("_cycle", "_last_s", "_count", "_least", "_most", "_sum")
 
     def __init__(
         self,
@@ -62,12 +64,6 @@ class CycleRecord:
         """Adds the row of the cycle that has begun."""
         if self._count:
             self._row()
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
 
     def _row(self) -> None:
         middle = self._points.size

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
 from orchestrator.case.deck.line import DeckLine, Over, deck_line, joined, over
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 BINS_PER_PANEL = 4
 DEPTH_SHARE = 0.95  # of a bin's mass lies below the bed depth
@@ -75,16 +76,17 @@ HELD_CYCLES = 5
 NEAR = 0.25  # diameters between panel and particle that still count as lying on it
 STAYS = 0.5  # diameters along and across that still count as the same place
 SEATED = 0.75  # radii from centre to surface that only an opening allows
-_STATE = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
 
-class RetainedParticles:
+class RetainedParticles(SavedAttributes):
     """Follows every particle from one output time to the next.
 
-    RetainedParticles is a particle that for ``HELD_CYCLES`` cycles lay on the panel, at the same place of its
+    A retained particle is one that for ``HELD_CYCLES`` cycles lay on the panel, at the same place of its
     material, while the panel under it was accelerated by more than gravity (its fastest speed
     along its normal times the cycle's angular speed).
     """
+
+    STATE: ClassVar = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
     def __init__(self, cycle_s: float, across: Array, openings_m: Array) -> None:
         """``across`` (3,): horizontal unit vector across the deck; ``openings_m`` (openings, 2):
@@ -117,12 +119,6 @@ class RetainedParticles:
             "mass_kg": float(mass[held].sum()),
             "openings": float(self._blinded(place[held & (seen.height_m < SEATED * radius)])),
         }
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
 
     def _row(self, ids: Indices) -> tuple[Indices, Mask]:
         """Row of each particle at the last time, and whether it was there."""

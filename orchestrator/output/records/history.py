@@ -230,7 +230,7 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
         key = str(name).replace("/", "|")
         if isinstance(value, Mapping) and set(value) == {"value", "half_width", "batches"}:
             dataset = _number(group, key, value["value"])
-            dataset.attrs["half_width"] = _or_nan(value["half_width"])
+            dataset.attrs["half_width"] = np.array(value["half_width"], float)
             dataset.attrs["batches"] = value["batches"]
         elif isinstance(value, Mapping):
             _put(group.create_group(key), value)
@@ -248,7 +248,3 @@ def _number(group: Any, key: str, value: Any) -> Any:
     group[key] = np.array(value, dtype=float)
     group[key].attrs["unit"] = unit_of(key)
     return group[key]
-
-
-def _or_nan(value: Any) -> float:
-    return float("nan") if value is None else float(value)

@@ -30,7 +30,7 @@ from orchestrator.output.records.run_folder import HISTORY
 from orchestrator.output.records.series import PanelForces, TimeSeries
 from orchestrator.output.records.snapshots import Series, particle_mesh, surface_mesh
 from orchestrator.output.records.wear_record import WearRecord
-from orchestrator.ports import Array, Motion, ParticleSnapshot, Restorable, Saved
+from orchestrator.ports import Array, ParticleSnapshot, Restorable, Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.particle_records import Bed
 from orchestrator.ports.physics import sphere_mass_kg
@@ -53,8 +53,9 @@ class Recorder:
         self._machine, self._ledger, self._start = machine, ledger, start
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
-        self._every = rows_every(case)
-        self._shapes_every = shapes_every(case)
+        interval_s, shapes_s = case.coupling.sync_interval_s, case.output.shapes_s
+        self._every = steps_in(case.output.series_s or interval_s, interval_s)
+        self._shapes_every = steps_in(shapes_s, interval_s) if shapes_s else 0
         if self._writes:
             self._history = History(folder / HISTORY, goes_on)
             self._folds = FoldMonitor(case)
@@ -63,11 +64,8 @@ class Recorder:
             rectangles = [panel.rectangle for panel in single_panels(case)]
             cycle = counted_cycle_s(case)
             self._cycles = CycleRecord(machine, start, rectangles, cycle, self._history)
-            self._parts: dict[str, Restorable] = {
-                "folds": self._folds,
-                "series": self._series,
-                "cycles": self._cycles,
-            }
+            self._parts: dict[str, Restorable]
+            self._parts = {"folds": self._folds, "series": self._series, "cycles": self._cycles}
             if len(machine.surface.triangles):
                 self._parts["surface"] = self._surface = Series(folder, "surface")
             if machine.material is not None:
@@ -89,17 +87,15 @@ class Recorder:
             self._series.sync_point(forces_N)
             self._cycles.sync_point(time_s, state, forces_N)
             if self._shapes_every and done % self._shapes_every == 0:
-                self._shapes(time_s, state.panel.surface)
+                for panel in self._machine.panels:
+                    values = columns("shapes", state.panel.surface.part(panel.shape))
+                    self._history.add(f"shapes/{panel.name}", time_s, values)
         if done % self._every:
             return
-        followed = self._snapshot() if self._follows else None
+        particles = self._machine.solvers.particles
+        followed = particles.snapshot() if self._follows and particles is not None else None
         if self._writes:
             self._series.row(time_s, state, followed)
-
-    def _shapes(self, time_s: float, surface: Motion) -> None:
-        for panel in self._machine.panels:
-            values = columns("shapes", surface.part(panel.shape))
-            self._history.add(f"shapes/{panel.name}", time_s, values)
 
     def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
         """Records an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
@@ -181,24 +177,6 @@ class Recorder:
         for group, values in self._wear.groups(worn_m3).items():
             self._history.add(group, time_s, values)
         return {"worn_depth_m": self._wear.point_depth_m(worn_m3)}
-
-    def _snapshot(self) -> ParticleSnapshot | None:
-        particles = self._machine.solvers.particles
-        return particles.snapshot() if particles is not None else None
-
-
-def rows_every(case: Case) -> int:
-    """Returns the number of sync intervals from row to row of the time series."""
-    interval_s = case.coupling.sync_interval_s
-    return steps_in(case.output.series_s or interval_s, interval_s)
-
-
-def shapes_every(case: Case) -> int:
-    """Returns the number of sync intervals from row to row of the panels' whole shapes; 0: they are not
-    wanted."""
-    if not case.output.shapes_s:
-        return 0
-    return steps_in(case.output.shapes_s, case.coupling.sync_interval_s)
 
 
 def _bed(particles: ParticleSnapshot) -> dict[str, Any]:

@@ -112,13 +112,10 @@ def _new_folder(folder: Path) -> Path:
     """Raises FileExistsError where it is there, FolderUnusable where it cannot be."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
-    try:
         folder.mkdir()
-    except FileExistsError:
-        raise
     except OSError as error:
+        if os.path.lexists(folder):
+            raise
         raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
     return folder
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 from orchestrator.coupling.machine import Machine, PlacedProbe
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.records.history import History
-from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
+from orchestrator.ports.state import SavedAttributes
 
 ARMS = np.arange(1, 4)
 
@@ -64,9 +64,11 @@ def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
     return csr_array((np.ones(len(inside)), inside, starts), shape=(len(parts), points))
 
 
-class TimeSeries:
+class TimeSeries(SavedAttributes):
     """Motion in a row is that of the moment; panel forces are means over the sync intervals since
     the last row, so that none of their impulse is missed."""
+
+    STATE: ClassVar = ("_sum_N", "_summed")
 
     def __init__(self, machine: Machine, start: State, history: History) -> None:
         self._machine, self._start, self._history = machine, start, history
@@ -97,12 +99,6 @@ class TimeSeries:
                 del values["stops_N"]
             self._history.add(f"forces/{panel.name}", time_s, values)
         self._sum_N[:], self._summed = 0.0, 0
-
-    def save(self) -> Saved:
-        return save_attributes(self, "_sum_N", "_summed")
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_sum_N", "_summed")
 
     def _frames(self, time_s: float, state: State) -> None:
         clamps, points = state.clamps, self._centres

@@ -62,15 +62,8 @@ def sections(screening: dict[str, Any]) -> str:
         values, errors = _bars([row[f"{name}_percent"] for row in rows])
         shift = (number - (len(bars) - 1) / 2) * 0.38
         label = {"local_efficiency": "local efficiency", "yield": "yield"}[name]
-        axes.bar(
-            place + shift,
-            values,
-            0.36,
-            yerr=errors,
-            label=label,
-            color=(UNDER, "#b9c3cc")[number],
-            error_kw={"lw": 1},
-        )
+        style = {"label": label, "color": (UNDER, "#b9c3cc")[number], "error_kw": {"lw": 1}}
+        axes.bar(place + shift, values, 0.36, yerr=errors, **style)
     if divided:
         values, errors = _bars([row["cumulative_efficiency_percent"] for row in rows])
         axes.errorbar(place, values, errors, fmt="o-", color=HELD, ms=4, label="efficiency up to here")
@@ -83,10 +76,8 @@ def sections(screening: dict[str, Any]) -> str:
 
 
 def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
-    return (
-        [e["value"] if e["value"] is not None else np.nan for e in estimates],
-        [e["half_width"] or 0.0 for e in estimates],
-    )
+    values = [np.nan if e["value"] is None else e["value"] for e in estimates]
+    return values, [e["half_width"] or 0.0 for e in estimates]
 
 
 def along_the_deck(results: dict[str, Any]) -> str:
@@ -117,7 +108,7 @@ def along_the_deck(results: dict[str, Any]) -> str:
 
 def wear_map(wear: dict[str, Any]) -> str:
     """Draws the depth in 1000 h of all panels' patches, one panel beside the other."""
-    maps = {name: MM_IN_1000_H * _known(panel) for name, panel in wear["panels"].items()}
+    maps = {n: MM_IN_1000_H * np.array(p["depth_m_per_h"], float) for n, p in wear["panels"].items()}
     drawn, ((axes,),) = figure(1, 1, WIDE, 2.6)
     deepest = max(float(np.nanmax(values)) for values in maps.values())
     for place, values in enumerate(maps.values()):
@@ -129,7 +120,3 @@ def wear_map(wear: dict[str, Any]) -> str:
     axes.set(ylabel="share of the width", title="wear, each panel from its first clamp")
     axes.grid(visible=False)
     return embedded(drawn)
-
-
-def _known(panel: dict[str, Any]) -> Any:
-    return np.array(panel["depth_m_per_h"], dtype=float)

@@ -12,8 +12,7 @@ from jinja2 import UndefinedError
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output import checkpoints
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
-from orchestrator.output.report.film import make_film
-from orchestrator.output.report.page import NAME, page
+from orchestrator.output.report.page import NAME, make_film, page
 from orchestrator.output.results.compute import compute_results
 
 DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)

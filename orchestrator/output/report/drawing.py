@@ -1,4 +1,4 @@
-"""One style for all figures of the page, and how they get into it."""
+"""One style for all figures and pages of the program, and how figures get into pages."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 import matplotlib
 from cycler import cycler
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -62,3 +63,16 @@ def embedded(drawn: Any) -> str:
 def data_uri(content: bytes, kind: str) -> str:
     """Returns a file's content, for an ``src`` that asks nobody for anything."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def fill_template(template: str, **values: Any) -> str:
+    """Returns the HTML of a template, named by its place below ``orchestrator/``: a page that holds all it
+    needs."""
+    environment = Environment(
+        loader=PackageLoader("orchestrator", "."),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(template).render(**values)

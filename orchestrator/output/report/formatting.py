@@ -24,6 +24,11 @@ def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str
     return f"{scaled:.{decimals}f}".replace("-", "−")
 
 
+def whole_number(value: float) -> str:
+    """Returns a number without decimals."""
+    return f"{value:.0f}".replace("-", "−")
+
+
 def interval(found: dict[str, Any] | None, scale: float = 1.0) -> str:
     """Returns such as "82.31 ± 0.42": the value to the second digit of its half width."""
     if found is None or found["value"] is None:

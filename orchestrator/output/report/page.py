@@ -2,23 +2,48 @@
 
 from __future__ import annotations
 
+import json
+import tempfile
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from orchestrator.output.report import bed_pictures, tables
-from orchestrator.output.report.drawing import data_uri, embedded
-from orchestrator.output.report.filled import fill_template
-from orchestrator.output.report.film import Film
+from orchestrator.output.report.drawing import data_uri, embedded, fill_template
 from orchestrator.output.report.formatting import duration, interval, number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine
 from orchestrator.output.report.quality import collect_warnings, quality_rows
-from orchestrator.output.report.tables import left_out_rows
 from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.subprocesses import python
 
 NAME = "report.html"
 FILM_CYCLES = 3
+
+
+@dataclass(frozen=True)
+class Film:
+    """An animated WebP of ``frames`` pictures; empty, with the ``reason``, if there is none."""
+
+    content: bytes
+    frames: int = 0
+    start_s: float = 0.0
+    end_s: float = 0.0
+    reason: str = ""
+
+
+def make_film(folder: Path, lasting_s: float) -> Film:
+    """Returns the film of the last ``lasting_s`` seconds of the run, made in a process of its own: a
+    renderer that crashes loses nothing."""
+    with tempfile.TemporaryDirectory() as place:
+        made = Path(place) / "film.webp"
+        words = ("orchestrator.output.report.rendering", str(folder), str(lasting_s), str(made))
+        done = python("-m", *words, capture_output=True)
+        if done.returncode or not made.is_file():
+            why = done.stderr.strip().splitlines()[-1:] or ["the renderer ended without a word"]
+            return Film(b"", reason=why[0])
+        return Film(made.read_bytes(), **json.loads(done.stdout))
 
 
 def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
@@ -32,7 +57,11 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             summary=summary,
             provenance=provenance,
             results=found,
-            facts=_facts(run, summary["stability"]["scheme"]),
+            facts={
+                "machine": list(tables.machine_facts(run)),
+                "bed": list(tables.bed_facts(run.case)),
+                "how it was computed": list(tables.solver_facts(run.case, summary["stability"]["scheme"])),
+            },
             headline=headline(found),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
@@ -41,20 +70,12 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             pictures=_pictures(run, found, summary),
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
-            left_out=list(left_out_rows(summary)),
+            left_out=list(tables.left_out_rows(summary)),
             quality=quality_rows(summary),
             duration=duration,
             interval=interval,
             number=number,
         )
-
-
-def _facts(run: RunReader, scheme: str) -> dict[str, list[tuple[str, str]]]:
-    return {
-        "machine": list(tables.machine_facts(run)),
-        "bed": list(tables.bed_facts(run.case)),
-        "how it was computed": list(tables.solver_facts(run.case, scheme)),
-    }
 
 
 def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:

@@ -65,7 +65,10 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
         _look(plotter, ends)
         pictures.append(Image.fromarray(plotter.screenshot(return_img=True)))
     plotter.close()
-    return _webp(pictures), [time_s for time_s, _ in shown]
+    webp, first = io.BytesIO(), pictures[0]
+    kept = {"save_all": True, "append_images": pictures[1:], "duration": FRAME_MS, "loop": 0}
+    first.save(webp, "WEBP", quality=QUALITY, method=4, **kept)
+    return webp.getvalue(), [time_s for time_s, _ in shown]
 
 
 def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
@@ -177,23 +180,7 @@ def _look(plotter: Any, points_m: Any) -> None:
     plotter.reset_camera_clipping_range()
 
 
-def _webp(pictures: list[Image.Image]) -> bytes:
-    made = io.BytesIO()
-    pictures[0].save(
-        made,
-        "WEBP",
-        save_all=True,
-        append_images=pictures[1:],
-        duration=FRAME_MS,
-        loop=0,
-        quality=QUALITY,
-        method=4,
-    )
-    return made.getvalue()
-
-
 if __name__ == "__main__":
     webp, times_s = render_film(Path(sys.argv[1]), float(sys.argv[2]))
     Path(sys.argv[3]).write_bytes(webp)
-    said = {"frames": len(times_s), "start_s": times_s[0], "end_s": times_s[-1]}
-    sys.stdout.write(json.dumps(said))
+    json.dump({"frames": len(times_s), "start_s": times_s[0], "end_s": times_s[-1]}, sys.stdout)

@@ -9,7 +9,7 @@ from typing import Any
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
-from orchestrator.output.report.formatting import interval, number
+from orchestrator.output.report.formatting import interval, number, whole_number
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.preflight.scene.effect import in_words
 
@@ -28,6 +28,11 @@ class Sheet:
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     note: str = ""
+
+
+def _sheet(title: str, rows: list[dict[str, str]], note: str = "") -> Sheet:
+    """A sheet from its rows, by column."""
+    return Sheet(title, tuple(rows[0]), tuple(tuple(row.values()) for row in rows), note)
 
 
 def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
@@ -59,16 +64,19 @@ def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
     return Sheet("Screening", ("figure", "value", "unit"), tuple(rows))
 
 
-def sections_sheet(found: dict[str, Any]) -> Sheet:
+def sections_sheet(screening: dict[str, Any]) -> Sheet:
     """Returns a row for each section."""
-    keys = [key for key in found["sections"][0] if key != "exit"]
-    names = {
+    columns = {
+        "exit": "exit",
         "yield_percent": "yield / %",
         "cumulative_efficiency_percent": "efficiency up to here / %",
         "local_efficiency_percent": "local efficiency / %",
     }
-    rows = tuple((row["exit"], *(interval(row[key]) for key in keys)) for row in found["sections"])
-    return Sheet("Sections", ("exit", *(names[key] for key in keys)), rows)
+    rows = [
+        {columns[key]: value if key == "exit" else interval(value) for key, value in row.items()}
+        for row in screening["sections"]
+    ]
+    return _sheet("Sections", rows)
 
 
 def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
@@ -94,110 +102,78 @@ def bed_sheet(results: dict[str, Any], whole: float) -> Sheet:
 
 def frames_sheet(motion: dict[str, Any]) -> Sheet:
     """Returns the orbits of points on frames, and of the frames against each other."""
-    rows = []
-    for name, orbit in motion["frames"].items():
-        rows.append((name, *_orbit(orbit)))
-    for name, orbit in motion["relative"].items():
-        rows.append((f"{name}, relative", *_orbit(orbit)))
-    columns = (
-        "point",
-        "along / mm",
-        "normal / mm",
-        "phase along / °",
-        "phase normal / °",
-        "half axes / mm",
-        "tilt / °",
-        "other than first harmonic, along / mm",
-    )
+    orbits = motion["frames"] | {f"{name}, relative": orbit for name, orbit in motion["relative"].items()}
     note = "First harmonic at the machine's speed, in deck axes; phases of cos(ωt + φ)."
-    return Sheet("Frames: orbits", columns, tuple(rows), note)
+    return _sheet("Frames: orbits", [{"point": name} | _orbit(orbit) for name, orbit in orbits.items()], note)
 
 
-def _orbit(orbit: dict[str, Any]) -> tuple[str, ...]:
+def _orbit(orbit: dict[str, Any]) -> dict[str, str]:
     widths = orbit["half_width_m"] or [None, None, None]
-    amplitudes = [
-        interval({"value": orbit["amplitude_m"][axis], "half_width": widths[axis]}, 1e3) for axis in (0, 2)
-    ]
-    axes = f"{number(orbit['major_m'], 1e3)} × {number(abs(orbit['minor_m']), 1e3)}"
-    phases = [f"{57.29578 * orbit['phase_rad'][axis]:.0f}".replace("-", "−") for axis in (0, 2)]
-    tilt = f"{orbit['tilt_deg']:.0f}".replace("-", "−")
-    return (*amplitudes, *phases, axes, tilt, number(orbit["other_m"][0], 1e3))
+    along, _, normal = (
+        interval({"value": size_m, "half_width": width_m}, 1e3)
+        for size_m, width_m in zip(orbit["amplitude_m"], widths, strict=True)
+    )
+    return {
+        "along / mm": along,
+        "normal / mm": normal,
+        "phase along / °": whole_number(57.29578 * orbit["phase_rad"][0]),
+        "phase normal / °": whole_number(57.29578 * orbit["phase_rad"][2]),
+        "half axes / mm": f"{number(orbit['major_m'], 1e3)} × {number(abs(orbit['minor_m']), 1e3)}",
+        "tilt / °": whole_number(orbit["tilt_deg"]),
+        "other than first harmonic, along / mm": number(orbit["other_m"][0], 1e3),
+    }
 
 
 def accelerations_sheet(motion: dict[str, Any]) -> Sheet:
     """Returns the accelerations of points on panels."""
-    rows = []
-    for name, point in motion["panel_points"].items():
-        figures = [number(point[key]) for key in ("peak_g", "peak_normal_g", "rms_normal_g")]
-        shaken = (interval(point["cycle_peak_g"]), interval(point["rms_g"]))
-        place = f"{point['at'][0]:.2g}, {point['at'][1]:.2g}"
-        rows.append((name, point["panel"], place, figures[0], *shaken, *figures[1:]))
-    columns = (
-        "point",
-        "panel",
-        "place along, across",
-        "peak / g",
-        "peak of a cycle, mean / g",
-        "RMS / g",
-        "peak, normal / g",
-        "RMS, normal / g",
-    )
+    rows = [
+        {
+            "point": name,
+            "panel": point["panel"],
+            "place along, across": f"{point['at'][0]:.2g}, {point['at'][1]:.2g}",
+            "peak / g": number(point["peak_g"]),
+            "peak of a cycle, mean / g": interval(point["cycle_peak_g"]),
+            "RMS / g": interval(point["rms_g"]),
+            "peak, normal / g": number(point["peak_normal_g"]),
+            "RMS, normal / g": number(point["rms_normal_g"]),
+        }
+        for name, point in motion["panel_points"].items()
+    ]
     note = "Band-limited to 500 Hz; “normal” is the part normal to the panel as built."
-    return Sheet("Panels: acceleration", columns, tuple(rows), note)
+    return _sheet("Panels: acceleration", rows, note)
 
 
 def panels_sheet(motion: dict[str, Any], whole: float) -> Sheet:
     """Returns pull, stretch and load of the panels; forces are multiplied by ``whole``."""
-    rows = []
-    for name, panel in motion["panels"].items():
-        pulls = (panel[f"tension_{which}_N"] for which in ("smallest", "mean", "largest"))
-        clamp = number(panel["largest_clamp_force_N"], whole)
-        stretch = [number(panel[f"stretch_{which}_percent"]) for which in ("smallest", "largest")]
-        rows.append(
-            (
-                name,
-                *(number(pull, whole) for pull in pulls),
-                clamp,
-                *stretch,
-                number(-panel["load_N"][2], whole),
-            )
-        )
-    columns = (
-        "panel",
-        "pull, least / N",
-        "pull, mean / N",
-        "pull, most / N",
-        "force on a clamp, most / N",
-        "stretch, least / %",
-        "stretch, most / %",
-        "mean load of the bed / N",
-    )
-    return Sheet("Panels: pull, stretch and load", columns, tuple(rows))
-
-
-NO_CYCLE = "none: nothing drives the machine"
+    rows = [
+        {
+            "panel": name,
+            "pull, least / N": number(panel["tension_smallest_N"], whole),
+            "pull, mean / N": number(panel["tension_mean_N"], whole),
+            "pull, most / N": number(panel["tension_largest_N"], whole),
+            "force on a clamp, most / N": number(panel["largest_clamp_force_N"], whole),
+            "stretch, least / %": number(panel["stretch_smallest_percent"]),
+            "stretch, most / %": number(panel["stretch_largest_percent"]),
+            "mean load of the bed / N": number(-panel["load_N"][2], whole),
+        }
+        for name, panel in motion["panels"].items()
+    ]
+    return _sheet("Panels: pull, stretch and load", rows)
 
 
 def wear_sheet(wear: dict[str, Any]) -> Sheet:
     """Returns the wear of every panel."""
-    columns = (
-        "panel",
-        "mean / (mm in 1000 h)",
-        "deepest patch / (mm in 1000 h)",
-        "there: share of length, of width",
-        "worn through after / h",
-    )
-    rows = tuple(
-        (
-            name,
-            interval(panel["mean_m_per_h"], MM_IN_1000_H),
-            number(panel["largest_m_per_h"], MM_IN_1000_H),
-            ", ".join(number(share, digits=2) for share in panel["largest_at"]),
-            number(panel["worn_through_h"]),
-        )
+    rows = [
+        {
+            "panel": name,
+            "mean / (mm in 1000 h)": interval(panel["mean_m_per_h"], MM_IN_1000_H),
+            "deepest patch / (mm in 1000 h)": number(panel["largest_m_per_h"], MM_IN_1000_H),
+            "there: share of length, of width": ", ".join(number(x, digits=2) for x in panel["largest_at"]),
+            "worn through after / h": number(panel["worn_through_h"]),
+        }
         for name, panel in wear["panels"].items()
-    )
-    return Sheet("Wear", columns, rows, WEAR_NOTE)
+    ]
+    return _sheet("Wear", rows, WEAR_NOTE)
 
 
 def machine_facts(data: RunReader) -> Iterator[tuple[str, str]]:
@@ -234,7 +210,10 @@ def machine_facts(data: RunReader) -> Iterator[tuple[str, str]]:
             f"{speed:g} rad/s = {speed / 2 / math.pi * 60:.0f} rpm, "
             f"{exciter.mass_moment_kg_m:g} kg m on {exciter.frame}",
         )
-    yield "machine cycle", f"{1e3 * data.cycle_s:.4g} ms" if data.is_driven else NO_CYCLE
+    yield (
+        "machine cycle",
+        f"{1e3 * data.cycle_s:.4g} ms" if data.is_driven else "none: nothing drives the machine",
+    )
 
 
 def bed_facts(case: Case) -> Iterator[tuple[str, str]]:

@@ -90,13 +90,9 @@ def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) 
 
 def residence_s(fed: FedParticles, removed: RemovedParticles) -> Array:
     """Returns the (removed,) time from entering to leaving; NaN for particles that were never fed."""
-    order = np.argsort(fed.id)
-    ids = fed.id[order]
-    place = np.searchsorted(ids, removed.id)
-    known = place < len(ids)
-    known[known] = ids[place[known]] == removed.id[known]
+    _, known, place = np.intersect1d(removed.id, fed.id, return_indices=True)
     entered = np.full(len(removed.id), np.nan)
-    entered[known] = fed.time_s[order][place[known]]
+    entered[known] = fed.time_s[place]
     return np.asarray(removed.time_s - entered)
 
 

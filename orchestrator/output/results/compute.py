@@ -45,9 +45,7 @@ def _gather(run: RunReader) -> dict[str, Any]:
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table
-    events: list[Events] = []
-    _make(table, "steady", lambda: _add_steady(run, events, table))
-    balance = events[0] if events else None
+    balance: Events | None = _make(table, "steady", lambda: _add_steady(run, table))
     if has_particles(run.case):
         _make(table, "screening", lambda: _add_screening(run, balance, table))
         _make(table, "bed", lambda: _add_bed(run, table))
@@ -59,10 +57,10 @@ def _gather(run: RunReader) -> dict[str, Any]:
     return table
 
 
-def _make(table: dict[str, Any], part: str, add: Callable[[], None]) -> None:
+def _make(table: dict[str, Any], part: str, add: Callable[[], Any]) -> Any:
     """Adds a part, or notes the error that prevented it."""
     try:
-        add()
+        return add()
     except OSError:
         raise
     except Exception as error:
@@ -77,11 +75,11 @@ def describe_error(error: Exception) -> str:
     return f"{type(error).__name__}: {error} ({file}, line {place.lineno})"
 
 
-def _add_steady(run: RunReader, events: list[Events], table: dict[str, Any]) -> None:
-    """To ``events`` what went in and out, where that was counted."""
+def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
+    """What went in and out, where that was counted."""
     tables = read_events(run.history)
     if tables is None:
-        return
+        return None
     balance = balance_events(*tables, run.edges_s)
     state = balance.steady
     table["steady"] = {
@@ -93,7 +91,7 @@ def _add_steady(run: RunReader, events: list[Events], table: dict[str, Any]) -> 
         "imbalance_percent": None if state.imbalance is None else 100 * state.imbalance,
         "drift_percent": None if state.drift is None else 100 * state.drift,
     }
-    events.append(balance)
+    return balance
 
 
 def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:

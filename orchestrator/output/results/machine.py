@@ -6,16 +6,10 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from scipy.signal import butter, sosfiltfilt
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import cycle_numbers, within
-from orchestrator.output.results.acceleration import (
-    BAND_HZ,
-    LARGEST_BAND,
-    acceleration_m_per_s2,
-    band_hz,
-    rms,
-)
 from orchestrator.output.results.estimate import Estimate, mean
 from orchestrator.output.results.harmonics import Harmonic, drift, first_harmonic
 from orchestrator.output.results.run_reader import RunReader
@@ -23,6 +17,8 @@ from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2
 
+BAND_HZ = 500.0
+LARGEST_BAND = 0.9  # of half the rows' rate: up to there a filter can be made
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
 FEWEST_CYCLES = 4  # of a window whose halves are compared
 RANGE_CYCLES = 2  # the last whole ones, of which the ranges of points are taken
@@ -98,6 +94,28 @@ def why_no_band(run: RunReader) -> str:
         f"the series have a row every {step_s:.2g} s: too seldom for accelerations up to "
         f"{BAND_HZ:g} Hz (output.series_s of at most {LARGEST_BAND / (2 * BAND_HZ):.2g} s)"
     )
+
+
+def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
+    """Returns (n, 3) accelerations from (n, 3) velocities at equal steps.
+
+    They are band-limited to ``BAND_HZ`` by a Butterworth filter of fourth order run to and fro (no
+    phase shift), then differentiated by central differences.
+    """
+    limit = 2 * BAND_HZ * step_s
+    if limit < LARGEST_BAND:  # else the steps themselves are the limit
+        velocity_m_per_s = sosfiltfilt(butter(4, limit, output="sos"), velocity_m_per_s, axis=0)
+    return np.asarray(np.gradient(velocity_m_per_s, step_s, axis=0))
+
+
+def band_hz(step_s: float) -> float:
+    """Returns up to which frequency ``acceleration_m_per_s2`` tells something."""
+    return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
+
+
+def rms(values: Array) -> float:
+    """Returns the root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:

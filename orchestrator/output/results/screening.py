@@ -7,8 +7,6 @@ Definitions: docs/theory/screening.md.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,6 +24,10 @@ from orchestrator.output.results.events import (
 from orchestrator.ports import Array, Indices
 
 FINE, COARSE = 0, 1
+PLACEMENTS = (  # all but the first need a cut size
+    *("oversize_yield", "efficiency", "fine_placement", "coarse_placement", "misplaced"),
+    "fines_in_oversize",
+)
 
 
 def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
@@ -33,62 +35,38 @@ def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
     return np.where(diameter_m < cut_m, FINE, COARSE)
 
 
-def products_kg(out_kg: Array, exits: Exits) -> tuple[Array, Array]:
-    """Returns undersize and oversize, each (2,): fine, coarse."""
-    return (
-        np.asarray(out_kg[exits.of(UNDERSIZE)].sum(axis=0)),
-        np.asarray(out_kg[exits.of(OVERSIZE)].sum(axis=0)),
-    )
+def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
+    """Returns the shares of the whole deck by name; NaN where there is nothing to share.
+
+    ``fine_placement`` is the share of the feed's fines that pass (the recovery of undersize),
+    ``coarse_placement`` that of its coarse that is held back, ``efficiency`` both less one (1 for a
+    perfect screen, 0 for a mere splitter).  ``misplaced`` are fines in the oversize and coarse in the
+    undersize over the feed, ``fines_in_oversize`` is the fine share of the oversize.
+    """
+    under, over = (out_kg[exits.of(product)].sum(axis=0) for product in (UNDERSIZE, OVERSIZE))
+    feed_kg = float(out_kg.sum())
+    fine = share(under[FINE], under[FINE] + over[FINE])
+    coarse = share(over[COARSE], under[COARSE] + over[COARSE])
+    return {
+        "oversize_yield": share(float(over.sum()), feed_kg),
+        "efficiency": fine + coarse - 1.0,
+        "fine_placement": fine,
+        "coarse_placement": coarse,
+        "misplaced": share(over[FINE] + under[COARSE], feed_kg),
+        "fines_in_oversize": share(over[FINE], float(over.sum())),
+    }
 
 
-def fine_placement(out_kg: Array, exits: Exits) -> float:
-    """Returns the share of the feed's fines that pass: the recovery of undersize."""
-    under, over = products_kg(out_kg, exits)
-    return share(under[FINE], under[FINE] + over[FINE])
-
-
-def coarse_placement(out_kg: Array, exits: Exits) -> float:
-    """Returns the share of the feed's coarse that is held back."""
-    under, over = products_kg(out_kg, exits)
-    return share(over[COARSE], under[COARSE] + over[COARSE])
-
-
-def efficiency(out_kg: Array, exits: Exits) -> float:
-    """Returns fine plus coarse placement less one: 1 for a perfect screen, 0 for a mere splitter."""
-    return fine_placement(out_kg, exits) + coarse_placement(out_kg, exits) - 1.0
-
-
-def misplaced(out_kg: Array, exits: Exits) -> float:
-    """Returns fines in the oversize and coarse in the undersize, over the feed."""
-    under, over = products_kg(out_kg, exits)
-    return share(over[FINE] + under[COARSE], float(out_kg.sum()))
-
-
-def fines_in_oversize(out_kg: Array, exits: Exits) -> float:
-    """Returns the share of the oversize that is fine."""
-    over = products_kg(out_kg, exits)[1]
-    return share(over[FINE], float(over.sum()))
-
-
-def oversize_yield(out_kg: Array, exits: Exits) -> float:
-    """Returns oversize over feed."""
-    return share(float(products_kg(out_kg, exits)[1].sum()), float(out_kg.sum()))
-
-
-def section_yield(out_kg: Array, section: int) -> float:
-    """Returns what passes in a section (the number of its exit) over the feed."""
-    return share(float(out_kg[section].sum()), float(out_kg.sum()))
-
-
-def cumulative_efficiency(out_kg: Array, sections: Indices, last: int) -> float:
-    """Returns the fines passed in sections 0 to ``last`` (included) over the feed's fines."""
-    return share(float(out_kg[sections[: last + 1], FINE].sum()), float(out_kg[:, FINE].sum()))
-
-
-def local_efficiency(out_kg: Array, sections: Indices, section: int) -> float:
-    """Returns the fines passed in a section over the fines that arrive there."""
-    before = float(out_kg[sections[:section], FINE].sum())
-    return share(float(out_kg[sections[section], FINE]), float(out_kg[:, FINE].sum()) - before)
+def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, float]:
+    """Returns the shares of the section at ``place`` of ``sections`` (numbers of exits): its ``yield`` is
+    what passes there over the feed, ``cumulative_efficiency`` the fines passed up to its end over the
+    feed's fines, ``local_efficiency`` the fines passed there over the fines that arrive there."""
+    fines_kg, passed_kg = float(out_kg[:, FINE].sum()), out_kg[sections, FINE]
+    return {
+        "yield": share(float(out_kg[sections[place]].sum()), float(out_kg.sum())),
+        "cumulative_efficiency": share(float(passed_kg[: place + 1].sum()), fines_kg),
+        "local_efficiency": share(passed_kg[place], fines_kg - float(passed_kg[:place].sum())),
+    }
 
 
 def share(part: float, whole: float) -> float:
@@ -163,26 +141,17 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
         "fine_particles": int((counted & (fine == FINE)).sum()),
     }
     figures |= _flows(events, out)
-    yields: dict[str, Callable[..., float]] = {"oversize_yield": oversize_yield}
-    if cut_m is not None:
-        yields |= {
-            "efficiency": efficiency,
-            "fine_placement": fine_placement,
-            "coarse_placement": coarse_placement,
-            "misplaced": misplaced,
-            "fines_in_oversize": fines_in_oversize,
-        }
-    for name, share in yields.items():
-        figures[f"{name}_percent"] = events.figure(partial(_percent, share, exits=exits), out)
+
+    def placement(name: str) -> Estimate:
+        return events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out)
+
+    names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
+    figures |= {f"{name}_percent": placement(name) for name in names}
     if cut_m is not None:
         figures["recovered_percent"] = _recovered(events, out, cut_m)
     figures["sections"] = _sections(events, out, cut_m is not None)
     figures["partition"] = _partition(events, cut_m)
     return figures
-
-
-def _percent(share: Callable[..., float], out_kg: Array, **more: Any) -> float:
-    return 100.0 * share(out_kg, **more)
 
 
 def _recovered(events: Events, out: Array, cut_m: float) -> Estimate:
@@ -222,19 +191,15 @@ def _flows(events: Events, out: Array) -> dict[str, Any]:
 def _sections(events: Events, out: Array, divided: bool) -> list[dict[str, Any]]:
     """Of every exit for undersize, in the case's order."""
     numbers = events.exits.of(UNDERSIZE)
-    rows = []
-    for place, exit_number in enumerate(numbers):
-        shares: dict[str, Callable[[Array], float]] = {
-            "yield": partial(section_yield, section=int(exit_number))
-        }
-        if divided:
-            shares["cumulative_efficiency"] = partial(cumulative_efficiency, sections=numbers, last=place)
-            shares["local_efficiency"] = partial(local_efficiency, sections=numbers, section=place)
-        row: dict[str, Any] = {"exit": events.exits.names[exit_number]}
-        for name, share in shares.items():
-            row[f"{name}_percent"] = events.figure(partial(_percent, share), out)
-        rows.append(row)
-    return rows
+    names = ("yield", "cumulative_efficiency", "local_efficiency") if divided else ("yield",)
+
+    def estimate(place: int, name: str) -> Estimate:
+        return events.figure(lambda kg: 100.0 * section_shares(kg, numbers, place)[name], out)
+
+    return [
+        {"exit": events.exits.names[number]} | {f"{name}_percent": estimate(place, name) for name in names}
+        for place, number in enumerate(numbers)
+    ]
 
 
 def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:

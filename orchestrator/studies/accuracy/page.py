@@ -10,8 +10,7 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 
 from orchestrator.output.records.run_folder import write_text
-from orchestrator.output.report.drawing import LINES, data_uri, figure
-from orchestrator.output.report.filled import fill_template
+from orchestrator.output.report.drawing import LINES, data_uri, figure, fill_template
 from orchestrator.studies.accuracy.combinations import BASE, KNOB, REFERENCE, TOGETHER
 from orchestrator.studies.accuracy.convergence import Compared, Converged, Order, compare_axis
 from orchestrator.studies.accuracy.measured import Error

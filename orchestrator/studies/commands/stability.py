@@ -27,8 +27,7 @@ from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import study_folder, write_text
-from orchestrator.output.report.drawing import data_uri, figure
-from orchestrator.output.report.filled import fill_template
+from orchestrator.output.report.drawing import data_uri, figure, fill_template
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import (
