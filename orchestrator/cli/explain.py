@@ -16,7 +16,7 @@ from orchestrator.preflight.judgement.catalogue import Judged, spared, with_depe
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import doubted, weighed
 from orchestrator.preflight.scene.effect import Part, in_words
-from orchestrator.preflight.stability.choice import AUTO
+from orchestrator.preflight.stability.report import AUTO
 from orchestrator.studies.pairs import TriedEffects
 
 if TYPE_CHECKING:

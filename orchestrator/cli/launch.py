@@ -36,8 +36,8 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import Entry, account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import agree, key_of
-from orchestrator.preflight.stability import plain, words
-from orchestrator.preflight.stability.choice import settled_card
+from orchestrator.preflight.stability import formatting
+from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
 from orchestrator.run.run import Run
 from orchestrator.studies.pairs import before
@@ -125,19 +125,19 @@ def execute(
         doing = "running" if checkpoint is None else f"going on from t = {checkpoint.simulated_s:g} s with"
         _print_and_log(f"{doing} {loaded.name} {loaded.level} into {folder}", console)
         try:
-            stability = settled_card(loaded.case)
+            stability = stability_report(loaded.case)
             lines = [
                 *warned,
                 *distributions.warnings(),
                 *warnings(loaded),
-                *plain.warnings(stability),
+                *formatting.warnings(stability),
                 *at_start(entries),
             ]
         except MemoryError as error:  # of panels' meshes; nothing has been computed
             if first and checkpoint is None:
                 run_folder.remove_folder(folder)
             return report_refusal(world, error)
-        for line in words.lines(stability):
+        for line in formatting.detail_lines(stability):
             LOG.info(line)
         for line in lines:
             LOG.warning(line)

@@ -19,21 +19,20 @@ from orchestrator.case.planning.panel_meshes import meshes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
-from orchestrator.preflight.bed_cost import THICK, THIN, bed_cost
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.steps import missing_solvers
-from orchestrator.preflight.cost import in_words, particles_at_start, predicted_range_s
+from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_range_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, at_start
-from orchestrator.preflight.stability import plain, words
-from orchestrator.preflight.stability.choice import settled_card, with_scheme
+from orchestrator.preflight.stability import formatting
+from orchestrator.preflight.stability.report import stability_report, with_scheme
 
 
 def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     """Yields lines about a case without problems; with ``detail`` all that limits its sync interval, in
     the theory's terms."""
     case = loaded.case
-    stability = settled_card(case)
+    stability = stability_report(case)
     level = f"level {loaded.level}" if loaded.level else "no level"
     yield f"{loaded.name}, {level}: {case.title}"
     yield from _machine(loaded)
@@ -50,8 +49,8 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
     yield "stability:"
-    yield from words.lines(stability) if detail else plain.lines(stability)
-    for warning in [*warnings(loaded), *plain.warnings(stability), *missing_solvers(case)]:
+    yield from formatting.detail_lines(stability) if detail else formatting.short_lines(stability)
+    for warning in [*warnings(loaded), *formatting.warnings(stability), *missing_solvers(case)]:
         yield f"warning: {warning}"
     yield "the case can be run"
 

@@ -43,9 +43,9 @@ from orchestrator.coupling.surface_parts import frame_parts, panel_parts, wall_p
 from orchestrator.ports import Frames, Load, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from orchestrator.preflight.check import find_problems_at_rest
-from orchestrator.preflight.effort import effort
+from orchestrator.preflight.cost import effort
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.stability.choice import settled
+from orchestrator.preflight.stability.report import case_with_scheme
 
 
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
@@ -78,7 +78,7 @@ def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
 def _open_machine(
     loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch, opened: ExitStack
 ) -> Machine:
-    case = settled(loaded.case)
+    case = case_with_scheme(loaded.case)
     # panels first: how they rest decides what particles and frames begin with
     panels = panel_parts(case, loaded.folder, stopwatch, world)
     walls, frames = wall_parts(case, loaded.folder), frame_parts(case)

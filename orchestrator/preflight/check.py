@@ -13,23 +13,17 @@ from orchestrator.case.file.deck_layout import as_given
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.plausible import unusual_sizes
 from orchestrator.preflight.checks import (
-    adhesion,
-    apertures,
-    at_rest,
-    contacts,
-    drives,
-    exits,
+    TABLE_RULES,
     feeds,
     machine,
     materials,
-    panel_meshes,
+    panels,
     recordings,
     slices,
     start,
     steps,
     surfaces,
 )
-from orchestrator.preflight.checks.of_tables import OF_TABLES
 
 if TYPE_CHECKING:
     from orchestrator.ports import Indices
@@ -43,21 +37,21 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """All that must be put right before the case can run; empty if nothing."""
     case, folder = loaded.case, loaded.folder
     whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
-    found = [*loaded.choice.problems, *(m for rule in OF_TABLES for m in rule(whole))]
+    found = [*loaded.choice.problems, *(m for rule in TABLE_RULES for m in rule(whole))]
     if not found:
         found = [*surfaces.stl_files(whole, folder), *surfaces.panels_inside(whole)]
         found += [*machine.solvers_objections(whole), *machine.possible_inertia(whole)]
         found += machine.held_frames(whole)
-        found += [*feeds.feeds(case), *exits.exits(whole)]
+        found += [*feeds.feeds(case), *feeds.exits(whole)]
         found += [*materials.larger_than_the_box(case), *materials.crowded_blocks(case)]
         found += slices.too_narrow(case)
         source = loaded.layers.source(recordings.KEY)
         found += recordings.own_recording(case, folder, source)
     if not found:
         found += recordings.fitting_recording(case, folder)
-        found += apertures.triangles(case)
-        found += panel_meshes.too_large(case)
-        found += [*adhesion.adhesive_contacts(case), *adhesion.sjkr_materials(case)]
+        found += panels.triangles(case)
+        found += panels.too_large(case)
+        found += [*materials.adhesive_contacts(case), *materials.sjkr_materials(case)]
     if not found:
         found = [*steps.particle_step(case), *steps.adhesive_step(case)]
         found += steps.panel_step(case)
@@ -74,14 +68,14 @@ def find_problems_at_rest(
     particles: ParticleList,
 ) -> list[CaseProblem]:
     """What the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
-    found = list(at_rest.beyond_surfaces(loaded.case, penetrations, surface))
-    found += at_rest.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
+    found = list(start.beyond_surfaces(loaded.case, penetrations, surface))
+    found += start.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
     return _as_given(loaded, found)
 
 
 def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
     """The first round alone, which reads no files and places no particles."""
-    found = [problem for rule in OF_TABLES for problem in rule(loaded.case.whole)]
+    found = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole)]
     return _as_given(loaded, [*loaded.choice.problems, *found])
 
 
@@ -97,13 +91,13 @@ def warnings(loaded: JudgedCase) -> list[str]:
     case = loaded.case
     return [
         *unusual_sizes(case.whole),
-        *drives.sudden_drives(case),
+        *machine.sudden_drives(case),
         *feeds.feeds_that_hardly_feed(case),
         *feeds.rounded_feed_interval(case),
         *materials.fines(case),
-        *contacts.too_soft(loaded.described),
+        *materials.too_soft(loaded.described),
         *recordings.other_speed(case, loaded.folder),
         *slices.doubtful_slice(case, loaded.folder),
-        *panel_meshes.beyond_this_machine(case),
+        *panels.beyond_this_machine(case),
         *loaded.choice.lacking,
     ]

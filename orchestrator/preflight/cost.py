@@ -3,17 +3,25 @@
 The parts are those of ``wall_by_part_s``.  Solvers' shares are asked of their adapters
 (``ports/plans/work.py``); what the orchestrator does itself has its constants here.  All were
 measured on drafts of shipped cases on one core of a 2-core AMD EPYC machine, busy with other work;
-``python -m tests.cost_series`` measures what was predicted over what was taken.
+``python -m tests.cost_series`` measures what was predicted over what was taken.  How long material
+stays on the deck is known after the run only: the estimate lies between a thin dry layer and a
+thick wet one.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+
+import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesion_law
+from orchestrator.case.bed.contact_times import smallest_diameters_m
+from orchestrator.case.bed.particle_sizes import mean_mass_kg
 from orchestrator.case.bed.particle_step import particle_step_s
-from orchestrator.case.bed.sources import initial_particles
+from orchestrator.case.bed.sources import initial_particles, inlets
+from orchestrator.case.bed.transport import TRANSPORT_M_S, stay_s
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.deck.surface_grids import surface_grids
 from orchestrator.case.file.contents import has_particles
@@ -21,10 +29,9 @@ from orchestrator.case.planning import material_numbers
 from orchestrator.case.planning.panel_meshes import mesh_sizes
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.clock import steps_in
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import Cost, FramesWork, PanelsWork, ParticlesWork, SolverMissing
-from orchestrator.preflight.bed_cost import THICK, THIN, BedDensity, bed_cost
-from orchestrator.preflight.effort import RUNS
-from orchestrator.preflight.stability.choice import settled
+from orchestrator.preflight.stability.report import case_with_scheme
 
 IMPORT_S = 1.2
 """Starting Python, reading and checking the case."""
@@ -47,16 +54,77 @@ SAVE_S = 0.04
 """At the end."""
 
 
+@dataclass(frozen=True)
+class BedDensity:
+    """How fast material moves along the deck."""
+
+    transport_m_per_s: float
+
+
+THICK = BedDensity(transport_m_per_s=TRANSPORT_M_S)
+THIN = BedDensity(transport_m_per_s=1.5)
+"""Level dry of cases/ffs0827-slice: single dry particles, thrown."""
+TIMES = 2000  # places in time at which particles are counted
+
+
+@dataclass(frozen=True)
+class BedCost:
+    """Particles at most and on average, and the particles' steps."""
+
+    most: float
+    mean: float
+    steps: int
+
+    @property
+    def particle_steps(self) -> float:
+        return self.mean * self.steps
+
+
+def bed_cost(case: Case, at_start: int, bed: BedDensity) -> BedCost:
+    """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
+    time_s = np.linspace(0.0, case.duration_s, TIMES)
+    stays_s = stay_s(case, bed.transport_m_per_s)
+    count = np.where(time_s < stays_s, float(at_start), 0.0)
+    for inlet in inlets(case, material_numbers(case)).values():
+        per_kg = 1.0 / mean_mass_kg(inlet.sizes, inlet.density_kg_per_m3)
+        there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
+        count += per_kg * np.array(there_kg)
+    steps = math.ceil(case.duration_s / particle_step_s(case))
+    return BedCost(float(count.max()), float(count.mean()), steps)
+
+
+@dataclass(frozen=True)
+class Tries:
+    """How often an interval is run on average, by the particles and by the panels; ``point_s`` is
+    the processor time in which the scheme looks for the way of a point of the surface."""
+
+    particles: float
+    panel: float
+    point_s: float = 0.0
+
+
+RUNS = {
+    "particles-first": Tries(1.0, 1.0),
+    "serial-staggered": Tries(1.0, 1.0),
+    "robin": Tries(1.0, 2.0, 1.1e-6),
+    "aitken": Tries(2.0, 3.0),
+    "quasi-newton": Tries(2.0, 3.0),
+}
+"""Measured over whole runs of quickstart, draft; repeated intervals end with the panels under the
+load that was found."""
+
+
 def predicted_parts_s(case: Case, at_start: int, bed: BedDensity = THICK) -> dict[str, float]:
     """Processor time by part, "start" first (importing, which no wall time counts), of a run with
     ``at_start`` particles at t = 0 in ``bed``.  Pictures and the report are made apart."""
-    case = settled(case)
+    case = case_with_scheme(case)
     intervals = case.duration_s / case.coupling.sync_interval_s
     panels, particles = len(single_panels(case)), has_particles(case)
     tries = RUNS[case.coupling.scheme] if particles else RUNS["particles-first"]
+    mean = bed_cost(case, at_start, bed).mean if particles else 0.0
     of_particles = solvers.particles(case)
     costs = {
-        "particles": of_particles.cost(_particles(case, at_start, bed, tries.particles))
+        "particles": of_particles.cost(_particles(case, mean, tries.particles))
         if of_particles is not None
         else Cost(0.0, 0.0),
         "panel": solvers.panel(case).cost(_panels(case, tries.panel)),
@@ -75,7 +143,6 @@ def predicted_parts_s(case: Case, at_start: int, bed: BedDensity = THICK) -> dic
     found["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
     found["panel"] += tries.panel * intervals * STOPPED_PANEL_S * _stopped(case)
     found["rest"] += sum(cost.opening_s for cost in costs.values())
-    mean = bed_cost(case, at_start, bed).mean if particles else 0.0
     return found | {"output": _output_s(case, panels, mean), "saves": SAVE_S}
 
 
@@ -132,12 +199,11 @@ def _frames(case: Case) -> FramesWork:
     )
 
 
-def _particles(case: Case, at_start: int, bed: BedDensity, runs: float) -> ParticlesWork:
+def _particles(case: Case, mean: float, runs: float) -> ParticlesWork:
     if not has_particles(case):
         return ParticlesWork(0.0, 0.0, 0.0, 0, False)
     interval_s = case.coupling.sync_interval_s
     steps = runs * math.ceil(case.duration_s / interval_s) * steps_in(interval_s, particle_step_s(case))
-    mean = bed_cost(case, at_start, bed).mean
     intervals = case.duration_s / interval_s
     sticky = adhesion_law(case) != "none"
     return ParticlesWork(mean * steps, steps, runs * intervals, _triangles(case), sticky)
@@ -163,3 +229,28 @@ def _output_s(case: Case, panels: int, particles: float) -> float:
     output_s = OUTPUT_S + OUTPUT_TRIANGLE_S * _triangles(case)
     output_s += OUTPUT_BED_S * has_particles(case) + OUTPUT_PARTICLE_S * particles
     return rows * row_s + times * output_s
+
+
+@dataclass(frozen=True)
+class Effort:
+    """An interval is solved when the load that the particles give differs from the one that the
+    panel moved under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean
+    norms over all surface points.  It is run at most ``most`` times."""
+
+    tolerance: float = 1e-3
+    floor_N: float = 0.0
+    most: int = 20
+
+
+def effort(case: Case) -> Effort:
+    """What a case asks for; the floor is the tolerance of the lightest particle's weight."""
+    tolerance = case.coupling.tolerance
+    lightest_kg = min(
+        (
+            float(sphere_mass_kg(np.array(diameter_m), case.materials[name].density_kg_per_m3))
+            for name, diameter_m in smallest_diameters_m(case).items()
+        ),
+        default=0.0,
+    )
+    weight_N = lightest_kg * float(np.linalg.norm(case.gravity_m_per_s2))
+    return Effort(tolerance, tolerance * weight_N, case.coupling.most_iterations)

@@ -21,7 +21,7 @@ from orchestrator.case.file.overlays import Layers, changed
 from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, validated
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
-from orchestrator.preflight.checks.of_tables import OF_TABLES
+from orchestrator.preflight.checks import TABLE_RULES
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
     can_go,
@@ -118,7 +118,7 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     choice, case = Choice(), loaded.case
     if wrong := tuple(_wrong_effects(loaded.asked)):
         choice = Choice(problems=wrong)
-    elif loaded.asked.effects is not None and not any(True for rule in OF_TABLES for _ in rule(case.whole)):
+    elif loaded.asked.effects is not None and not any(True for rule in TABLE_RULES for _ in rule(case.whole)):
         choice = _choose(layers, loaded)
         case = validated(layers)
     given = loaded.origin.given

@@ -25,8 +25,8 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry, at_end
-from orchestrator.preflight.stability import words
-from orchestrator.preflight.stability.bound import Card
+from orchestrator.preflight.stability import formatting
+from orchestrator.preflight.stability.report import StabilityReport
 from orchestrator.run.progress import Progress
 
 
@@ -36,7 +36,7 @@ class Ending:
 
     loaded: JudgedCase
     effects: Mapping[str, Entry]
-    stability: Card
+    stability: StabilityReport
     folder: Path
     console: Console
 
@@ -58,7 +58,7 @@ class Ending:
             "effects": {name: entry.figures() for name, entry in self.effects.items()},
             "share_of_width": share(case.whole),
             "cycle_s": cycle_s(case),
-            "stability": words.figures(self.stability),
+            "stability": formatting.metrics(self.stability),
             "wall_s": wall_s,
             "processor_s": time.process_time(),
             "processor_before_s": progress.processor_before_s,

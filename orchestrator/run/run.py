@@ -25,9 +25,8 @@ from orchestrator.ports.failures import solver_failure_context, write_failure_co
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry
-from orchestrator.preflight.stability import plain
-from orchestrator.preflight.stability.bound import Card
-from orchestrator.preflight.stability.choice import with_scheme
+from orchestrator.preflight.stability import formatting
+from orchestrator.preflight.stability.report import StabilityReport, with_scheme
 from orchestrator.run.checkpointer import Checkpointer, Schedule
 from orchestrator.run.ending import Ending
 from orchestrator.run.interruption import Interrupted, StopRequest
@@ -46,7 +45,7 @@ class Run:
         self,
         loaded: JudgedCase,
         effects: Mapping[str, Entry],
-        stability: Card,
+        stability: StabilityReport,
         folder: Path,
         world: Any,
         console: Console,
@@ -135,7 +134,7 @@ class Run:
                 runs = machine.particle_runs
                 with self._advised(), solver_failure_context("the coupling", interval):
                     state, observed = monitor.advance(interval, state)
-                check_speeds(observed, interval.end_s, plain.advice(self._stability))
+                check_speeds(observed, interval.end_s, formatting.advice(self._stability))
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, monitor, observed, interval.index + 1, steps)
                 with self._advised():
@@ -153,8 +152,8 @@ class Run:
         try:
             yield
         except SolverFailed as error:
-            if plain.beyond(self._stability):
-                error.add_note(plain.advice(self._stability))
+            if formatting.beyond(self._stability):
+                error.add_note(formatting.advice(self._stability))
             raise
 
     def _save(self, checkpointer: Checkpointer, state: State) -> None:

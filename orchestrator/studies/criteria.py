@@ -22,7 +22,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, 
 from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Switch, Table
 from orchestrator.output.records.run_folder import write_text
-from orchestrator.preflight.stability.choice import settled_card
+from orchestrator.preflight.stability.report import stability_report
 from orchestrator.studies.measures import COMPARISONS, MEASURES, TAKES, Runs, Unknown, evaluate, number_of
 from orchestrator.studies.points import Point, came_to_its_end, check_case, parse_vary, point
 from orchestrator.studies.tables import Cell, console_table, markdown_table, percent, write_csv
@@ -366,7 +366,7 @@ def interval_sets(case: Path, level: str | None, sets: Sequence[str], multiple: 
     """Returns ``--set`` overlays of a sync interval of so many times the largest safe one.  Raises
     CaseError where nothing limits it."""
     loaded = check_case(case, level, sets)
-    interval_s = multiple * settled_card(loaded.case).safe_s
+    interval_s = multiple * stability_report(loaded.case).safe_s
     if not 0 < interval_s < loaded.case.duration_s:
         what = f"{multiple:g} times the largest safe sync interval is {interval_s:g} s"
         raise CaseError([CaseProblem(("coupling", "sync_interval_s"), what, file=str(case))])

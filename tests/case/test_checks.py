@@ -9,8 +9,8 @@ import pytest
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.stability import plain
-from orchestrator.preflight.stability.choice import settled_card
+from orchestrator.preflight.stability import formatting
+from orchestrator.preflight.stability.report import stability_report
 from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
@@ -198,10 +198,10 @@ def test_overlapping_particles_are_named(tmp_path: Path) -> None:
 
 def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Path) -> None:
     slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
-    (said,) = [line for line in plain.warnings(settled_card(slow.case)) if "accurate" in line]
+    (said,) = [line for line in formatting.warnings(stability_report(slow.case)) if "accurate" in line]
     assert "should last ten exchanges" in said
     fast = loaded(tmp_path, ["coupling.sync_interval_s=2e-5"])
-    assert list(plain.warnings(settled_card(fast.case))) == []
+    assert list(formatting.warnings(stability_report(fast.case))) == []
 
 
 def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:

@@ -12,8 +12,14 @@ import pytest
 from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
 from orchestrator.case.tables.quantities import Table
-from orchestrator.preflight.bed_cost import THICK, bed_cost
-from orchestrator.preflight.cost import in_words, particles_at_start, predicted_parts_s, predicted_range_s
+from orchestrator.preflight.cost import (
+    THICK,
+    bed_cost,
+    in_words,
+    particles_at_start,
+    predicted_parts_s,
+    predicted_range_s,
+)
 from orchestrator.preflight.judge import load_judged
 from tests.case.cases import CASE, written
 from tests.cost_series import IN_THE_SUITE, compared

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.preflight.check import find_problems, warnings
-from orchestrator.preflight.checks import panel_meshes
+from orchestrator.preflight.checks import panels
 from orchestrator.preflight.cost import predicted_parts_s
 from tests.case.cases import loaded
 
@@ -30,7 +30,7 @@ def test_what_this_machine_does_not_carry_is_warned_of(
 ) -> None:
     case = loaded(tmp_path, (SHEET, "panel.cells=[100, 100]"))
     monkeypatch.setattr(os, "sysconf", {"SC_PHYS_PAGES": 2**18, "SC_PAGE_SIZE": 4096}.__getitem__)
-    needed_GiB = panel_meshes.memory_GiB(case.case)
+    needed_GiB = panels.memory_GiB(case.case)
     assert needed_GiB == pytest.approx(3.0 * len(case.case.screen.panels))
     assert any("this machine has 1 GiB" in line for line in warnings(case))
 

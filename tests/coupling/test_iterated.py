@@ -13,7 +13,7 @@ from orchestrator.coupling.schemes.iterated import Acceleration
 from orchestrator.coupling.schemes.scheme import Scheme, initial_state
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.effort import Effort
+from orchestrator.preflight.cost import Effort
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.coupling.test_schemes import chain, exact_chain
 

@@ -11,8 +11,7 @@ from scipy.integrate import trapezoid
 
 from adapters.particles.spheres.laws import NormalLaw
 from orchestrator.ports import HermitePath, Motion
-from orchestrator.preflight.stability.contact_limits import HELD, late_contact_s, light_point_s
-from orchestrator.preflight.stability.frame_limits import extrapolated_clamps_s
+from orchestrator.preflight.stability.limits import HELD, extrapolated_clamps_s, late_contact_s, light_point_s
 
 PULL_OFF_N = 1.5 * math.pi  # of w = R* = 1
 NECK_M = (math.pi / 8) ** (1 / 3)  # where it snaps, of w = E* = R* = 1

@@ -13,7 +13,7 @@ import pytest
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.stability.contact_limits import light_point_s
+from orchestrator.preflight.stability.limits import light_point_s
 from orchestrator.run.monitor.monitor import Stopped
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.monitor.machines import monitored, on_a_line

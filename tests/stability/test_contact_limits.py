@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from orchestrator.preflight.stability.contact_limits import (
+from orchestrator.preflight.stability.limits import (
     foreseen_mode_s,
     foreseen_sphere_s,
     late_contact_s,

@@ -11,13 +11,13 @@ from orchestrator.ports import BrokenRecord
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.preflight.stability.frame_limits import (
+from orchestrator.preflight.stability.limits import (
     LARGEST_MASS,
     carried_share,
     extrapolated_clamps_s,
     late_reaction_s,
 )
-from orchestrator.preflight.stability.frame_modes import frame_matrices
+from orchestrator.preflight.stability.modes import frame_matrices
 from tests.case.cases import written
 from tests.coupled.machines import opened
 from tests.coupling.line import FreeFrame, HungPlate, Sphere

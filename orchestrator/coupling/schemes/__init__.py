@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from orchestrator.coupling.schemes import iterated, robin, staggered
 from orchestrator.coupling.schemes.scheme import Scheme
-from orchestrator.preflight.effort import Effort
+from orchestrator.preflight.cost import Effort
 
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
     "particles-first": lambda effort: Scheme(staggered.particles_first),

@@ -31,7 +31,7 @@ from orchestrator.coupling.schemes.scheme import (
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.state import restorable, restore_attributes, save_attributes
-from orchestrator.preflight.effort import Effort
+from orchestrator.preflight.cost import Effort
 
 LOG = logging.getLogger("flipflow")
 _COUNTS = ("_intervals", "_runs", "_longest", "_unsolved", "_worst")

@@ -1,4 +1,4 @@
-"""The machine: tables that contradict each other or lack what their solver needs."""
+"""The machine: tables that contradict each other or lack what their solver needs, and drives."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case import solvers
-from orchestrator.case.deck.panels import axes
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.planning import frames_plan, panel_plans
 from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter, Motor
 from orchestrator.case.tables.quantities import GROUND
-from orchestrator.case.tables.screen import PanelTable
 
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
@@ -94,7 +92,7 @@ def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
         key = ("screen", "exciters", name)
         if exciter.frame == GROUND:
             yield CaseProblem((*key, "frame"), "the ground cannot be excited", "name a frame")
-        yield from _right_angle(key, "axis", exciter.axis, "start", exciter.start)
+        yield from right_angle(key, "axis", exciter.axis, "start", exciter.start)
         if exciter.motor is not None:
             yield from _motor((*key, "motor"), exciter, exciter.motor)
 
@@ -104,16 +102,6 @@ def _motor(key: Key, exciter: Exciter, motor: Motor) -> Iterator[CaseProblem]:
     if exciter.speed_rad_per_s > synchronous:
         what = f"{synchronous:g} is below the exciter's speed_rad_per_s = {exciter.speed_rad_per_s:g}"
         yield CaseProblem((*key, "synchronous_speed_rad_per_s"), what, "a motor lags behind it")
-
-
-def panel_integrator(case: Case) -> Iterator[CaseProblem]:
-    """An integrator that the panels' solver does not have."""
-    asked, able = case.panel.integrator, solvers.panel(case).integrators
-    if asked not in able:
-        others = solvers.those("panel", lambda panel: asked in panel.integrators)
-        hint = f'take "{able[0]}", or panel.solver = {others}'
-        what = f"the {case.panel.solver} is {' or '.join(able)} only"
-        yield CaseProblem(("panel", "integrator"), what, hint)
 
 
 def solvers_objections(case: Case) -> Iterator[CaseProblem]:
@@ -127,46 +115,6 @@ def solvers_objections(case: Case) -> Iterator[CaseProblem]:
         objections = (o for plan in plans for o in solvers.in_use(case)[port].objections(plan))
         for objection in dict.fromkeys(objections):
             yield CaseProblem(objection.key or (port, "solver"), objection.what, objection.hint)
-
-
-def panels(case: Case) -> Iterator[CaseProblem]:
-    """One of tension and span, a pitch for a row, and directions that span a rectangle."""
-    if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
-        yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
-    for name, panel in case.screen.panels.items():
-        key: Key = ("screen", "panels", name)
-        yield from _one_span(key, panel)
-        if panel.count > 1 and panel.pitch_m is None:
-            yield CaseProblem((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
-        yield from _right_angle(key, "along", panel.along, "across", panel.across)
-
-
-def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
-    if panel.tension_m is not None and panel.span_m is not None:
-        hint = "give one of the two"
-        yield CaseProblem((*key, "span_m"), "contradicts tension_m, which gives the span, too", hint)
-    if panel.tension_m is None and panel.span_m is None:
-        yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m")
-    span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
-    if not 0.5 * panel.length_m <= span <= 1.5 * panel.length_m:
-        given = "span_m" if panel.span_m is not None else "tension_m"
-        what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
-        yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
-    if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < span + 2 * panel.clamp_m:
-        what = f"{panel.pitch_m:g} m lets neighbours overlap"
-        hint = f"span and two clamps need {span + 2 * panel.clamp_m:g} m"
-        yield CaseProblem((*key, "pitch_m"), what, hint)
-
-
-def _right_angle(
-    key: Key, one: str, one_vector: tuple[float, ...], two: str, two_vector: tuple[float, ...]
-) -> Iterator[CaseProblem]:
-    sizes = np.linalg.norm([one_vector, two_vector], axis=1)
-    for name, size in zip((one, two), sizes, strict=True):
-        if size == 0:
-            yield CaseProblem((*key, name), "is zero", "give a direction")
-    if sizes.all() and abs(np.dot(one_vector, two_vector)) > 1e-9 * sizes.prod():
-        yield CaseProblem((*key, two), f"is not at right angles to {one}")
 
 
 def probes(case: Case) -> Iterator[CaseProblem]:
@@ -184,3 +132,68 @@ def probes(case: Case) -> Iterator[CaseProblem]:
                 yield CaseProblem((*key, place), what)
         if probe.frame == GROUND:
             yield CaseProblem((*key, "frame"), "the ground does not move", "name a frame")
+
+
+def driven_frames(case: Case) -> Iterator[CaseProblem]:
+    """Frames that a drive moves while forces move others: they have no exciter."""
+    solver = solvers.frames(case)
+    if not (solver.drives and solver.moved_by_forces):
+        return
+    frames = case.screen.frames
+    for name, exciter in case.screen.exciters.items():
+        if exciter.frame in frames and frames[exciter.frame].drive is not None:
+            what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
+            yield CaseProblem(("screen", "exciters", name, "frame"), what, "take one of them out")
+
+
+def start_of_drives(case: Case) -> Iterator[CaseProblem]:
+    """A drive without run-up must start from the place in which its frame is drawn."""
+    for name, frame in case.screen.frames.items():
+        drive = frame.drive
+        if drive is None or drive.run_up_s > 0:
+            continue
+        key: Key = ("screen", "frames", name, "drive")
+        for phase, unit, size, phase_rad in (
+            ("phase_rad", "m", drive.amplitude_m, drive.phase_rad),
+            ("rotation_phase_rad", "rad", drive.rotation_rad, drive.rotation_phase_rad),
+        ):
+            jump = float(np.abs(np.multiply(size, np.sin(phase_rad))).max())
+            if jump > 1e-9:
+                what = f"the frame would jump by {jump:.3g} {unit} at t = 0"
+                yield CaseProblem((*key, phase), what, "give run_up_s, or 0")
+
+
+def sudden_drives(case: Case) -> Iterator[str]:
+    """Drives without run-up that move panels' clamps at full speed from t = 0, while the panels are
+    at rest."""
+    for name, frame in case.screen.frames.items():
+        drive = frame.drive
+        held = [panel.name for panel in single_panels(case) if name in panel.frames]
+        if drive is None or drive.run_up_s > 0 or not held:
+            continue
+        moving = np.multiply(drive.amplitude_m, np.cos(drive.phase_rad))
+        turning = np.multiply(drive.rotation_rad, np.cos(drive.rotation_phase_rad))
+        speeds = [
+            f"{drive.speed_rad_per_s * size:.3g} {unit}"
+            for size, unit in ((np.linalg.norm(moving), "m/s"), (np.linalg.norm(turning), "rad/s"))
+            if size > 0
+        ]
+        if speeds:
+            cycles_s = 2 * 2 * np.pi / drive.speed_rad_per_s
+            more = f" and {len(held) - 1} more" if len(held) > 1 else ""
+            yield (
+                f'frame "{name}" moves at {" and ".join(speeds)} from t = 0, while panel '
+                f"{held[0]}{more} on it is at rest: a blow that no machine gives; give its drive a "
+                f"run_up_s, two cycles are {cycles_s:.2g} s"
+            )
+
+
+def right_angle(
+    key: Key, one: str, one_vector: tuple[float, ...], two: str, two_vector: tuple[float, ...]
+) -> Iterator[CaseProblem]:
+    sizes = np.linalg.norm([one_vector, two_vector], axis=1)
+    for name, size in zip((one, two), sizes, strict=True):
+        if size == 0:
+            yield CaseProblem((*key, name), "is zero", "give a direction")
+    if sizes.all() and abs(np.dot(one_vector, two_vector)) > 1e-9 * sizes.prod():
+        yield CaseProblem((*key, two), f"is not at right angles to {one}")

@@ -1,4 +1,4 @@
 """Stability before the run: how long a sync interval may be, bound by bound.
 
-Start with ``card.py``; derivations, tests and measured limits: docs/theory/stability.md.
+Start with ``report.py``; derivations, tests and measured limits: docs/theory/stability.md.
 """

@@ -31,8 +31,7 @@ from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.plans import SolverFailed
-from orchestrator.preflight.bed_cost import THICK, THIN, bed_cost
-from orchestrator.preflight.cost import in_words
+from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s

@@ -20,8 +20,8 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
-from orchestrator.preflight.stability.choice import settled
-from orchestrator.preflight.stability.panel_modes import largest_steps_s
+from orchestrator.preflight.stability.modes import largest_steps_s
+from orchestrator.preflight.stability.report import case_with_scheme
 
 if TYPE_CHECKING:
     from orchestrator.ports.adapters import FramesAdapter, PanelAdapter
@@ -164,7 +164,7 @@ def _degrees(points: int) -> list[int]:
 def _sync(case: Case, points: int) -> list[RefinementSeries]:
     """The interval of the case's own scheme, or of the one that is taken for it, halved and
     doubled."""
-    name = settled(case).coupling.scheme
+    name = case_with_scheme(case).coupling.scheme
     overlay = f"coupling.scheme={name}" if case.coupling.scheme != name else ""
     return [_intervals("sync", case, name, overlay, points)]
 
@@ -173,7 +173,7 @@ def _scheme(case: Case, points: int) -> list[RefinementSeries]:
     """Every other scheme, at the same intervals.  Raises NotOffered."""
     if not (case.screen.panels and (has_particles(case) or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
-    some, own = has_particles(case), settled(case).coupling.scheme
+    some, own = has_particles(case), case_with_scheme(case).coupling.scheme
     return [
         _intervals("scheme", case, name, f"coupling.scheme={name}", points)
         for name in SCHEMES
@@ -359,7 +359,7 @@ def _surface_jumps(case: Case) -> bool:
     rigid = not (case.screen.panels and solvers.panel(case).deforms)
     extrapolated = {"particles-first": True, "robin": rigid or bool(case.screen.surfaces)}
     moves = bool(case.screen.frames) or not rigid
-    return moves and extrapolated.get(settled(case).coupling.scheme, False)
+    return moves and extrapolated.get(case_with_scheme(case).coupling.scheme, False)
 
 
 def _stiffness(case: Case, points: int) -> list[RefinementSeries]:

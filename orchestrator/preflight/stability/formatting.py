@@ -1,13 +1,13 @@
-"""A card in a designer's words: for ``flipflow check``, for warnings, and for a run that stopped.
-
-The theory's own terms and numbers are in ``words.py``.
-"""
+"""A stability report as text: in a designer's words, and in the theory's words and numbers."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import Any
 
-from orchestrator.preflight.stability.bound import Bound, Card
+from orchestrator.preflight.stability.bounds import Bound
+from orchestrator.preflight.stability.report import StabilityReport
 
 BECAUSE = {
     "light points": "{where} knocks a light spot of the panel to and fro between exchanges",
@@ -40,31 +40,30 @@ REMEDIES = {
 USUALLY = "A smaller coupling.sync_interval_s or solver step usually helps."
 
 
-def lines(card: Card) -> Iterator[str]:
+def short_lines(report: StabilityReport) -> Iterator[str]:
     """How often forces are exchanged, how often they should be, and why."""
-    scheme = f"scheme {card.scheme}" + (", chosen by the program" if card.why else "")
+    scheme = f"scheme {report.scheme}" + (", chosen by the program" if report.why else "")
     yield (
-        f"  particles, panels and frames exchange motion and forces every {card.interval_s:.3g} s "
+        f"  particles, panels and frames exchange motion and forces every {report.interval_s:.3g} s "
         f"(coupling.sync_interval_s; {scheme})"
     )
-    if card.stable is None:
+    if report.stable is None:
         yield "  stable at any interval"
-    elif card.safe_s == 0:
-        yield f"  stable at no interval: {because(card.stable)}; {remedy(card.stable)}"
+    elif report.safe_s == 0:
+        yield f"  stable at no interval: {because(report.stable)}; {remedy(report.stable)}"
     else:
-        yield f"  sure to be stable up to {card.safe_s:.3g} s: {because(card.stable)}"
-    if card.accurate is not None:
-        yield (
-            f"  accurate by the usual rules up to {card.accurate.interval_s:.3g} s: {because(card.accurate)}"
-        )
+        yield f"  sure to be stable up to {report.safe_s:.3g} s: {because(report.stable)}"
+    if report.accurate is not None:
+        limit_s, why = report.accurate.interval_s, because(report.accurate)
+        yield f"  accurate by the usual rules up to {limit_s:.3g} s: {why}"
     yield "  (--detail: all limits, and the numbers behind them)"
 
 
-def warnings(card: Card) -> Iterator[str]:
+def warnings(report: StabilityReport) -> Iterator[str]:
     """Where the case is beyond a limit: one line for stability, one for accuracy."""
-    interval_s, stable, accurate = card.interval_s, card.stable, card.accurate
+    interval_s, stable, accurate = report.interval_s, report.stable, report.accurate
     if stable is not None and interval_s > stable.interval_s:
-        yield f"coupling.sync_interval_s = {interval_s:.3g} s: {_too_long(card, stable)}"
+        yield f"coupling.sync_interval_s = {interval_s:.3g} s: {_too_long(report, stable)}"
     if accurate is not None and interval_s > accurate.interval_s:
         yield (
             f"coupling.sync_interval_s = {interval_s:.3g} s: accurate by the usual rules is at "
@@ -72,10 +71,10 @@ def warnings(card: Card) -> Iterator[str]:
         )
 
 
-def advice(card: Card) -> str:
+def advice(report: StabilityReport) -> str:
     """For a run that became unstable: a sentence."""
-    stable = card.stable
-    if stable is None or card.interval_s <= stable.interval_s:
+    stable = report.stable
+    if stable is None or report.interval_s <= stable.interval_s:
         return USUALLY
     if stable.interval_s == 0:
         return f"No shorter interval helps: {because(stable)}; {remedy(stable)}."
@@ -85,9 +84,9 @@ def advice(card: Card) -> str:
     )
 
 
-def beyond(card: Card) -> bool:
+def beyond(report: StabilityReport) -> bool:
     """Whether the case is beyond what is sure to be stable."""
-    return card.interval_s > card.safe_s
+    return report.interval_s > report.safe_s
 
 
 def because(bound: Bound) -> str:
@@ -102,8 +101,51 @@ def remedy(bound: Bound) -> str:
     return REMEDIES.get(bound.name, 'set coupling.scheme = "auto"')
 
 
-def _too_long(card: Card, stable: Bound) -> str:
+def _too_long(report: StabilityReport, stable: Bound) -> str:
     if stable.interval_s == 0:
         return f"no interval is short enough: {because(stable)}; {remedy(stable)}"
-    times = card.interval_s / stable.interval_s
+    times = report.interval_s / stable.interval_s
     return f"{times:.2g} times what is sure to be stable, {stable.interval_s:.2g} s: {because(stable)}"
+
+
+def detail_lines(report: StabilityReport) -> Iterator[str]:
+    """All of it: numbers, bounds from the least up, and what follows."""
+    if report.why:
+        yield f"  scheme: {report.scheme}, taken by the program: {report.why}"
+    for name, text in report.facts.items():
+        yield f"  {name}: {text}"
+    for step in report.steps:
+        yield f"  {step.name}: {step.step_s:.3g} s, at most {step.limit_s:.3g} s ({step.why})"
+    for bound in sorted(report.bounds, key=lambda bound: bound.interval_s):
+        limit = f"{bound.interval_s:.3g} s" if math.isfinite(bound.interval_s) else "no limit"
+        yield f"  {limit} for {bound.kind}, {bound.name}: {bound.why} ({bound.source})"
+    yield f"  {verdict(report)}"
+
+
+def verdict(report: StabilityReport) -> str:
+    """The largest safe interval, and where the case is."""
+    if report.stable is None:
+        return f"nothing limits the sync interval of {report.interval_s:.3g} s ({report.scheme})"
+    if report.safe_s == 0:
+        return f"no sync interval is short enough ({report.scheme}, {report.stable.name})"
+    share = report.interval_s / report.safe_s
+    return (
+        f"largest safe sync interval {report.safe_s:.3g} s ({report.scheme}, {report.stable.name}); "
+        f"the case takes {report.interval_s:.3g} s, {share:.2g} of it"
+    )
+
+
+def metrics(report: StabilityReport) -> dict[str, Any]:
+    """For ``summary.json``: bounds in s (None: no limit), the one that limits, and what to do where
+    the case is beyond it."""
+    return {
+        "scheme": report.scheme,
+        "taken_because": report.why or None,
+        "safe_interval_s": report.safe_s if math.isfinite(report.safe_s) else None,
+        "limited_by": report.stable.name if report.stable else None,
+        "advice": advice(report) if beyond(report) else None,
+        "bounds_s": {
+            bound.name: bound.interval_s if math.isfinite(bound.interval_s) else None
+            for bound in report.bounds
+        },
+    }

@@ -13,10 +13,10 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records import trust
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.preflight.stability import plain, words
-from orchestrator.preflight.stability.bound import Bound, Card
-from orchestrator.preflight.stability.choice import settled_card
-from orchestrator.preflight.stability.panel_masses import lightest_point_kg
+from orchestrator.preflight.stability import formatting
+from orchestrator.preflight.stability.bounds import Bound
+from orchestrator.preflight.stability.modes import lightest_point_kg
+from orchestrator.preflight.stability.report import StabilityReport, stability_report
 from tests.case.cases import BLOCK, CASE, loaded
 from tests.effects.verdicts import BARE, written
 
@@ -27,7 +27,7 @@ COARSE_AND_LIGHT += ["coupling.scheme=particles-first"]
 STRIP = ["panel.solver=strip", "panel.cells=[22,1]", "panel.surface_cells=[22,4]"]
 
 
-def by_name(found: Card) -> dict[str, Bound]:
+def by_name(found: StabilityReport) -> dict[str, Bound]:
     return {bound.name: bound for bound in found.bounds}
 
 
@@ -35,7 +35,7 @@ def test_one_ball_on_a_strip_by_hand(tmp_path: Path) -> None:
     """Ball of 20 mm, 1430 kg/m3, E = 10 MPa; the panel's small-strain values; the speed of the
     panel's middle.  The ball is alone, so a whole row of the strip carries it."""
     case = loaded(tmp_path, STRIP).case
-    found, speed_m_per_s = settled_card(case), scene(case).impact_m_per_s
+    found, speed_m_per_s = stability_report(case), scene(case).impact_m_per_s
     mass_kg, radius_m = math.pi / 6 * 0.02**3 * 1430, 0.01
     modulus_Pa = 1 / ((1 - 0.3**2) / 1e7 + (1 - 0.49825**2) / 20.963e6)
     depth_m = (15 * mass_kg * speed_m_per_s**2 / (16 * math.sqrt(radius_m) * modulus_Pa)) ** 0.4
@@ -54,33 +54,33 @@ def test_many_side_by_side_share_the_panel(tmp_path: Path) -> None:
     many = BLOCK.replace("count=1", "count=10000").replace(
         "smallest_m=0.01, largest_m=0.02", "smallest_m=0.006, largest_m=0.006"
     )
-    found = by_name(settled_card(loaded(tmp_path, [*STRIP, many]).case))
+    found = by_name(stability_report(loaded(tmp_path, [*STRIP, many]).case))
     share_g = 1e3 * 1150 * 0.004 * math.sqrt(3) / 2 * 0.006**2
     assert f"on {share_g:.3g} g" in found["light points"].why
 
 
 def test_what_is_not_handed_over_sets_no_bound(tmp_path: Path) -> None:
-    unloaded = settled_card(loaded(tmp_path, [*STRIP, "exchange.particle_load=false"]).case)
+    unloaded = stability_report(loaded(tmp_path, [*STRIP, "exchange.particle_load=false"]).case)
     assert "light points" not in by_name(unloaded)
-    unpushed = settled_card(loaded(tmp_path, [*STRIP, "exchange.panel_reaction=false"]).case)
+    unpushed = stability_report(loaded(tmp_path, [*STRIP, "exchange.panel_reaction=false"]).case)
     assert "extrapolated clamps" not in by_name(unpushed)
-    still = settled_card(loaded(tmp_path, ["panel.solver=rigid", "frames.solver=prescribed"]).case)
+    still = stability_report(loaded(tmp_path, ["panel.solver=rigid", "frames.solver=prescribed"]).case)
     assert [bound.kind for bound in still.bounds] == ["accuracy"]
 
 
 def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
     """The late reaction: 2 bushings without dampers hold the frame, so nothing is short enough."""
-    found = settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
+    found = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
     assert set(by_name(found)) >= {"late contacts", "late reaction", "carried mass"}
     assert found.safe_s == 0.0
-    (said, *_) = plain.warnings(found)
+    (said, *_) = formatting.warnings(found)
     assert "no interval is short enough: the panels' pull on the frames comes an exchange" in said
-    assert plain.advice(found).endswith('set coupling.scheme = "auto".')
+    assert formatting.advice(found).endswith('set coupling.scheme = "auto".')
 
 
 @pytest.mark.parametrize("scheme", ["aitken", "quasi-newton"])
 def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: str) -> None:
-    found = settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
+    found = stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={scheme}"]).case)
     wanted = {"shortest impact", "moving surface", "carried mass", "extrapolated clamps"}
     assert set(by_name(found)) == wanted
     assert found.stable is not None
@@ -90,12 +90,12 @@ def test_repeated_intervals_have_no_bound_from_contacts(tmp_path: Path, scheme: 
 def test_auto_takes_the_plain_scheme_where_it_is_safe(tmp_path: Path) -> None:
     """And else the stronger one, if that is safe at longer intervals."""
 
-    def at(interval_s: float, *sets: str) -> Card:
+    def at(interval_s: float, *sets: str) -> StabilityReport:
         interval = f"coupling.sync_interval_s={interval_s!r}"
-        return settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
+        return stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=auto", interval, *sets]).case)
 
     plain_s, robin_s = (
-        settled_card(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
+        stability_report(loaded(tmp_path, [*STRIP, f"coupling.scheme={name}"]).case).safe_s
         for name in ("particles-first", "robin")
     )
     assert robin_s > 2 * plain_s
@@ -121,8 +121,8 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load_judged(written(tmp_path, BARE), None, STRIP)
-    assert set(by_name(settled_card(bare.case))) == {"carried mass", "extrapolated clamps"}
-    assert not list(plain.warnings(settled_card(bare.case)))
+    assert set(by_name(stability_report(bare.case))) == {"carried mass", "extrapolated clamps"}
+    assert not list(formatting.warnings(stability_report(bare.case)))
 
 
 def test_in_words_and_in_numbers() -> None:
@@ -132,11 +132,11 @@ def test_in_words_and_in_numbers() -> None:
         Bound("c", math.inf, "there", "three"),
         Bound("d", 5e-5, "there", "four", "accuracy"),
     )
-    found = Card("particles-first", 1.5e-4, bounds, (), {})
-    stability, accuracy = plain.warnings(found)
+    found = StabilityReport("particles-first", 1.5e-4, bounds, (), {})
+    stability, accuracy = formatting.warnings(found)
     assert "1.5 times what is sure to be stable, 0.0001 s: b (two)" in stability
     assert "accurate by the usual rules is at most 5e-05 s: d (four)" in accuracy
-    assert words.figures(found) == {
+    assert formatting.metrics(found) == {
         "scheme": "particles-first",
         "taken_because": None,
         "safe_interval_s": 1e-4,
@@ -144,7 +144,7 @@ def test_in_words_and_in_numbers() -> None:
         "advice": "At most coupling.sync_interval_s = 0.0001 s is sure to be stable: b (two).",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
     }
-    assert "takes 0.00015 s, 1.5 of it" in words.verdict(found)
+    assert "takes 0.00015 s, 1.5 of it" in formatting.verdict(found)
 
 
 RIGID = ["panel.solver=rigid", "coupling.scheme=particles-first"]
@@ -181,16 +181,16 @@ def test_a_surface_on_a_free_frame_is_off_by_what_it_speeds_up_by(tmp_path: Path
     def allowed_s(overlap_m: float) -> float:
         return math.sqrt(2 * 0.1 * overlap_m / acceleration_m_per_s2)
 
-    panel = by_name(settled_card(case))
-    wall = by_name(settled_card(loaded(tmp_path, [*RIGID, *WALL]).case))
+    panel = by_name(stability_report(case))
+    wall = by_name(stability_report(loaded(tmp_path, [*RIGID, *WALL]).case))
     assert panel["moving surface"].interval_s == pytest.approx(allowed_s(lying_m(PU)), rel=1e-3)
     assert wall["moving surface"].interval_s == pytest.approx(allowed_s(lying_m(STEEL)), rel=1e-3)
-    assert "coal of 20 mm on wall" in plain.because(wall["moving surface"])
+    assert "coal of 20 mm on wall" in formatting.because(wall["moving surface"])
     # an impact's duration goes with E*^(-2/5)
     stiffer = ((1 - 0.3**2) / 1e7 + PU) / ((1 - 0.3**2) / 1e7 + STEEL)
     impacts = wall["shortest impact"].interval_s / panel["shortest impact"].interval_s
     assert impacts == pytest.approx(stiffer**-0.4, rel=1e-3)
-    chord = by_name(settled_card(loaded(tmp_path, [*RIGID, "coupling.scheme=aitken"]).case))
+    chord = by_name(stability_report(loaded(tmp_path, [*RIGID, "coupling.scheme=aitken"]).case))
     assert chord["moving surface"].interval_s == pytest.approx(2 * allowed_s(lying_m(PU)), rel=1e-3)
 
 
@@ -199,7 +199,7 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 
     def bounds(*sets: str) -> dict[str, Bound]:
         every = [*sets, "frames.solver=prescribed"]
-        return by_name(settled_card(load_judged(written(tmp_path, DRIVEN), None, every).case))
+        return by_name(stability_report(load_judged(written(tmp_path, DRIVEN), None, every).case))
 
     found = bounds(*RIGID)
     assert set(found) == {"driven surface"}
@@ -211,30 +211,30 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 
 def test_in_a_designers_words(tmp_path: Path) -> None:
     """Without the theory's terms; the numbers behind it are in the detail."""
-    found = settled_card(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case)
-    short, long = "\n".join(plain.lines(found)), "\n".join(words.lines(found))
+    found = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case)
+    short, long = "\n".join(formatting.short_lines(found)), "\n".join(formatting.detail_lines(found))
     for term in ("light points", "lasting contacts", "extrapolated clamps", "N s/m"):
         assert term not in short
         assert term in long
     assert f"every {found.interval_s:.3g} s (coupling.sync_interval_s; scheme particles-" in short
     assert f"sure to be stable up to {found.safe_s:.3g} s: " in short
     assert "coal of 20 mm on deck" in short
-    assert set(plain.REMEDIES) < set(plain.BECAUSE)
+    assert set(formatting.REMEDIES) < set(formatting.BECAUSE)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_bound_has_a_designers_words(tmp_path: Path, scheme: str) -> None:
     for panel in (STRIP, ["panel.solver=rigid"]):
-        found = settled_card(loaded(tmp_path, [*panel, *WALL, f"coupling.scheme={scheme}"]).case)
-        assert {bound.name for bound in found.bounds} <= set(plain.BECAUSE)
-        assert not any("{" in plain.because(bound) for bound in found.bounds)
+        found = stability_report(loaded(tmp_path, [*panel, *WALL, f"coupling.scheme={scheme}"]).case)
+        assert {bound.name for bound in found.bounds} <= set(formatting.BECAUSE)
+        assert not any("{" in formatting.because(bound) for bound in found.bounds)
 
 
 @pytest.mark.solver
 @pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
-    found = settled_card(load_judged(CASES / "ball-on-panel", "default", overrides).case)
-    assert bool(list(plain.warnings(found))) is warned
+    found = stability_report(load_judged(CASES / "ball-on-panel", "default", overrides).case)
+    assert bool(list(formatting.warnings(found))) is warned
     assert found.stable is not None
     assert found.stable.name == "light points"
 

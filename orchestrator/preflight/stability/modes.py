@@ -1,7 +1,8 @@
-"""Free frames as matrices: their mass, the panels as springs, bushings, and what they carry."""
+"""Masses and modes of free frames and of panels."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -9,8 +10,13 @@ import numpy as np
 from scipy.linalg import block_diag, eigh
 
 from orchestrator.case import solvers
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.planning import panel_plans
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports import Array
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.geometry import AperturePattern
+from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import (
     Joint,
@@ -87,3 +93,49 @@ def _free(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array:
     every, size = range(freedoms), freedoms * len(free)
     whole = assembled(plan, joints, freedoms)[np.ix_(free, every, free, every)]
     return np.asarray(whole.reshape(size, size))
+
+
+STEPPED = 2 * math.sqrt(2) / math.pi
+"""Frequency over the one that velocity Verlet's steps make of it, at worst: two steps to half a
+period.  Steps of h turn w into (2 / h) arcsin(w h / 2)."""
+
+
+def largest_steps_s(case: Case) -> dict[str, float]:
+    """Name of each row of panels -> largest step of its solver; empty where that is not limited by
+    stability.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
+    limit = solvers.panel(case).largest_step_s
+    if limit is None or case.panel.integrator != "explicit":
+        return {}
+    rows = {
+        single.table_name: plan for single, plan in zip(single_panels(case), panel_plans(case), strict=True)
+    }
+    return {name: float(limit(plan)) for name, plan in rows.items()}
+
+
+def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
+    """Name of each row of panels -> highest frequency that its steps make; and why not, if none.
+
+    Implicit steps longer than the mesh's periods have none that matters here: their phase
+    stays below half a turn."""
+    try:
+        steps_s = largest_steps_s(case)
+    except (SolverMissing, SolverFailed) as error:
+        return {}, str(error)
+    return {name: 2 / step_s / STEPPED for name, step_s in steps_s.items()}, ""
+
+
+def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
+    """Mass of the perforated part per area."""
+    solid = AperturePattern(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
+    return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
+
+
+def lightest_point_kg(case: Case, name: str) -> float:
+    """Effective mass of the lightest point of the surface of the panels ``name``, as their solver
+    tells; else the mass under one of the surface's cells."""
+    panel, lightest_kg = case.screen.panels[name], solvers.panel(case).lightest_kg
+    if lightest_kg is None:
+        cell_m2 = panel.width_m * panel.length_m / math.prod(case.panel.surface_cells)
+        return areal_kg_per_m2(case, panel) * cell_m2
+    plans = zip(single_panels(case), panel_plans(case), strict=True)
+    return min(lightest_kg(p, case.panel.surface_cells) for one, p in plans if one.table_name == name)
