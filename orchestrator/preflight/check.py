@@ -87,7 +87,7 @@ def _as_given(loaded: JudgedCase, found: list[CaseProblem]) -> list[CaseProblem]
 
 def warnings(loaded: JudgedCase) -> list[str]:
     """What is allowed but doubtful, with numbers; for a case without problems.  The sync interval
-    has a card of its own: stability/card.py."""
+    has a report of its own: stability/report.py."""
     case = loaded.case
     return [
         *unusual_sizes(case.whole),

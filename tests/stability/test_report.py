@@ -1,4 +1,4 @@
-"""The card of whole cases: which bounds there are, by hand where that is possible."""
+"""The report of whole cases: which bounds there are, by hand where that is possible."""
 
 from __future__ import annotations
 
@@ -264,7 +264,7 @@ def test_the_lightest_node_of_a_solid_with_openings_stands_at_its_side() -> None
 @pytest.mark.parametrize(("overrides", "stable"), [([], True), (COARSE_AND_LIGHT, False)])
 def test_light_corners_are_unstable(tmp_path: Path, overrides: list[str], stable: bool) -> None:
     """Energy created by the coupling against the 4.7 mJ with which the ball lands: below 1 %
-    where the card sees no danger, above 10 % where it does; then the run says that it is
+    where the report sees no danger, above 10 % where it does; then the run says that it is
     doubtful."""
     short = ["duration_s=0.15", "output.pictures=false", "output.interval_s=0.05"]
     short += ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
@@ -278,13 +278,13 @@ def test_light_corners_are_unstable(tmp_path: Path, overrides: list[str], stable
 
 @pytest.mark.solver
 @pytest.mark.slow
-def test_the_watch_shortens_what_the_card_warns_of(tmp_path: Path) -> None:
-    """The same light corners, the watch as it is by default: 0.5 % measured, the impact in
+def test_the_monitor_shortens_what_the_report_warns_of(tmp_path: Path) -> None:
+    """The same light corners, the monitor as it is by default: 0.5 % measured, the impact in
     intervals of 5 us; where it only warns, 30 %."""
     short = ["duration_s=0.15", "output.pictures=false", "output.interval_s=0.05"]
     sets = [*COARSE_AND_LIGHT, *short]
     assert run(CASES / "ball-on-panel", "default", tmp_path / "run", sets) == 0
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert abs(summary["energy_ledger_J"]["created.particles-panel"]) < 0.02 * 4.7e-3
-    assert summary["monitor"]["shortest_interval_s"] < 1.2e-5  # the card's safe interval
+    assert summary["monitor"]["shortest_interval_s"] < 1.2e-5  # the report's safe interval
     assert 0 < summary["monitor"]["shortened_share"] < 0.3
