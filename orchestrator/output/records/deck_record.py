@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-from orchestrator.case.deck.line import DeckLine, Over, deck_line, joined, over
+from orchestrator.case.deck.line import DeckLine, Over, joined, over
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.state import SavedAttributes
@@ -114,10 +114,12 @@ class RetainedParticles(SavedAttributes):
         held = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
         held &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > STANDARD_GRAVITY_M_PER_S2
         mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
+        seated_m = place[held & (seen.height_m < SEATED * radius)]
+        blinded = self._openings.query(seated_m)[1] if self._openings is not None else []
         return {
             "stickers": float(held.sum()),
             "mass_kg": float(mass[held].sum()),
-            "openings": float(self._blinded(place[held & (seen.height_m < SEATED * radius)])),
+            "openings": float(len(np.unique(blinded))),
         }
 
     def _row(self, ids: Indices) -> tuple[Indices, Mask]:
@@ -129,11 +131,6 @@ class RetainedParticles(SavedAttributes):
 
     def _then(self, values: Array, row: Indices) -> Array:
         return values[row] if len(values) else np.zeros((len(row), *values.shape[1:]))
-
-    def _blinded(self, place_m: Array) -> int:
-        if self._openings is None or not len(place_m):
-            return 0
-        return len(np.unique(self._openings.query(place_m)[1]))
 
 
 class DeckRecord:
@@ -159,12 +156,3 @@ class DeckRecord:
             "profile": dict(compute_profile(self._deck, particles, seen)),
             "held": dict(self.held.at(time_s, particles, seen)),
         }
-
-
-def create_deck_record(
-    surface: Motion, centre_lines: Sequence[Indices], cycle_s: float, openings_m: Array
-) -> DeckRecord | None:
-    """Returns the record of a deck whose ``surface`` at t = 0 is given; None for panels that form no deck
-    (see ``deck_line``)."""
-    deck = deck_line([surface.position_m[points] for points in centre_lines])
-    return DeckRecord(deck, centre_lines, cycle_s, openings_m) if deck else None

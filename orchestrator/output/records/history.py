@@ -143,8 +143,7 @@ ledger; ``results`` mirrors the results."""
 
 
 def columns(kind: str, record: object) -> dict[str, Any]:
-    """Returns the values of a record by the names that a kind of group has for them, without its
-    time."""
+    """Returns the values of a record by the names that a kind of group has for them, without its time."""
     return {name: getattr(record, name) for name in COLUMNS[kind]}
 
 

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from orchestrator.case.deck.line import deck_line
 from orchestrator.case.deck.opening_places import openings_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
@@ -23,7 +24,7 @@ from orchestrator.coupling.mpi import is_first
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.output.cycles import counted_cycle_s, cycle_s
 from orchestrator.output.records.cycle_record import CycleRecord
-from orchestrator.output.records.deck_record import create_deck_record
+from orchestrator.output.records.deck_record import DeckRecord
 from orchestrator.output.records.history import History, columns
 from orchestrator.output.records.panel_lines import FoldMonitor
 from orchestrator.output.records.run_folder import HISTORY
@@ -76,7 +77,8 @@ class Recorder:
             lines = [panel.centre_line for panel in machine.panels]
             if machine.wearing is not None:
                 self._wear = WearRecord(machine.surface, machine.panels, rectangles)
-            self._deck = create_deck_record(start.panel.surface, lines, cycle_s(case), openings_m(case))
+            deck = deck_line([start.panel.surface.position_m[line] for line in lines])
+            self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
             if self._deck is not None:
                 self._parts["held"] = self._deck.held
 

@@ -199,8 +199,7 @@ def lock(file: Path) -> Iterator[None]:
 
 @contextmanager
 def study_folder(folder: Path) -> Iterator[None]:
-    """Makes the folder of a study, or goes on in it; nobody else does meanwhile.  Raises
-    FolderUnusable."""
+    """Makes the folder of a study, or goes on in it; nobody else does meanwhile.  Raises FolderUnusable."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -91,11 +91,6 @@ def monitor_lines(monitor: dict[str, Any]) -> list[str]:
     ]
 
 
-def created_J(ledger: dict[str, float]) -> float:
-    """Returns the energy that the coupling made."""
-    return sum(value for name, value in ledger.items() if name.startswith("created."))
-
-
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
     """Says how often intervals were repeated, with a warning where that was not enough."""
     lines = [f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"]
@@ -109,13 +104,12 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:
     """Says the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
-    ledger = summary["energy_ledger_J"]
-    share = share_created(summary)
+    created_J = sum(J for name, J in summary["energy_ledger_J"].items() if name.startswith("created."))
     lines = [
         f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
         f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
-        f"energy created by the coupling {created_J(ledger):+.3g} J "
-        f"({share:+.1e} of the energy exchanged and lost, at the worse interface)",
+        f"energy created by the coupling {created_J:+.3g} J "
+        f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worse interface)",
     ]
     if summary["particles"]:
         lines.insert(

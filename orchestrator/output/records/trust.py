@@ -27,18 +27,12 @@ DONE, DOUBTFUL, INCOMPLETE = "done", "doubtful", "incomplete"
 AT_THE_END = (DONE, DOUBTFUL, INCOMPLETE)
 EXIT_CODES = {DONE: 0, DOUBTFUL: 5, INCOMPLETE: 6}
 
-LARGEST_SHARE_CREATED = 0.01
-"""Of the energy exchanged and lost, created by the coupling, where the case gives no limit."""
-LARGEST_SHARE_OF_A_SOLVER = 0.05
-"""Of the energy that a solver turned over (``ledger.defect_shares``), made by its own steps."""
-LARGEST_MOMENTUM_RESIDUAL = 1e-9
-"""Relative; rounding is below 1e-12 in all runs of the tests."""
-LARGEST_SHARE_UNSOLVED = 0.01
-"""Of the sync intervals."""
-LARGEST_DEVIATION = 0.1
-"""Of the load in an interval that was not solved, of its size."""
-LARGEST_SHARE_ASTRAY = 0.01
-"""Of the mass that came."""
+LARGEST_SHARE_CREATED = 0.01  # by the coupling, of the energy exchanged and lost, where the case has no limit
+LARGEST_SHARE_OF_A_SOLVER = 0.05  # made by its steps, of the energy that it turned over (defect_shares)
+LARGEST_MOMENTUM_RESIDUAL = 1e-9  # relative; rounding is below 1e-12 in all runs of the tests
+LARGEST_SHARE_UNSOLVED = 0.01  # of the sync intervals
+LARGEST_DEVIATION = 0.1  # of the load in an interval that was not solved, of its size
+LARGEST_SHARE_ASTRAY = 0.01  # of the mass that came
 SOLVERS = {"frames": "frames'", "panel": "panels'", "particles": "particles'"}
 
 Summary = Mapping[str, Any]
@@ -89,9 +83,10 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
     for name, entry in summary.get("effects", {}).items():
         after = entry.get("after") or {}
         if entry.get("left_out") and entry.get("crossed") and after.get("matters"):
+            value = "infinite" if after["value"] is None else f"{after['value']:.3g}"
             yield (
                 f"{name} is left out, and by the run it matters: {after['number']} is "
-                f"{_rounded(after['value'])}, threshold {after['threshold']}; do not leave it out."
+                f"{value}, threshold {after['threshold']}; do not leave it out."
             )
 
 
@@ -104,10 +99,6 @@ def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
             f"{seen['worst']:.3g} of its thickness, and nothing held it there; tighten it, move "
             "one of them, or give the panel a stop."
         )
-
-
-def _rounded(value: float | None) -> str:
-    return "infinite" if value is None else f"{value:.3g}"
 
 
 def _energy_of_solvers(summary: Summary) -> Iterator[str]:

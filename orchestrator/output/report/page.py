@@ -6,14 +6,15 @@ import json
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from orchestrator.output.report import bed_pictures, tables
+from orchestrator.output.report import tables
 from orchestrator.output.report.drawing import data_uri, embedded, fill_template
 from orchestrator.output.report.formatting import duration, interval, number
 from orchestrator.output.report.headline import NOT_STEADY, headline
-from orchestrator.output.report.pictures import draw_cost, draw_machine
+from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
 from orchestrator.output.report.quality import collect_warnings, quality_rows
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
@@ -51,6 +52,9 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
     with RunReader(folder) as run:
         summary, provenance = run.summary, run.provenance
         shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
+        drawings = chain(
+            [("cost", draw_cost(summary["wall_by_part_s"]))], draw_results(found), draw_machine(run)
+        )
         return fill_template(
             "output/report/template.html",
             case=run.case,
@@ -67,7 +71,7 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
             driven=run.is_driven,
             warnings=collect_warnings(folder, summary, found),
             sheets=_sheets(found),
-            pictures=_pictures(run, found, summary),
+            pictures={name: embedded(drawn) for name, drawn in drawings},
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
             left_out=list(tables.left_out_rows(summary)),
@@ -96,18 +100,3 @@ def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
     if motion.get("panel_points"):
         sheets["accelerations"] = tables.accelerations_sheet(motion)
     return sheets
-
-
-def _pictures(run: RunReader, found: dict[str, Any], summary: dict[str, Any]) -> dict[str, str]:
-    drawn = {"cost": embedded(draw_cost(summary["wall_by_part_s"]))}
-    if "screening" in found:
-        drawn["balance"] = bed_pictures.mass_balance(found)
-        if found["screening"]["partition"]:
-            drawn["partition"] = bed_pictures.partition_curve(found["screening"])
-        if found["screening"]["sections"]:
-            drawn["sections"] = bed_pictures.sections(found["screening"])
-    if "bed" in found:
-        drawn["along"] = bed_pictures.along_the_deck(found)
-    if "wear" in found:
-        drawn["wear"] = bed_pictures.wear_map(found["wear"])
-    return drawn | {name: embedded(one) for name, one in draw_machine(run)}

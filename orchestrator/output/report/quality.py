@@ -12,7 +12,7 @@ from orchestrator.output.records.summary import closing_lines
 from orchestrator.output.report.formatting import number
 
 SHOWN = 12
-UNSETTLED = 0.1
+UNSETTLED = 0.1  # of a frame's orbit: so much of the motion along the deck is no first harmonic
 
 
 def quality_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -65,20 +65,15 @@ def collect_warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any
     motion = found.get("motion")
     if motion and motion["cycles"] and not motion["is_settled"]:
         said.append(f"The machine has not settled: {motion['reason']}.")
-    said += [f"{name} has not settled to its periodic motion" for name in _unsettled(found)]
+    for name, orbit in found.get("motion", {}).get("frames", {}).items():
+        if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
+            said.append(f"{name} has not settled to its periodic motion")
     said += [f"Results not made: {part}: {error}" for part, error in found["failed"].items()]
     if "energy_ledger_J" in summary:
         said += [line for line in closing_lines(summary) if line.startswith("WARNING")]
     if lost := found.get("screening", {}).get("lost_particles"):
         said.append(f"{lost} particles left elsewhere than through an exit.")
     return said + _logged(folder)
-
-
-def _unsettled(found: dict[str, Any]) -> Iterator[str]:
-    """Frames whose motion along the deck is by more than a tenth no first harmonic."""
-    for name, orbit in found.get("motion", {}).get("frames", {}).items():
-        if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
-            yield name
 
 
 def _logged(folder: Path) -> list[str]:

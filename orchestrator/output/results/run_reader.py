@@ -133,8 +133,7 @@ class RunReader:
         return np.asarray(self.history[path][:])
 
     def read_between(self, group: str, name: str, start_s: float, end_s: float) -> Array:
-        """Returns the rows of a dataset that are later than ``start_s`` and not later than
-        ``end_s``."""
+        """Returns the rows of a dataset that are later than ``start_s`` and not later than ``end_s``."""
         time_s = self.read(f"{group}/time_s")
         return self.read(f"{group}/{name}")[within(time_s, start_s, end_s, self.cycle_s)]
 
@@ -152,8 +151,7 @@ class RunReader:
 
 
 def cut_size_m(case: Case) -> float | None:
-    """Returns ``output.cut_size_m``, or the smaller side of the largest openings; None without
-    either."""
+    """Returns ``output.cut_size_m``, or the smaller side of the largest openings; None without either."""
     if case.output.cut_size_m is not None:
         return case.output.cut_size_m
     return max(smaller_sides_m(case), default=None)
