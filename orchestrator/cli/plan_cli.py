@@ -65,7 +65,7 @@ def _planned(
     budget_s: float,
     overrides: list[str],
 ) -> Plan:
-    from orchestrator.studies.accuracy.plan import as_it_is_s, by_study, planned, stored
+    from orchestrator.studies.accuracy.plan import Plan, as_it_is_s, by_study, stored
 
     with reported_errors():
         found = stored(loaded, given)
@@ -84,7 +84,7 @@ def _planned(
             )
         CONSOLE.print(f"by {found.file}; a short run of the case on this machine ...")
         timing = by_study(found, case, level)
-    return planned(loaded.case, found, timing, tolerance, budget_s)
+    return Plan(loaded.case, found, timing, tolerance, budget_s)
 
 
 def _said(made: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:

@@ -16,15 +16,9 @@ def point(*values: float) -> Measured:
     every = tuple(
         Metrics(
             {"deflection_m": value, "frame_m": 2.0},
-            {},
             {"energy_defect": 1e-3},
             np.empty((0, 0)),
-            None,
-            10.0,
-            8.0,
-            {"particles": 5.0, "rest": 5.0},
-            100.0,
-            1.0,
+            {"wall_s": 10.0, "processor_s": 8.0, "wall_by_part_s": {"particles": 5.0, "rest": 5.0}},
         )
         for value in values
     )

@@ -10,27 +10,29 @@ from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.judge import load_judged
+from orchestrator.studies.accuracy.combinations import KNOB, Combination
+from orchestrator.studies.accuracy.measured import EXACT, Error, Measured, errors
 from orchestrator.studies.accuracy.refinement import offer
-from orchestrator.studies.metrics import Metrics, errors, relative
+from orchestrator.studies.metrics import Metrics, relative
 from orchestrator.studies.points import sampled_at
 from tests.runs.outside import ROOT
 
 
-def measured(deflection_m: float, shapes_m: Array) -> Metrics:
+def measured(deflection_m: float, shapes_m: Array) -> Measured:
     values = {"deflection_m": deflection_m, "frame_m": 0.0}
-    return Metrics(values, {}, {}, shapes_m, None, 1.0, 1.0, {}, 100.0, 1.0)
+    return Measured(Combination(KNOB, "one"), (Metrics(values, {}, shapes_m, {}),))
 
 
 def test_errors_are_relative_to_the_reference() -> None:
     """A sine of 10 % more amplitude is 10 % off about its mean; what is zero has no error."""
     wave = np.sin(np.linspace(0, 2 * np.pi, 200, endpoint=False))[:, None] + 5.0
-    found = errors(measured(1.1, 1.1 * (wave - 5.0) + 5.0), measured(1.0, wave))
-    assert found == {"deflection_m": pytest.approx(0.1), "shape": pytest.approx(0.1)}
+    found = errors(measured(1.1, 1.1 * (wave - 5.0) + 5.0), measured(1.0, wave), EXACT)
+    assert found == {name: Error(pytest.approx(0.1)) for name in ("deflection_m", "shape")}
     assert relative(wave, wave) == 0.0
 
 
 def test_shapes_of_other_grids_are_not_compared() -> None:
-    found = errors(measured(1.0, np.ones((3, 2))), measured(1.0, np.ones((3, 4))))
+    found = errors(measured(1.0, np.ones((3, 2))), measured(1.0, np.ones((3, 4))), EXACT)
     assert "shape" not in found
 
 

@@ -14,12 +14,12 @@ from orchestrator.output.records.run_folder import write_json
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s
-from orchestrator.studies.accuracy.plan import Clock, Plan, Stored, Timing, filling, planned, stored
+from orchestrator.studies.accuracy.plan import Plan, Stored, Timing, filling, stored
 from tests.case.cases import written
 from tests.runs.outside import ROOT
 
 # 2 s to start, then 20 s of processor time for each simulated second; here twice as slow
-TIMING = Timing(2.0, 0.5, wall=Clock(4.0, 2.0), processor=Clock(3.6, 1.8))
+TIMING = Timing(2.0, 0.5, start_s=4.0, factor=2.0)
 FINE = {"label": "half", "sets": ["coupling.sync_interval_s=5e-5"], "error": {"frame_m": 0.0}}
 OWN = {"label": "own", "sets": [], "error": {"frame_m": 0.04}, "ratio": {"panel": 1.0}}
 COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_m": 0.2}}
@@ -44,7 +44,7 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
 def plan(tolerance: float, budget_s: float, duration_s: float = 0.5) -> Plan:
     sets = [f"duration_s={duration_s}"]
     case = load_judged(ROOT / "cases/quickstart", "draft", sets).case
-    return planned(case, study(), TIMING, tolerance, budget_s)
+    return Plan(case, study(), TIMING, tolerance, budget_s)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,6 @@ def test_the_cheapest_within_the_tolerance(tolerance: float, label: str, process
 
 def test_a_longer_run_takes_its_start_once() -> None:
     assert plan(0.06, 1e3, duration_s=5.0).wall_s == pytest.approx(2 * (2 + 20 * 5))
-    assert TIMING.processor_s(12.0, 5.0) == pytest.approx(1.8 * (2 + 20 * 5))
 
 
 def test_what_feeds_add_takes_time() -> None:

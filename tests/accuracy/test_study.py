@@ -176,7 +176,7 @@ def test_a_plan_by_the_study_is_one_of_its_short_run(study: Study, out: Path) ->
     assert found is not None
     timing, own_s = by_study(found, BALL, "draft"), study.base.processor_s
     short_s, long_s = (timing.wall_s(own_s, duration_s) for duration_s in (0.05, 0.1))
-    assert timing.wall.start_s < short_s < long_s < 2 * short_s
+    assert timing.start_s < short_s < long_s < 2 * short_s
     assert timing.duration_s(own_s, short_s, 1.0) == pytest.approx(0.05)
 
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from orchestrator.studies.accuracy.points import is_random
 from scipy.stats import t as student
 
 from orchestrator.case.scalars import scalar
@@ -23,6 +22,7 @@ from orchestrator.output.records import trust
 from orchestrator.preflight.judgement.pair import Change, changed
 from orchestrator.preflight.judgement.weighing import doubted, weighed
 from orchestrator.preflight.scene.effect import Verdict, in_words
+from orchestrator.studies.points import is_random
 from tests.effect_bank.trials import Trial, Tried
 
 CONFIDENCE = 0.95

@@ -12,15 +12,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from orchestrator.studies.accuracy.points import seeded
-
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
 from orchestrator.studies import points as sweep
-from orchestrator.studies.points import sample_s
+from orchestrator.studies.points import sample_s, seeded
 from tests.effect_bank.bank import Scene
 
 AS_IT_IS = ""

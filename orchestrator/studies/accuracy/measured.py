@@ -35,15 +35,16 @@ class Measured:
     @property
     def processor_s(self) -> float:
         """Of one run."""
-        return float(np.mean([one.processor_s for one in self.metrics]))
+        return float(np.mean([one.summary["processor_s"] for one in self.metrics]))
 
     @property
     def wall_s(self) -> float:
-        return float(np.mean([one.wall_s for one in self.metrics]))
+        return float(np.mean([one.summary["wall_s"] for one in self.metrics]))
 
     @property
     def memory_MiB(self) -> float:
-        return max(one.memory_MiB for one in self.metrics)
+        largest_MiB: float = max(one.summary["peak_memory_MiB"] for one in self.metrics)
+        return largest_MiB
 
     @property
     def side_by_side(self) -> int:
@@ -53,16 +54,16 @@ class Measured:
     @property
     def processor_by_part_s(self) -> dict[str, float]:
         """Processor time by part of the program, mean over the seeds."""
-        every = [parts_s(vars(one)) for one in self.metrics]
+        every = [parts_s(one.summary) for one in self.metrics]
         return {part: float(np.mean([one[part] for one in every])) for part in every[0]}
 
 
-def parts_s(run: Mapping[str, Any]) -> dict[str, float]:
-    """Processor time of a run by part: "start" is before its wall time counts, the rest is divided
-    as that is.  ``run``: its summary, or its metrics."""
-    before_s = run.get("processor_before_s", 0.0)
-    rate = (run["processor_s"] - before_s) / run["wall_s"]
-    return {"start": before_s} | {part: rate * wall_s for part, wall_s in run["wall_by_part_s"].items()}
+def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Returns the processor time of a run by part: "start" is before its wall time counts, the rest
+    is divided as that is."""
+    before_s = summary.get("processor_before_s", 0.0)  # runs of older versions do not tell
+    rate = (summary["processor_s"] - before_s) / summary["wall_s"]
+    return {"start": before_s} | {part: rate * time_s for part, time_s in summary["wall_by_part_s"].items()}
 
 
 @dataclass(frozen=True)
@@ -77,11 +78,6 @@ class Error:
     def certain(self) -> bool:
         """It is more than chance."""
         return self.half_width is None or self.value > self.half_width
-
-    @property
-    def known(self) -> bool:
-        """Whether its uncertainty is."""
-        return self.half_width is not None
 
     @property
     def at_most(self) -> float:

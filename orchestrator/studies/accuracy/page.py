@@ -10,20 +10,21 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 
 from orchestrator.output.records.run_folder import write_text
-from orchestrator.output.report.drawing import LINES, data_uri, figure, fill_template
+from orchestrator.output.report.drawing import LINES, data_uri, figure, fill_template, save
 from orchestrator.studies.accuracy.combinations import BASE, KNOB, REFERENCE, TOGETHER
 from orchestrator.studies.accuracy.convergence import Compared, Converged, Order, compare_axis
 from orchestrator.studies.accuracy.measured import Error
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.study import Study
 from orchestrator.studies.accuracy.tables import RECOMMENDED, Row, pareto, recommended
-from orchestrator.studies.metrics import DEFECTS, QUANTITIES, SHORT
+from orchestrator.studies.metrics import DEFECTS, QUANTITIES
 from orchestrator.studies.tables import percent
 
 DEEP = 1e4  # what is so much smaller than the largest error is not shown
 ABREAST = 2
 MARKS = "os^vDPX<>"
-WORDS = QUANTITIES | {"energy_defect": "energy created by the coupling"}
+WORDS = {name: quantity.words for name, quantity in QUANTITIES.items()}
+WORDS["energy_defect"] = "energy created by the coupling"
 
 
 def convergence(families: Sequence[Converged], judged_by: Sequence[str], path: Path) -> Path | None:
@@ -33,17 +34,22 @@ def convergence(families: Sequence[Converged], judged_by: Sequence[str], path: P
     heights = [y for lines in every for _, _, line_y, _ in lines for y in line_y]
     if not heights:
         return None
-    rows, columns = -(-len(shown) // ABREAST), min(len(shown), ABREAST)
-    drawn, grid = figure(rows, columns, 5.2 * columns, 4.2 * rows)
-    for axis in list(grid.flat)[len(shown) :]:
-        axis.axis("off")
+    drawn, parts = _parts(len(shown), 5.2)
     lowest = max(min(heights), max(heights) / DEEP) / 2
-    for axis, one, lines in zip(grid.flat, shown, every, strict=False):
+    for axis, one, lines in zip(parts, shown, every, strict=True):
         _draw(axis, one, lines)
         axis.set_ylim(lowest, 3 * max(heights))
-    drawn.savefig(path, dpi=110)
-    plt.close(drawn)
+    save(drawn, path)
     return path
+
+
+def _parts(count: int, width: float) -> tuple[Any, list[Any]]:
+    """Returns a figure of so many parts, each so wide in inches, and its axes."""
+    rows, columns = -(-count // ABREAST), min(count, ABREAST)
+    drawn, grid = figure(rows, columns, width * columns, 4.2 * rows)
+    for axis in grid.flat[count:]:
+        axis.axis("off")
+    return drawn, list(grid.flat[:count])
 
 
 Line = tuple[str, list[float], list[float], str]
@@ -93,7 +99,6 @@ def _draw(axis: Any, one: Converged, lines: Sequence[Line]) -> None:
 
 
 LEAST = 1e-4  # errors below are drawn here
-MARKS = "os^vDPX<>"
 RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 BESIDE = {"loc": "upper left", "bbox_to_anchor": (1.01, 1.0), "fontsize": 8.5}
 
@@ -188,11 +193,11 @@ def write(study: Study, table: Sequence[Row], folder: Path) -> list[Path]:
         lacking=[row for row in table if row.measured is None],
         front={row.point.name: number for number, row in enumerate(pareto(table), 1)},
         advice=[recommended(table, tolerance) for tolerance in RECOMMENDED],
-        names={name: QUANTITIES[name] for name in QUANTITIES if _known(name, table)},
-        short=SHORT,
-        defects={name: DEFECTS[name] for name in DEFECTS},
+        names={name: WORDS[name] for name in QUANTITIES if any(name in row.errors for row in table)},
+        short={name: quantity.short for name, quantity in QUANTITIES.items()},
+        defects=DEFECTS,
         answers={row.what: row for row in study.listed.known},
-        titles={name: knob.title for name, knob in PARAMETERS.items()},
+        titles={name: parameter.title for name, parameter in PARAMETERS.items()},
         percent=percent,
         error=_error,
         plot=_embedded(plot),
@@ -227,12 +232,9 @@ def draw_models(models: Sequence[Compared], judged_by: Sequence[str], path: Path
     ]
     if not names:
         return None
-    rows, columns = -(-len(names) // ABREAST), min(len(names), ABREAST)
-    drawn, grid = figure(rows, columns, 5.6 * columns, 4.2 * rows)
-    for axis in list(grid.flat)[len(names) :]:
-        axis.axis("off")
+    drawn, parts = _parts(len(names), 5.6)
     variants = list(dict.fromkeys(each.series.variant for each in models))
-    for axis, name in zip(grid.flat, names, strict=False):
+    for axis, name in zip(parts, names, strict=True):
         for number, variant in enumerate(variants):
             mine = [m for m in models if m.series.variant == variant and name in m.errors and not m.is_best]
             places = [(m.measured.processor_s, max(m.errors[name].value, LEAST)) for m in mine]
@@ -248,13 +250,8 @@ def draw_models(models: Sequence[Compared], judged_by: Sequence[str], path: Path
         axis.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
         axis.xaxis.set_minor_formatter(NullFormatter())
         axis.margins(x=0.3, y=0.15)
-    drawn.savefig(path, dpi=110)
-    plt.close(drawn)
+    save(drawn, path)
     return path
-
-
-def _known(name: str, table: Sequence[Row]) -> bool:
-    return any(name in row.errors for row in table)
 
 
 def _error(errors: Mapping[str, Error], name: str) -> str:

@@ -15,6 +15,7 @@ import shlex
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,6 @@ from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
-from orchestrator.studies.accuracy.measured import parts_s
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting
 from orchestrator.studies.metrics import DECISIVE, happens
@@ -201,52 +201,40 @@ PART = 8  # of a run that has no study: of so many parts, one is made
 
 
 @dataclass(frozen=True)
-class Clock:
-    """Of one kind of time: what a start takes here, and what one second of the study's processor
-    time in stepping takes here."""
-
-    start_s: float
-    factor: float
-
-
-@dataclass(frozen=True)
 class Timing:
-    """The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``;
-    ``particles`` is their share of its stepping, ``filling`` how many there are in runs of other
-    lengths."""
+    """What a run takes here.
+
+    The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``.  A
+    start takes ``start_s`` of wall time here, and a second of the study's processor time in stepping
+    ``factor``; ``particles`` is their share of its stepping, ``filling`` how many there are in runs
+    of other lengths.
+    """
 
     study_start_s: float
     simulated_s: float
-    wall: Clock
-    processor: Clock
+    start_s: float
+    factor: float
     particles: float = 0.0
     filling: Callable[[float], float] = lambda duration_s: 1.0
 
     def wall_s(self, processor_s: float, duration_s: float) -> float:
-        """Wall time here of a run of ``duration_s`` with settings that took ``processor_s`` in the
-        study."""
-        return self._on(self.wall, processor_s, duration_s)
-
-    def processor_s(self, processor_s: float, duration_s: float) -> float:
-        """Processor time of it."""
-        return self._on(self.processor, processor_s, duration_s)
-
-    def _on(self, clock: Clock, processor_s: float, duration_s: float) -> float:
+        """Returns the wall time here of a run of ``duration_s`` with settings that took
+        ``processor_s`` in the study."""
         study_s = max(processor_s - self.study_start_s, 0.0)
-        return clock.start_s + clock.factor * study_s * self._lasts(duration_s)
+        return self.start_s + self.factor * study_s * self._lasts(duration_s)
 
     def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
         """How long a run may last, at most ``longest_s``, to take so much wall time; 0 if not even
         its start fits."""
         if self.wall_s(processor_s, longest_s) <= wall_s:
             return longest_s
-        if wall_s <= self.wall.start_s:
+        if wall_s <= self.start_s:
             return 0.0
         return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
 
     def affordable_s(self, wall_s: float, duration_s: float) -> float:
         """The study's processor time of settings that take so much wall time here."""
-        stepping_s = max(wall_s - self.wall.start_s, 0.0) / self.wall.factor
+        stepping_s = max(wall_s - self.start_s, 0.0) / self.factor
         return self.study_start_s + stepping_s / self._lasts(duration_s)
 
     def _lasts(self, duration_s: float) -> float:
@@ -272,16 +260,13 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
     base = study.found["base"]
     (short,) = study.found["short"].values()
     here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
-    study_s = _stepping_s(short["processor_by_part_s"])
-    wall, processor = (
-        Clock(_start_s(each), _stepping_s(each) / study_s) for each in (here["wall_by_part_s"], parts_s(here))
-    )
+    wall_s = here["wall_by_part_s"]
     simulated_s, in_parts_s = base["simulated_s"], base["processor_by_part_s"]
     return Timing(
         _start_s(in_parts_s),
         simulated_s,
-        wall,
-        processor,
+        _start_s(wall_s),
+        _stepping_s(wall_s) / _stepping_s(short["processor_by_part_s"]),
         in_parts_s.get("particles", 0.0) / _stepping_s(in_parts_s),
         filling(load_judged(case, level, study.found["sets"]).case, simulated_s),
     )
@@ -309,14 +294,18 @@ MOST_RANKS = 1024
 
 @dataclass(frozen=True)
 class Plan:
-    """``chosen``: the cheapest within the tolerance, or None; it takes ``wall_s`` here."""
+    """What is chosen for a case by its study, a tolerance and a wall time."""
 
     case: Case
     study: Stored
     timing: Timing
     tolerance: float
     budget_s: float
-    chosen: Candidate | None
+
+    @cached_property
+    def chosen(self) -> Candidate | None:
+        """The cheapest settings within the tolerance, whether or not they fit the budget."""
+        return self.study.cheapest(self.tolerance)
 
     @property
     def wall_s(self) -> float:
@@ -387,11 +376,6 @@ class Plan:
         parts_s = self.study.found["base"]["processor_by_part_s"]
         share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
         return share * self.wall_s, (1 - share) * self.wall_s
-
-
-def planned(case: Case, study: Stored, timing: Timing, tolerance: float, budget_s: float) -> Plan:
-    """The cheapest settings within the tolerance, whether or not they fit the budget."""
-    return Plan(case, study, timing, tolerance, budget_s, study.cheapest(tolerance))
 
 
 def _sets(one: Candidate) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,19 +9,16 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-import pyarrow
-from pyarrow import parquet
-from rich import box
 from rich.table import Table
 
 from orchestrator.output.records.run_folder import write_json
 from orchestrator.studies.accuracy.combinations import CALIBRATION, Combination
-from orchestrator.studies.accuracy.convergence import Compared, compare_axis
+from orchestrator.studies.accuracy.convergence import compare_axis
 from orchestrator.studies.accuracy.measured import Error, Measured, against, errors, worst
 from orchestrator.studies.accuracy.model import Proposal
 from orchestrator.studies.accuracy.study import Study
 from orchestrator.studies.metrics import DEFECTS, QUANTITIES
-from orchestrator.studies.tables import percent
+from orchestrator.studies.tables import Cell, aligned, console_table, percent, write_csv, write_parquet
 
 AXES_OF_MODELS = ("panel", "frames", "particles", "stiffness", "number")
 RECOMMENDED = (0.01, 0.05, 0.1)
@@ -100,7 +96,7 @@ def recommended(table: Sequence[Row], tolerance: float) -> Recommendation:
     """Of all points that were measured; where chance leaves none proven, the one of which most is
     sure.  The reference is no candidate: nobody knows its error."""
     within = [r for r in table if r.error and r.error.value <= tolerance]
-    sure = [r for r in within if r.error and r.error.known and r.error.at_most <= tolerance]
+    sure = [r for r in within if r.error and r.error.half_width is not None and r.error.at_most <= tolerance]
     best = min(sure, key=_cost_s) if sure else min(within, key=_at_most, default=None)
     return Recommendation(tolerance, best, bool(sure))
 
@@ -112,9 +108,6 @@ def _cost_s(row: Row) -> float:
 
 def _at_most(row: Row) -> float:
     return row.error.at_most if row.error else inf
-
-
-Cell = str | float | int | None
 
 
 def entries(table: Sequence[Row], reference: str) -> list[dict[str, Cell]]:
@@ -134,8 +127,7 @@ def entries(table: Sequence[Row], reference: str) -> list[dict[str, Cell]]:
             "error_of": row.worst[0] if row.worst else None,
         }
         found.append(entry | _measured(row))
-    columns = dict.fromkeys(name for entry in found for name in entry)
-    return [{name: entry.get(name) for name in columns} for entry in found]
+    return aligned(found)
 
 
 def _measured(row: Row) -> dict[str, Cell]:
@@ -159,16 +151,14 @@ def _measured(row: Row) -> dict[str, Cell]:
 
 
 def write(study: Study, table: Sequence[Row], folder: Path) -> list[Path]:
-    """All three."""
-    lines = entries(table, study.reference)
-    files = [folder / f"accuracy.{kind}" for kind in ("csv", "parquet", "json")]
-    with files[0].open("w", newline="", encoding="utf-8") as text:
-        writer = csv.DictWriter(text, [*lines[0]])
-        writer.writeheader()
-        writer.writerows(lines)
-    parquet.write_table(pyarrow.Table.from_pylist(lines), files[1])
-    write_json(files[2], as_json(study, table))
-    return files
+    """Writes all three."""
+    lines, file = entries(table, study.reference), folder / "accuracy.json"
+    write_json(file, as_json(study, table))
+    return [
+        write_csv(lines, folder / "accuracy.csv"),
+        write_parquet(lines, folder / "accuracy.parquet"),
+        file,
+    ]
 
 
 def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
@@ -179,7 +169,7 @@ def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
         "level": there.loaded.level,
         "sets": list(there.asked.sets),
         "shared": list(there.shared),
-        "duration_s": study.base.metrics[0].simulated_s,
+        "duration_s": study.base.metrics[0].summary["simulated_s"],
         "judged_by": study.judged_by,
         "reference": study.reference,
         "seeds": len(study.base.metrics),
@@ -203,32 +193,28 @@ def as_json(study: Study, table: Sequence[Row]) -> dict[str, Any]:
             ]
             for axis, options in study.options.items()
         },
-        "models": [
-            _model(each, every)
-            for axis in AXES_OF_MODELS
-            for every in [_compared(study, axis)]
-            for each in every
-        ],
+        "models": [row for axis in AXES_OF_MODELS for row in _model_rows(study, axis)],
         "points": entries(table, study.reference),
     }
 
 
-def _compared(study: Study, axis: str) -> list[Compared]:
-    return compare_axis(axis, study.families, study.spread)
-
-
-def _model(one: Compared, every: Sequence[Compared]) -> dict[str, Any]:
-    best = next(each for each in every if each.is_best)
-    return {
-        "axis": one.series.axis,
-        "variant": one.series.variant,
-        "label": one.setting.label,
-        "sets": list(one.setting.sets),
-        "error": {name: error.value for name, error in one.errors.items()},
-        "processor_s": one.measured.processor_s,
-        "reference": best.setting.label,
-        "reference_processor_s": best.measured.processor_s,
-    }
+def _model_rows(study: Study, axis: str) -> list[dict[str, Any]]:
+    every = compare_axis(axis, study.families, study.spread)
+    best = next((each for each in every if each.is_best), None)
+    return [
+        {
+            "axis": each.series.axis,
+            "variant": each.series.variant,
+            "label": each.setting.label,
+            "sets": list(each.setting.sets),
+            "error": {name: error.value for name, error in each.errors.items()},
+            "processor_s": each.measured.processor_s,
+            "reference": best.setting.label,
+            "reference_processor_s": best.measured.processor_s,
+        }
+        for each in every
+        if best is not None
+    ]
 
 
 def _chance(study: Study) -> float | None:
@@ -240,7 +226,7 @@ def _chance(study: Study) -> float | None:
 
 def _cost(one: Measured) -> dict[str, Any]:
     return {
-        "simulated_s": one.metrics[0].simulated_s,
+        "simulated_s": one.metrics[0].summary["simulated_s"],
         "processor_s": one.processor_s,
         "wall_s": one.wall_s,
         "side_by_side": one.side_by_side,
@@ -250,21 +236,17 @@ def _cost(one: Measured) -> dict[str, Any]:
 
 
 def as_table(study: Study, table: Sequence[Row]) -> Table:
-    """For the console: cost and error of every point, from cheap to dear."""
-    found = Table(title=f"error against {study.reference}", box=box.SIMPLE_HEAD)
-    found.title_justify = "left"
-    found.add_column("settings")
-    for name in ("processor / s", "MiB", "error", "+-", "of"):
-        found.add_column(name, justify="right" if name != "of" else "left", no_wrap=True)
-    there = [(row, row.measured) for row in table if row.measured]
-    for row, one in sorted(there, key=lambda pair: pair[1].processor_s):
-        wrong = row.error
-        cells = [percent(wrong.value if wrong else None), percent(wrong.half_width if wrong else None)]
-        if wrong is None:
-            cells = ["reference", ""]
-        seconds = (f"{one.processor_s:.1f}", f"{one.memory_MiB:.0f}")
-        found.add_row(row.point.label, *seconds, *cells, row.worst[0] if row.worst else "")
-    return found
+    """Returns the cost and error of every point for the console, from cheap to dear."""
+    lines = []
+    for row in sorted((row for row in table if row.measured), key=_cost_s):
+        assert row.measured is not None
+        seconds = (f"{row.measured.processor_s:.1f}", f"{row.measured.memory_MiB:.0f}")
+        error = ("reference", "")
+        if row.error is not None:
+            error = (percent(row.error.value), percent(row.error.half_width))
+        lines.append((row.point.label, *seconds, *error, row.worst[0] if row.worst else ""))
+    head = ("settings", "processor / s", "MiB", "error", "+-", "of")
+    return console_table(f"error against {study.reference}", head, lines, left=("of",))
 
 
 def advice(table: Sequence[Row]) -> list[str]:

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
-import matplotlib.pyplot as plt
 import typer
 from annotated_types import Len
 from matplotlib.lines import Line2D
@@ -27,7 +26,7 @@ from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records.run_folder import study_folder, write_text
-from orchestrator.output.report.drawing import data_uri, figure, fill_template
+from orchestrator.output.report.drawing import data_uri, figure, fill_template, save
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import (
@@ -235,8 +234,7 @@ def draw_map(spots: Sequence[Spot], file: Path) -> Path:
     drawn.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     drawn.supxlabel("sync interval / largest safe one of the plain scheme", fontsize=10)
     drawn.supylabel("mass of the bed / of the panel", fontsize=10)
-    drawn.savefig(file, dpi=110)
-    plt.close(drawn)
+    save(drawn, file)
     return file
 
 

@@ -7,12 +7,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
-import matplotlib.pyplot as plt
 import typer
 
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import study_folder
-from orchestrator.output.report.drawing import figure
+from orchestrator.output.report.drawing import figure, save
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
 from orchestrator.studies.options import (
@@ -194,8 +193,7 @@ def _plot(
         x=0.01,
         ha="left",
     )
-    drawn.savefig(file, dpi=110)
-    plt.close(drawn)
+    save(drawn, file)
     return file
 
 
