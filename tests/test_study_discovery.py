@@ -26,6 +26,23 @@ def test_a_file_beside_the_others_is_a_command(tmp_path: Path, monkeypatch: pyte
     assert "--seeds" in shown.output
 
 
+def test_an_installed_package_brings_a_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    example = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)[0]
+    entry = re.search(r'entry-points\."(.*?)"\]\n(.*?) = "(.*?)\.(.*?)"\n```', PAGE)
+    assert entry is not None
+    group, name, package, module = entry.groups()
+    about = tmp_path / "my_package-1.0.dist-info"
+    for folder in (tmp_path / package, about):
+        folder.mkdir()
+    (tmp_path / package / f"{module}.py").write_text(example, encoding="utf-8")
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: my-package\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text(f"[{group}]\n{name} = {package}.{module}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    shown = CliRunner().invoke(app, ["study", name, "--help"])
+    assert shown.exit_code == 0, shown.output
+    assert "--seeds" in shown.output
+
+
 def test_another_word_is_refused_with_the_nearest_study() -> None:
     refused = CliRunner().invoke(app, ["study", "sweeep"])
     assert refused.exit_code == 2

@@ -1,4 +1,5 @@
-"""``flipflow study``: every module of ``orchestrator/studies/commands`` is one of its commands."""
+"""``flipflow study``: every module of ``orchestrator/studies/commands`` is one of its commands, and every
+module that an installed package names as an entry point of the group ``flipflow.studies``."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ import functools
 import pkgutil
 from collections.abc import Callable
 from importlib import import_module
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 from orchestrator.studies import commands
 from orchestrator.studies.options import Told
 
+GROUP = "flipflow.studies"
 WIDE = 150  # columns, of what goes into a file
 
 
@@ -23,8 +26,8 @@ class Studies(TyperGroup):
     """The studies that there are; each is imported when it is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Returns their names: those of the modules."""
-        return sorted(module.name.replace("_", "-") for module in pkgutil.iter_modules(commands.__path__))
+        """Returns their names: those of the modules and of entry points."""
+        return sorted({*_own_modules(), *entry_points(group=GROUP).names})
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Returns a study as a command.  Raises BadParameter where there is none of this name."""
@@ -32,10 +35,16 @@ class Studies(TyperGroup):
             from orchestrator.case.file.errors import did_you_mean
 
             raise typer.BadParameter(f'no study "{cmd_name}"; {did_you_mean(cmd_name, names)}')
-        module = import_module(f"{commands.__name__}.{cmd_name.replace('-', '_')}")
+        own = _own_modules().get(cmd_name)
+        module = import_module(own) if own else entry_points(group=GROUP)[cmd_name].load()
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)
         alone.command(cmd_name)(_spoken(module.command))
         return typer.main.get_command(alone)
+
+
+def _own_modules() -> dict[str, str]:
+    modules = (module.name for module in pkgutil.iter_modules(commands.__path__))
+    return {name.replace("_", "-"): f"{commands.__name__}.{name}" for name in modules}
 
 
 study = typer.Typer(cls=Studies, help="Many runs, and what they say together.", no_args_is_help=True)

@@ -62,10 +62,6 @@ class NoPair(Exception):
     """The runs cannot be made, or cannot be relied upon; the message says why."""
 
 
-def _silent(line: str) -> None:
-    pass
-
-
 @dataclass
 class Pairs:
     """Makes pairs, remembers them, and shares runs among them.
@@ -76,7 +72,7 @@ class Pairs:
     """
 
     limit_s: float = LIMIT_S
-    say: Say = _silent
+    say: Say = lambda line: None
     forget: bool = False
     spent_s: float = field(default=0.0, init=False)
     _runs: dict[str, dict[str, Any]] = field(default_factory=dict)

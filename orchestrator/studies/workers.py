@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,27 +49,20 @@ class Crew:
         for _, piece in zip(range(free), waiting, strict=False):
             running.add(client.submit(piece, pure=False))
 
-    @contextmanager
-    def _client(self) -> Iterator[Any]:
-        from distributed import Client, LocalCluster
+    def _client(self) -> Any:
+        from distributed import Client
 
         logging.getLogger("distributed").setLevel(logging.ERROR)  # it does not talk to users
         if self.scheduler:
-            with Client(self.scheduler) as client:
-                yield client
-            return
-        with (
-            LocalCluster(
-                n_workers=1,
-                threads_per_worker=self.workers,
-                processes=False,
-                memory_limit=None,
-                dashboard_address=None,
-                scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any port, not to others
-            ) as cluster,
-            Client(cluster) as client,
-        ):
-            yield client
+            return Client(self.scheduler)
+        return Client(
+            n_workers=1,
+            threads_per_worker=self.workers,
+            processes=False,
+            memory_limit=None,
+            dashboard_address=None,
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any port, not to others
+        )
 
 
 def workers_that_fit() -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.studies.accuracy.combinations import KNOB, Combination
+from orchestrator.studies.accuracy.combinations import ALONE, Combination
 from orchestrator.studies.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
 from orchestrator.studies.metrics import Metrics
 
@@ -22,7 +22,7 @@ def point(*values: float) -> Measured:
         )
         for value in values
     )
-    return Measured(Combination(KNOB, "one"), every)
+    return Measured(Combination(ALONE, "one"), every)
 
 
 def test_nothing_random_has_no_interval() -> None:

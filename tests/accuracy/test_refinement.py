@@ -42,13 +42,13 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
                 assert loaded.case != case
                 assert not find_problems(loaded), setting
     for axis in there.axes:
-        assert not there.own(axis).sets
+        assert any(not setting.sets for series in there.of(axis) for setting in series.settings)
 
 
 def test_a_step_fills_the_sync_interval_as_often_as_its_label_says() -> None:
     case = load_judged(QUICKSTART, "draft").case
-    for knob, key in (("particle-step", "particles"), ("panel-step", "panel")):
-        (series,) = offer(case, [knob], 3).series
+    for name, key in (("particle-step", "particles"), ("panel-step", "panel")):
+        (series,) = offer(case, [name], 3).series
         counts = [
             steps_in(case.coupling.sync_interval_s, float(one.sets[0].partition("=")[2]))
             for one in series.settings[1:]

@@ -35,8 +35,8 @@ SETS = (
 )
 
 
-def asked(out: Path, knobs: tuple[str, ...], *sets: str) -> Asked:
-    return Asked(BALL, "draft", (*SETS, *sets), knobs, 3, 1, 600.0, out, Crew(2), DECISIVE)
+def asked(out: Path, parameters: tuple[str, ...], *sets: str) -> Asked:
+    return Asked(BALL, "draft", (*SETS, *sets), parameters, 3, 1, 600.0, out, Crew(2), DECISIVE)
 
 
 def made(wanted: Asked) -> Study:
@@ -61,8 +61,8 @@ def study(out: Path) -> Study:
     return made(asked(out, ("sync", "panel-mesh")))
 
 
-def family(study: Study, knob: str) -> Converged:
-    return next(one for one in study.families if one.series.parameter == knob)
+def family(study: Study, parameter: str) -> Converged:
+    return next(one for one in study.families if one.series.parameter == parameter)
 
 
 def test_particles_first_is_of_second_order(study: Study) -> None:

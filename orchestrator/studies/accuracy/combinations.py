@@ -15,11 +15,11 @@ from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.cost import particles_at_start, predicted_s
-from orchestrator.studies.accuracy.refinement import Setting
+from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.points import Point, is_random, point, sample_s, sampled_at, seeded
 from orchestrator.studies.workers import Crew
 
-BASE, KNOB, TOGETHER, REFERENCE, CALIBRATION = "base", "knob", "diagonal", "reference", "short"
+BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "knob", "diagonal", "reference", "short"
 
 
 @dataclass(frozen=True)
@@ -53,15 +53,12 @@ class Combination:
 
     @property
     def sets(self) -> tuple[str, ...]:
-        """In the order of the axes."""
-        return tuple(one for setting in self.settings.values() for one in setting.sets)
+        return joint_sets(self.settings)
 
     @property
     def label(self) -> str:
-        """In words."""
-        if self.kind in (BASE, CALIBRATION):
-            return "the case as it is"
-        return "; ".join(f"{axis}: {one.label}" for axis, one in self.settings.items())
+        as_it_is = self.kind in (BASE, CALIBRATION)
+        return "the case as it is" if as_it_is else joint_label(self.settings)
 
     @property
     def ended(self) -> bool:
@@ -95,12 +92,11 @@ def _whole(time_s: Fraction, every: Fraction) -> float:
 
 def named(kind: str, settings: dict[str, Setting]) -> str:
     """A folder's name; what is taken together goes by a checksum of what it is."""
-    if kind == KNOB:
+    if kind == ALONE:
         ((axis, setting),) = settings.items()
         return re.sub(r"[^\w.+-]+", "-", f"{axis}-{setting.label}").strip("-")
     if kind in (TOGETHER, REFERENCE):
-        sets = "\n".join(one for setting in settings.values() for one in setting.sets)
-        return f"together-{zlib.crc32(sets.encode()):08x}"
+        return f"together-{zlib.crc32(chr(10).join(joint_sets(settings)).encode()):08x}"
     return kind
 
 
@@ -109,7 +105,7 @@ def combination(
 ) -> Combination:
     """Checked, and within the budget; ``case`` is the one as it is."""
     name = named(kind, settings)
-    sets = [*asked.sets, *shared, *(one for setting in settings.values() for one in setting.sets)]
+    sets = [*asked.sets, *shared, *joint_sets(settings)]
     runs = []
     try:
         for number in range(asked.seeds if is_random(case) else 1):

@@ -8,7 +8,7 @@ from statistics import median
 
 import numpy as np
 
-from orchestrator.studies.accuracy.combinations import BASE, KNOB, named
+from orchestrator.studies.accuracy.combinations import ALONE, BASE, named
 from orchestrator.studies.accuracy.measured import Error, Measured, Scatter, against, errors
 from orchestrator.studies.accuracy.model import Option
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
@@ -102,18 +102,12 @@ class Converged:
         return last.value / float((before / setting.h) ** self.series.expected - 1)
 
 
-def measured_at(axis: str, setting: Setting, measured: Mapping[str, Measured]) -> Measured | None:
-    """The point at which one axis has this setting and the others the case's own."""
-    name = named(KNOB, {axis: setting}) if setting.sets else BASE
-    return measured.get(name)
-
-
 def converged(
     series: RefinementSeries, measured: Mapping[str, Measured], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
     """None where nothing of it was measured."""
-    every = [(one, measured_at(series.axis, one, measured)) for one in series.settings]
-    found = tuple((one, there) for one, there in every if there is not None)
+    names = ((each, named(ALONE, {series.axis: each}) if each.sets else BASE) for each in series.settings)
+    found = tuple((setting, measured[name]) for setting, name in names if name in measured)
     if not found:
         return None
     _, best = found[-1]

@@ -11,7 +11,7 @@ from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter
 
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.output.report.drawing import LINES, data_uri, figure, fill_template, save
-from orchestrator.studies.accuracy.combinations import BASE, KNOB, REFERENCE, TOGETHER
+from orchestrator.studies.accuracy.combinations import ALONE, BASE, REFERENCE, TOGETHER
 from orchestrator.studies.accuracy.convergence import Compared, Converged, Order, compare_axis
 from orchestrator.studies.accuracy.measured import Error
 from orchestrator.studies.accuracy.refinement import PARAMETERS
@@ -129,7 +129,7 @@ def _groups(study: Study, table: Sequence[Row]) -> list[tuple[list[Row], str, st
     shown = [row for row in table if row.error is not None]
     found = []
     for number, (axis, title) in enumerate(study.listed.offer.titles.items()):
-        mine = [r for r in shown if r.point.kind == KNOB and axis in r.point.settings]
+        mine = [r for r in shown if r.point.kind == ALONE and axis in r.point.settings]
         mark, colour = MARKS[number % len(MARKS)], LINES[number % len(LINES)]
         found.append((mine, mark, colour, f"{title} only"))
     together = [r for r in shown if r.point.kind in (TOGETHER, REFERENCE)]

@@ -37,7 +37,7 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
-from orchestrator.studies.accuracy.refinement import Setting
+from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.metrics import DECISIVE, happens
 from orchestrator.studies.points import point, run_points
 from orchestrator.studies.workers import Crew
@@ -102,26 +102,21 @@ class Stored:
 
     def cheapest(self, tolerance: float) -> Candidate | None:
         """Measured, or predicted where nothing measured is so cheap."""
-        within = [one for one in self.measured() if one.error <= tolerance]
-        proposal = self.model().cheapest(tolerance - self.chance)
-        if proposal is not None:
-            within.append(_candidate(proposal, self.chance))
-        return min(within, key=lambda one: one.processor_s, default=None)
+        within = [each for each in self.measured() if each.error <= tolerance]
+        within += self._predicted(self.model().cheapest(tolerance - self.chance))
+        return min(within, key=lambda each: each.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
         """With the least error for so much processor time."""
-        within = [one for one in self.measured() if one.processor_s <= budget_s]
-        proposal = self.model().best(budget_s, "cheapest")
-        if proposal is not None:
-            within.append(_candidate(proposal, self.chance))
-        return min(within, key=lambda one: one.error, default=None)
+        within = [each for each in self.measured() if each.processor_s <= budget_s]
+        within += self._predicted(self.model().best(budget_s, "cheapest"))
+        return min(within, key=lambda each: each.error, default=None)
 
-
-def _candidate(proposal: Proposal, chance: float) -> Candidate:
-    settings = proposal.settings
-    label = "; ".join(f"{axis}: {one.label}" for axis, one in settings.items())
-    sets = tuple(each for one in settings.values() for each in one.sets)
-    return Candidate(label or "the case as it is", sets, proposal.error + chance, proposal.processor_s, False)
+    def _predicted(self, proposal: Proposal | None) -> list[Candidate]:
+        if proposal is None:
+            return []
+        label, error = joint_label(proposal.settings) or "the case as it is", proposal.error + self.chance
+        return [Candidate(label, joint_sets(proposal.settings), error, proposal.processor_s, False)]
 
 
 def measured_verdict(effect: str, verdict: Verdict, study: Stored) -> Verdict:

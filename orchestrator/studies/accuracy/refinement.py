@@ -7,7 +7,7 @@ coarse to fine, each of which goes to one answer; series that exclude each other
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, cast
 
@@ -66,6 +66,16 @@ class Setting:
     made_from_run: Literal["", "recording", "motion"] = ""
 
 
+def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
+    """Returns the ``--set`` overlays of settings by axis, in the order of the axes."""
+    return tuple(overlay for setting in settings.values() for overlay in setting.sets)
+
+
+def joint_label(settings: Mapping[str, Setting]) -> str:
+    """Returns settings by axis in words."""
+    return "; ".join(f"{axis}: {setting.label}" for axis, setting in settings.items())
+
+
 @dataclass(frozen=True)
 class RefinementSeries:
     """Settings from coarse to fine that go to one answer.
@@ -106,11 +116,6 @@ class Offer:
 
     series: tuple[RefinementSeries, ...]
     missing: dict[str, str]
-
-    def own(self, axis: str) -> Setting:
-        """Returns the case's own setting on an axis."""
-        settings = (setting for series in self.of(axis) for setting in series.settings)
-        return next((s for s in settings if not s.sets), Setting("as it is"))
 
     def of(self, axis: str) -> list[RefinementSeries]:
         """Returns the series on an axis."""

@@ -1,7 +1,7 @@
-"""The study: the case as it is, its knobs one at a time, then what these propose together.
+"""The study: the case as it is, its refinement parameters one at a time, then what these propose together.
 
 First the case as it is and a short part of it (``flipflow plan`` compares machines by that), then
-each setting of each knob.  From these follow the reference, the best that the budget allows, and
+each setting of each parameter.  From these follow the reference, the best that the budget allows, and
 the diagonal: for each tolerance the settings that should meet it at the least cost.
 """
 
@@ -17,9 +17,9 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.judge import NUMERICS, JudgedCase
 from orchestrator.studies.accuracy.combinations import (
+    ALONE,
     BASE,
     CALIBRATION,
-    KNOB,
     REFERENCE,
     TOGETHER,
     Asked,
@@ -33,7 +33,7 @@ from orchestrator.studies.accuracy.combinations import (
 from orchestrator.studies.accuracy.convergence import Converged, all_converged, options, remaining
 from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, read, scatter
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
-from orchestrator.studies.accuracy.refinement import Offer, Setting, offer
+from orchestrator.studies.accuracy.refinement import Offer, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
 from orchestrator.studies.metrics import QUANTITIES, happens
 from orchestrator.studies.points import Point, check_case, is_random, run_points
@@ -95,7 +95,7 @@ def listed(asked: Asked) -> Listed:
     for series in there.series:
         for setting in series.settings:
             if setting.sets and not setting.made_from_run:
-                points.append(combination(asked, loaded.case, shared, KNOB, {series.axis: setting}))
+                points.append(combination(asked, loaded.case, shared, ALONE, {series.axis: setting}))
     return Listed(asked, loaded, there, shared, points, _known(asked))
 
 
@@ -162,10 +162,10 @@ def _made_points(there: Listed, run: Path) -> list[Combination]:
                 else:
                     sets = list(drives(run))
                 made = replace(setting, sets=(*setting.sets, *sets))
-                point = combination(there.asked, there.loaded.case, there.shared, KNOB, {series.axis: made})
+                point = combination(there.asked, there.loaded.case, there.shared, ALONE, {series.axis: made})
             except CaseError as error:
-                name = named(KNOB, {series.axis: setting})
-                point = Combination(KNOB, name, {series.axis: setting}, omitted=str(error.problems[0]))
+                name = named(ALONE, {series.axis: setting})
+                point = Combination(ALONE, name, {series.axis: setting}, omitted=str(error.problems[0]))
             points.append(point)
     return points
 
@@ -208,7 +208,7 @@ def _proposed(before: Study) -> list[tuple[Combination, Proposal]]:
     for kind, proposal in wanted:
         if proposal is None:
             continue
-        sets = tuple(x for one in proposal.settings.values() for x in one.sets)
+        sets = joint_sets(proposal.settings)
         if sets not in known:
             case, shared = before.listed.loaded.case, before.listed.shared
             known[sets] = combination(asked, case, shared, kind, proposal.settings)
