@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.case import distributions as known
-from orchestrator.case.distributions import DEBIAN, PYPI, Distribution, departures
-from orchestrator.case.provenance import provenance, versions
+from orchestrator.case import provenance as known
+from orchestrator.case.provenance import DEBIAN, PYPI, Distribution, departures, provenance, versions
 
 CHECKOUT = Path(__file__).parents[1]
 # Imports every module of the project, and tells the files of all that came with them.
@@ -122,7 +121,7 @@ def test_a_folder_on_the_path_does_not_go_unsaid(tmp_path: Path) -> None:
     info = tmp_path / "pandas-1.5.3.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: pandas\nVersion: 1.5.3\n")
-    code = "from orchestrator.case.distributions import warnings; print(warnings())"
+    code = "from orchestrator.case.provenance import warnings; print(warnings())"
     done = subprocess.run(
         [sys.executable, "-c", code],
         capture_output=True,

@@ -1,6 +1,6 @@
 """Reads a case: ``case.toml``, overlaid by ``levels/<level>.toml``, overlaid by ``--set``.
 
-An overlay may give any key; overlays.py says how it is laid over what is there.  Nothing is judged
+An overlay may give any key; file/layers.py says how it is laid over what is there.  Nothing is judged
 here: what the key ``effects`` leaves out is decided afterwards, in orchestrator/preflight/judge.py.
 """
 
@@ -23,11 +23,9 @@ from orchestrator.case.file.errors import (
     shown,
     visible,
 )
+from orchestrator.case.file.layers import Layers, Origin, parsed, read_toml
 from orchestrator.case.file.loss_curve import damped
-from orchestrator.case.file.origin import Origin
-from orchestrator.case.file.overlays import Layers, parsed
 from orchestrator.case.file.slice import sliced
-from orchestrator.case.file.toml_file import read_toml
 from orchestrator.case.tables.case import Case
 
 EFFECTS = ("effects", "effects_for")

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.units import unit_of
+from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports.recording import RecordedGrid, Recording
 
 FORMAT = 2

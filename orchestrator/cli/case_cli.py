@@ -116,7 +116,7 @@ def list_cases(
 def _case_lines(folder: Path) -> Iterator[str]:
     """Yields a line for each case in a folder, and one for its levels."""
     from orchestrator.case.file.errors import CaseError, visible
-    from orchestrator.case.file.toml_file import read_toml
+    from orchestrator.case.file.layers import read_toml
     from orchestrator.case.load import level_names
     from orchestrator.preflight.judge import load_judged
 

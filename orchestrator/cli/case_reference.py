@@ -17,7 +17,7 @@ from pydantic.fields import FieldInfo
 
 from orchestrator.case.solvers import Port, SolverName, adapter, names
 from orchestrator.case.tables.case import Case
-from orchestrator.case.units import unit_of
+from orchestrator.case.tables.quantities import unit_of
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Part
 

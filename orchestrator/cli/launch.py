@@ -21,7 +21,7 @@ from typing import IO, Any, cast
 
 from rich.console import Console
 
-from orchestrator.case import distributions, solvers
+from orchestrator.case import provenance, solvers
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import TOO_LARGE, find_all_problems
 from orchestrator.coupling import mpi
@@ -128,7 +128,7 @@ def execute(
             stability = stability_report(loaded.case)
             lines = [
                 *warned,
-                *distributions.warnings(),
+                *provenance.warnings(),
                 *warnings(loaded),
                 *formatting.warnings(stability),
                 *at_start(entries),

@@ -56,8 +56,7 @@ app = typer.Typer(help=HELP, no_args_is_help=True, add_completion=False, rich_ma
 def _say_versions(wanted: bool) -> None:
     if not wanted:
         return
-    from orchestrator.case.distributions import warnings
-    from orchestrator.case.provenance import commit, versions
+    from orchestrator.case.provenance import commit, versions, warnings
 
     for name, number in versions().items():
         typer.echo(f"{name} {number or 'not installed'}")

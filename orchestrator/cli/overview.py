@@ -7,16 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.contact_times import shortest_rayleigh_s
-from orchestrator.case.bed.particle_step import particle_step_s
 from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
-from orchestrator.case.deck.surface_grids import surface_grids
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.file.loss_curve import compared, moduli, rows
-from orchestrator.case.planning import material_numbers
-from orchestrator.case.planning.panel_meshes import meshes
-from orchestrator.case.tables.case import Case
+from orchestrator.case.solver_plans import material_numbers, meshes, particle_step_s
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
 from orchestrator.preflight.check import warnings

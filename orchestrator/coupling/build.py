@@ -11,12 +11,11 @@ import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.feed import Feeds
-from orchestrator.case.bed.material_book import CountedFeed, MaterialBook
-from orchestrator.case.bed.material_watch import MaterialWatch
-from orchestrator.case.bed.particle_lists import nobody
-from orchestrator.case.deck.opening_places import smaller_sides_m
+from orchestrator.case.bed.material_book import CountedFeed, MaterialBook, MaterialWatch
+from orchestrator.case.bed.packing import no_particles
+from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
-from orchestrator.case.planning import bushings, frames_plan, particles_plan
+from orchestrator.case.solver_plans import bushings, frames_plan, particles_plan
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, fix_clamps, ignore_load
 from orchestrator.coupling.bushing_forces import BushingForces
@@ -94,7 +93,7 @@ def _open_machine(
     centres = {part.name: clamps.start for part, clamps in zip(frames, clamps_of_frames, strict=True)}
     # plans of the other solvers
     particles_wanted = particles_plan(case, surface, world, folder)
-    start_list = particles_wanted.particles if particles_wanted is not None else nobody()
+    start_list = particles_wanted.particles if particles_wanted is not None else no_particles()
     problems = find_problems_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
     if problems:
         raise CaseError(problems)

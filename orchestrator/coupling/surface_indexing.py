@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.case.deck.panels import SinglePanel, single_panels
-from orchestrator.case.planning import material_numbers
+from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, PlacedProbe
 from orchestrator.coupling.panel_set import PanelSet

@@ -16,8 +16,7 @@ from pydantic import ValidationError
 
 from orchestrator.case.file.deck_layout import laid_out
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, shown
-from orchestrator.case.file.origin import Origin
-from orchestrator.case.file.overlays import Layers, changed
+from orchestrator.case.file.layers import Layers, Origin, changed
 from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, validated
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case

@@ -9,8 +9,7 @@ import tomli_w
 
 from orchestrator.case.file.deck_layout import laid_out
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.overlays import Layers, parsed
-from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.file.layers import Layers, parsed, read_toml
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import dropped

@@ -11,7 +11,7 @@ from typing import Any
 
 from rich.console import Console
 
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.coupling.build import build
 from orchestrator.coupling.ledger import Ledger
 from orchestrator.coupling.machine import Machine

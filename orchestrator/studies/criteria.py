@@ -19,7 +19,7 @@ from pydantic import ValidationError
 from rich.table import Table as Printed
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
-from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.file.layers import read_toml
 from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Switch, Table
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.preflight.stability.report import stability_report

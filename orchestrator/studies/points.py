@@ -18,7 +18,7 @@ from typing import Any
 
 from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.overlays import changed
+from orchestrator.case.file.layers import changed
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, resolved_case, write_json

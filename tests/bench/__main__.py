@@ -11,7 +11,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.judge import load_judged
 from tests.bench import coupling, effects
 

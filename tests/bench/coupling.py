@@ -14,7 +14,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.coupling.schemes.scheme import initial_state

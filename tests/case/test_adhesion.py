@@ -10,8 +10,7 @@ import pytest
 
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion, sticky_contacts
 from orchestrator.case.bed.contact_times import contact_moduli, reduced_modulus_Pa, shortest_rayleigh_s
-from orchestrator.case.bed.particle_step import particle_step_s
-from orchestrator.case.planning import material_numbers
+from orchestrator.case.solver_plans import material_numbers, particle_step_s
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.plans import Jkr, Sjkr
 from orchestrator.preflight.judgement.catalogue import left_out

@@ -9,9 +9,8 @@ import pytest
 
 from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.deck.perforated_grid import BadMesh, perforated_grid, quality
-from orchestrator.case.deck.surface_grids import surface_grids
-from orchestrator.case.planning.panel_meshes import mesh_sizes
+from orchestrator.case.deck.triangle_grid import BadMesh, perforated_grid, quality, surface_grids
+from orchestrator.case.solver_plans import mesh_sizes
 from orchestrator.cli.overview import overview
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.preflight.judge import load_judged

@@ -10,7 +10,7 @@ import tomli_w
 
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.file.errors import CaseError
-from orchestrator.case.planning import material_numbers
+from orchestrator.case.solver_plans import material_numbers
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written

@@ -16,7 +16,7 @@ from orchestrator.case.bed.contact_times import (
     reduced_modulus_Pa,
     shortest_rayleigh_s,
 )
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Hyperelastic, Material
 from tests.case.cases import loaded
 

@@ -9,7 +9,7 @@ from typing import get_args
 
 import pytest
 
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
 from orchestrator.case.tables.quantities import Table
 from orchestrator.preflight.cost import (

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.file.layers import read_toml
 
 CASES = Path(__file__).parents[2] / "cases"
 LOADED = ("ffs0827-slice", "ffs0827", "ffs0827-panelpair", "ffs0827-effects", "banana")

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from orchestrator.case.file.errors import CaseError
-from orchestrator.case.file.overlays import Layers
+from orchestrator.case.file.layers import Layers
 from orchestrator.case.load import validated
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged

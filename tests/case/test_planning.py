@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.case.deck.panels import axes, single_panels, to_world
-from orchestrator.case.planning import frames_plan, material_numbers, panel_plans, particles_plan
+from orchestrator.case.solver_plans import frames_plan, material_numbers, panel_plans, particles_plan
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan

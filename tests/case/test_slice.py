@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from orchestrator.case.deck.panels import walls
-from orchestrator.case.file import slice_surfaces
-from orchestrator.case.file.slice import share
-from orchestrator.case.planning import panel_plans, particles_plan
+from orchestrator.case.file.slice import cut_triangles, share
+from orchestrator.case.solver_plans import panel_plans, particles_plan
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import load_judged
 from tests.case.cases import BLOCK, FEED, loaded, only_complaint
@@ -103,13 +102,13 @@ def test_a_cut_keeps_area_orientation_and_neighbours() -> None:
     position_m = random.uniform(-1.0, 1.0, (30, 3))
     triangles = np.array([[3 * k, 3 * k + 1, 3 * k + 2] for k in range(10)])
     parts = [
-        slice_surfaces.cut(position_m, triangles, between, None)
+        cut_triangles(position_m, triangles, between, None)
         for between in ((-1.0, -0.3), (-0.3, 0.4), (0.4, 1.0))
     ]
     areas = [area_m2(place[numbers]) for place, numbers in parts]
     assert sum(areas) == pytest.approx(area_m2(position_m[triangles]), rel=1e-9)
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
-    place, numbers = slice_surfaces.cut(square, np.array([[0, 1, 2], [0, 2, 3]]), (0.2, 0.7), None)
+    place, numbers = cut_triangles(square, np.array([[0, 1, 2], [0, 2, 3]]), (0.2, 0.7), None)
     a, b, c = place[numbers].transpose(1, 0, 2)
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
     assert len(place) == 6  # four corners, and where the diagonal leaves

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 
 from orchestrator.case.file.plausible import RANGES
 from orchestrator.case.tables.case import Case
-from orchestrator.case.units import unit_of
+from orchestrator.case.tables.quantities import unit_of
 from orchestrator.cli import case_reference
 
 # keys of pure numbers

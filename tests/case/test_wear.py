@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case.planning import particles_plan
+from orchestrator.case.solver_plans import particles_plan
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan

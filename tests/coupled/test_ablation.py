@@ -9,7 +9,7 @@ import pytest
 
 from adapters.frames import two_mass
 from adapters.particles import liggghts
-from orchestrator.case.planning import frames_plan, particles_plan
+from orchestrator.case.solver_plans import frames_plan, particles_plan
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval

@@ -13,7 +13,7 @@ from annotated_types import Ge, Le, Len
 from pydantic import Strict, ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
-from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.file.layers import read_toml
 from orchestrator.case.scalars import scalar
 from orchestrator.case.tables.quantities import Name, OneLine, Positive, Table
 from orchestrator.preflight.judgement.catalogue import EFFECTS

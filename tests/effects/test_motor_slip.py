@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.case.planning import frames_plan
+from orchestrator.case.solver_plans import frames_plan
 from orchestrator.case.tables.frames import Exciter
 from orchestrator.output.results.observed import angle_rad
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present

@@ -9,7 +9,7 @@ import pytest
 from scipy.stats import binom
 
 from orchestrator.case.deck.openings import straight_passing
-from orchestrator.case.deck.perforated_grid import perforated_grid
+from orchestrator.case.deck.triangle_grid import perforated_grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
 from tests.particles.contract import SOLVERS, Run, one, particles, plan, solver_module

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from orchestrator.case.bed.packing import block
-from orchestrator.case.bed.particle_sizes import counts, diameters_m, shares
+from orchestrator.case.bed.size_distribution import counts, diameters_m, shares
 from orchestrator.ports import Array
 from orchestrator.ports.plans import ParticleList
 from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m

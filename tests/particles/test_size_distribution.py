@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from orchestrator.case.bed.particle_sizes import diameters_m
-from orchestrator.case.bed.size_distribution import classes, faults, finer_share, share_left_out
+from orchestrator.case.bed.size_distribution import classes, diameters_m, faults, finer_share, share_left_out
 from orchestrator.case.tables.bed import Block
 
 CURVE = [(0.002, 0.0), (0.004, 0.3), (0.01, 0.9), (0.02, 1.0)]

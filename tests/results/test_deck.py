@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from orchestrator.case.deck.line import DeckLine, deck_line, joined, over
-from orchestrator.case.deck.opening_places import openings_m
+from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
 from orchestrator.output.results.run_reader import cut_size_m

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.judge import load_judged
 from tests.bench.coupling import BLOCK, Runner, bench

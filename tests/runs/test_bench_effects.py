@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.planning import particles_plan
+from orchestrator.case.solver_plans import particles_plan
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, present

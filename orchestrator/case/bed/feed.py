@@ -6,14 +6,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, product
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import places
-from orchestrator.case.bed.particle_lists import joined, nobody
-from orchestrator.case.bed.particle_sizes import SizeInterval, shares
-from orchestrator.case.bed.random_state import set_words, words
+from orchestrator.case.bed.packing import concatenated, no_particles, places
+from orchestrator.case.bed.size_distribution import SizeInterval, shares
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import sphere_mass_kg
@@ -124,11 +123,11 @@ class RateFeed:
         self._offered = np.empty(0, dtype=np.int64)
 
     def save(self) -> Saved:
-        return save_attributes(self, *_STATE) | {"generator": words(self._generator)}
+        return save_attributes(self, *_STATE) | {"generator": _generator_state(self._generator)}
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_STATE)
-        set_words(self._generator, saved["generator"])
+        _set_generator_state(self._generator, saved["generator"])
 
     def _draw(self) -> None:
         drawn_m = []
@@ -175,10 +174,10 @@ class Feeds:
     def due(self, interval: Interval) -> ParticleList:
         if interval.index % (self._every * interval.parts):
             self._offered = [0] * len(self.feeds)
-            return nobody()
+            return no_particles()
         offers = [feed.due(interval) for feed in self.feeds]
         self._offered = [len(offer) for offer in offers]
-        return joined(offers)
+        return concatenated(offers)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         if not sum(self._offered):
@@ -204,3 +203,22 @@ def apart(one: Inlet, two: Inlet) -> bool:
         if (second.max(axis=0) <= first.min(axis=0) + SAME_PLACE_M).any():
             return True
     return False
+
+
+def _generator_state(generator: np.random.Generator) -> npt.NDArray[np.uint64]:
+    """Returns the state of a PCG64 generator: its two 128-bit numbers in halves, and what is left over of
+    its last 64 bits."""
+    state: Any = generator.bit_generator.state
+    halves = [half for key in ("state", "inc") for half in divmod(state["state"][key], 2**64)]
+    return np.array([*halves, state["has_uint32"], state["uinteger"]], dtype=np.uint64)
+
+
+def _set_generator_state(generator: np.random.Generator, words: npt.NDArray[np.uint64]) -> None:
+    high, low, inc_high, inc_low, has_more, more = map(int, words)
+    numbers = {"state": high * 2**64 + low, "inc": inc_high * 2**64 + inc_low}
+    generator.bit_generator.state = {
+        "bit_generator": "PCG64",
+        "state": numbers,
+        "has_uint32": has_more,
+        "uinteger": more,
+    }

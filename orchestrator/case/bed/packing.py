@@ -8,11 +8,12 @@ some 38 % of a large volume this way (Widom, B., Journal of Chemical Physics 44,
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.particle_sizes import SizeInterval, diameters_m
+from orchestrator.case.bed.size_distribution import SizeInterval, diameters_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.ports.plans import ParticleList
@@ -114,3 +115,15 @@ def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Arr
         cKDTree(others_m), radius_m.max() + radii_m.max(), output_type="ndarray"
     )
     return np.asarray(found["i"][found["v"] < radius_m[found["i"]] + radii_m[found["j"]]])
+
+
+def no_particles() -> ParticleList:
+    """An empty list of particles."""
+    places, nothing = np.empty((0, 3)), np.empty(0)
+    return ParticleList(places, places, places, nothing, nothing, nothing.astype(np.int64))
+
+
+def concatenated(lists: Sequence[ParticleList]) -> ParticleList:
+    """The particles of one or more lists as one list, in order."""
+    columns = (field.name for field in fields(ParticleList))
+    return ParticleList(*(np.concatenate([getattr(one, name) for one in lists]) for name in columns))

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.packing import block
-from orchestrator.case.bed.particle_lists import joined
+from orchestrator.case.bed.packing import block, concatenated
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
@@ -29,7 +28,7 @@ class NoRoom(Exception):
 def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
     """Single particles, then blocks; ``numbers`` are the materials'.  Raises NoRoom."""
     blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
-    return joined([_single_particles(case, numbers), *blocks])
+    return concatenated([_single_particles(case, numbers), *blocks])
 
 
 def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:

@@ -1,12 +1,36 @@
-"""What a panel's openings mean for its particles, in words and numbers for ``flipflow check``."""
+"""The openings of a case: where they are, and what they let through."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from orchestrator.case.deck.panels import perforated
+import numpy as np
+
+from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels
 from orchestrator.case.tables.case import Case
+from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle
+
+
+def openings_m(case: Case) -> Array:
+    """(openings, 3) centres, on the straight line between the clamps; none gives (0, 3)."""
+    return np.vstack([np.empty((0, 3)), *(_centres_m(panel) for panel in single_panels(case))])
+
+
+def _centres_m(panel: SinglePanel) -> Array:
+    if panel.apertures is None:
+        return np.empty((0, 3))
+    at = panel.rectangle
+    s, y = panel.apertures.centres_m(at).T
+    along = np.outer(s * at.span_m / at.length_m, at.along)
+    return np.asarray(at.corner_m + along + np.outer(y, at.across))
+
+
+def smaller_sides_m(case: Case) -> Iterator[float]:
+    """Of the openings of each panel that has any."""
+    for panel in single_panels(case):
+        if panel.apertures is not None:
+            yield min(panel.apertures.length_m, panel.apertures.width_m)
 
 
 def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:

@@ -1,4 +1,5 @@
-"""From the case's deck axes to the world, and from rows of panels to single ones."""
+"""From the case's deck axes to the world: panels, the beams below them, rigid surfaces, and the
+time that material stays on the deck."""
 
 from __future__ import annotations
 
@@ -12,9 +13,11 @@ import numpy as np
 from orchestrator.case.deck import stl
 from orchestrator.case.file.slice import cut_surface
 from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.deck import Stop
 from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern, Rectangle
+from orchestrator.ports.plans import StopPlan
 
 
 def axes(case: Case) -> Array:
@@ -127,3 +130,59 @@ def plate_corners_m(surface: Surface) -> Array:
     """(4, 3) of a plate, in deck axes."""
     corner, (one, two) = np.array(surface.corner_m), np.array(surface.edges_m)
     return np.array([corner, corner + one, corner + one + two, corner + two])
+
+
+USUAL, MOST = 0.1, 1.0
+"""k dt^2 / m of a layer of stiffness k under a mass m per area; beyond 4 it is unstable."""
+
+
+def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
+    """Of one panel, in the order of the case."""
+    return tuple(_stop(case, panel, name, row) for name, row in panel.table.stops.items())
+
+
+def stiffest_Pa_per_m(case: Case, panel: SinglePanel) -> float:
+    """What the sync interval allows."""
+    return MOST * areal_mass_kg_per_m2(case, panel) / case.coupling.sync_interval_s**2
+
+
+def areal_mass_kg_per_m2(case: Case, panel: SinglePanel) -> float:
+    """Mass of the panel per area, openings and all."""
+    solid = 1.0 if panel.apertures is None else panel.apertures.material_share(panel.rectangle)
+    density_kg_per_m3 = case.materials[panel.table.material].density_kg_per_m3
+    return density_kg_per_m3 * panel.table.thickness_m * solid
+
+
+def _stop(case: Case, panel: SinglePanel, name: str, row: Stop) -> StopPlan:
+    mass_kg_per_m2 = areal_mass_kg_per_m2(case, panel)
+    stiffness_Pa_per_m = row.stiffness_Pa_per_m or USUAL / MOST * stiffest_Pa_per_m(case, panel)
+    nearer = (row.from_m + row.to_m) / 2 > panel.table.length_m / 2
+    return StopPlan(
+        name=name,
+        frame=row.frame or panel.frames[nearer],
+        from_m=row.from_m,
+        to_m=row.to_m,
+        gap_m=row.gap_m,
+        stiffness_Pa_per_m=stiffness_Pa_per_m,
+        damping_Pa_s_per_m=2 * row.damping_ratio * math.sqrt(stiffness_Pa_per_m * mass_kg_per_m2),
+    )
+
+
+TRANSPORT_M_S = 0.34
+"""Speed of the material: 40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al.,
+Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
+
+
+def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_S) -> float:
+    """Time on the deck; infinite where nothing leaves."""
+    return deck_length_m(case) / transport_m_per_s if case.screen.exits else math.inf
+
+
+def deck_length_m(case: Case) -> float:
+    """From the first panel's upper end to the last one's lower end; 0 without panels."""
+    ends_m = [
+        panel.rectangle.mounted(np.array([[along_m, 0.0]]))[0]
+        for panel in single_panels(case)
+        for along_m in (0.0, panel.rectangle.length_m)
+    ]
+    return float(np.linalg.norm(np.ptp(ends_m, axis=0))) if ends_m else 0.0

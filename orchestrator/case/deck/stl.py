@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case.file.toml_file import is_outside
+from orchestrator.case.file.layers import is_outside
 from orchestrator.ports import Array, Indices
 
 LARGEST_BYTES = 200_000_000  # four million triangles

@@ -1,13 +1,23 @@
-"""Triangles over a panel that particles touch, in material coordinates."""
+"""The triangles that particles touch on each panel, in material coordinates.
+
+A panel with openings is meshed by gmsh (C. Geuzaine, J.-F. Remacle, Int. J. Numer. Meth. Engng 79
+(2009) 1309-1331, doi 10.1002/nme.2579).  The openings' outlines are edges of triangles.  Between
+them stands no point that need not be there (gmsh's constrained Delaunay triangulation of the given
+points only): fewer triangles make a faster run.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.geometry import Rectangle
+from orchestrator.ports.geometry import AperturePattern, Rectangle
+from orchestrator.ports.meshing import gmsh_session
 
 
 @dataclass(frozen=True)
@@ -41,3 +51,174 @@ def grid(rectangle: Rectangle, cells: tuple[int, int]) -> TriangleGrid:
     two = np.where(even[:, None], np.column_stack([a, c, d]), np.column_stack([b, c, d]))
     coordinates = np.column_stack([np.repeat(s, rows), np.tile(y, len(s))])
     return TriangleGrid(coordinates, np.vstack([one, two]).astype(np.int64), number[:, rows // 2])
+
+
+GIVEN_POINTS_ONLY = 3  # gmsh's Mesh.Algorithm "initial mesh only"
+SMALLEST_ANGLE_DEG = 1.0
+
+
+class BadMesh(ValueError):
+    """Triangles that are too thin, or that do not cover the panel's material."""
+
+
+@dataclass(frozen=True)
+class Quality:
+    """``least_angle_deg`` of all triangles, ``longest_m`` edge, ``covered_m2`` by triangles."""
+
+    least_angle_deg: float
+    longest_m: float
+    covered_m2: float
+
+
+def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tuple[int, int]) -> TriangleGrid:
+    """Triangles over the material between the openings and under both clamps.
+
+    ``cells`` along the free length and across say how large triangles may be where there are no
+    openings, and how often an opening's sides are divided.  The same on every run.  The points of
+    ``centre_line`` belong to no triangle, because openings may be there.
+    Raises SolverMissing without gmsh, BadMesh for triangles that are no good.
+    """
+    size_m = min(rectangle.length_m / cells[0], rectangle.width_m / cells[1])
+    border = _border_m(rectangle, size_m)
+    outline = _divided(apertures.outline_m(), size_m)
+    holes = [outline + centre for centre in apertures.centres_m(rectangle)]
+    inner = _between_m(rectangle, apertures, size_m)
+    points, triangles = _triangulated([border, *holes], inner)
+    points, triangles = _with_clamps(rectangle, points, triangles)
+    s = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
+    line = np.column_stack([s, np.full(len(s), rectangle.width_m / 2)])
+    made = TriangleGrid(np.vstack([points, line]), triangles, np.arange(len(line)) + len(points))
+    _inspect(made, rectangle, len(holes) * _area_m2(outline))
+    return made
+
+
+def quality(grid: TriangleGrid) -> Quality:
+    """Figures of all triangles; an area is negative where a triangle is turned over."""
+    corners = grid.coordinates_m[grid.triangles]
+    sides = np.roll(corners, -1, axis=1) - corners  # (m, 3, 2)
+    length_m = np.linalg.norm(sides, axis=2)
+    before = -np.roll(sides, 1, axis=1)
+    cross = sides[..., 0] * before[..., 1] - sides[..., 1] * before[..., 0]
+    angle = np.arctan2(cross, np.einsum("mij,mij->mi", sides, before))
+    return Quality(float(np.degrees(angle.min())), float(length_m.max()), float(cross[:, 0].sum() / 2))
+
+
+def _inspect(grid: TriangleGrid, rectangle: Rectangle, open_m2: float) -> None:
+    found = quality(grid)
+    if not found.least_angle_deg >= SMALLEST_ANGLE_DEG:
+        raise BadMesh(
+            f"a triangle between the openings has an angle of {found.least_angle_deg:.2g} deg "
+            f"(at least {SMALLEST_ANGLE_DEG:g} wanted): wider lands or more surface_cells"
+        )
+    whole_m2 = (rectangle.length_m + 2 * rectangle.clamp_m) * rectangle.width_m
+    if abs(found.covered_m2 - (whole_m2 - open_m2)) > 1e-9 * whole_m2:
+        raise BadMesh(
+            f"the triangles cover {found.covered_m2:.9g} m2, the material between the openings "
+            f"{whole_m2 - open_m2:.9g} m2"
+        )
+
+
+def _border_m(rectangle: Rectangle, size_m: float) -> Array:
+    """The free length's outline, divided evenly, anticlockwise."""
+    a, b = rectangle.length_m, rectangle.width_m
+    return _divided(np.array([[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]), size_m)
+
+
+def _divided(polygon: Array, size_m: float) -> Array:
+    """Each side in equal pieces of about ``size_m``."""
+    pieces = []
+    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        count = max(round(math.dist(start, end) / size_m), 1)
+        pieces.append(start + np.arange(count)[:, None] / count * (end - start))
+    return np.vstack(pieces)
+
+
+def _between_m(rectangle: Rectangle, apertures: AperturePattern, size_m: float) -> Array:
+    """Points ``size_m`` apart inside the free length, no nearer than half of that to an opening."""
+    along, across = (max(round(x / size_m), 1) for x in (rectangle.length_m, rectangle.width_m))
+    s = np.linspace(0.0, rectangle.length_m, along + 1)[1:-1]
+    y = np.linspace(0.0, rectangle.width_m, across + 1)[1:-1]
+    centres = apertures.centres_m(rectangle)
+    reach = np.array([apertures.length_m, apertures.width_m]) / 2 + size_m / 2
+    free = np.ones((len(s), len(y)), dtype=bool)
+    for centre in centres:
+        near = np.abs(s - centre[0])[:, None] < reach[0]
+        free &= ~(near & (np.abs(y - centre[1])[None, :] < reach[1]))
+    i, j = np.nonzero(free)
+    return np.column_stack([s[i], y[j]])
+
+
+def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
+    """Points (n, 2) and triangles of the area in the first loop less the others."""
+    with gmsh_session() as gmsh:
+        gmsh.option.setNumber("Mesh.Algorithm", GIVEN_POINTS_ONLY)
+        model, mesh = gmsh.model.geo, gmsh.model.mesh
+        numbers = []
+        for loop in loops:
+            points = [model.addPoint(s, y, 0.0) for s, y in loop]
+            lines = [
+                model.addLine(one, two) for one, two in zip(points, [*points[1:], points[0]], strict=True)
+            ]
+            numbers.append(model.addCurveLoop(lines))
+        area = model.addPlaneSurface(numbers)
+        free = [model.addPoint(s, y, 0.0) for s, y in inner]
+        model.synchronize()
+        if free:
+            mesh.embed(0, free, 2, area)
+        for _, line in gmsh.model.getEntities(1):
+            mesh.setTransfiniteCurve(line, 2)
+        mesh.generate(2)
+        tags, places, _ = mesh.getNodes()
+        _, _, corners = mesh.getElements(2, area)
+    order = np.argsort(tags)
+    points = places.reshape(-1, 3)[order, :2]
+    triangles = np.searchsorted(tags[order], corners[0].reshape(-1, 3))
+    return points, triangles.astype(np.int64)
+
+
+def _with_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tuple[Array, Indices]:
+    """Adds the strip under each clamp: two triangles for each piece of the clamp's edge."""
+    if rectangle.clamp_m == 0.0:
+        return points, triangles
+    slack = 1e-9 * rectangle.length_m
+    for edge, beyond in ((0.0, -1.0), (rectangle.length_m, 1.0)):
+        on_edge = np.flatnonzero(np.abs(points[:, 0] - edge) < slack)
+        near = on_edge[np.argsort(points[on_edge, 1])]
+        far = np.arange(len(near)) + len(points)
+        held = points[near] + (beyond * rectangle.clamp_m, 0.0)
+        points = np.vstack([points, held])
+        left, right = (far, near) if beyond < 0 else (near, far)
+        one = np.column_stack([left[:-1], right[:-1], right[1:]])
+        two = np.column_stack([left[:-1], right[1:], left[1:]])
+        triangles = np.vstack([triangles, one, two])
+    return points, triangles
+
+
+def _area_m2(polygon: Array) -> float:
+    after = np.roll(polygon, -1, axis=0)
+    return float((polygon[:, 0] * after[:, 1] - polygon[:, 1] * after[:, 0]).sum() / 2)
+
+
+def surface_grids(case: Case) -> dict[str, TriangleGrid]:
+    """By the panel's name.  Raises SolverMissing (gmsh) and BadMesh for panels with apertures.
+
+    Openings are resolved for particles only: without any, the surface is just looked at.
+    """
+    made: dict[object, TriangleGrid] = {}
+    grids = {}
+    for panel in single_panels(case):
+        r = panel.rectangle
+        apertures = panel.apertures if has_particles(case) else None
+        shape = (r.length_m, r.width_m, r.clamp_m, apertures)
+        if shape not in made:
+            made[shape] = _grid(r, apertures, case.panel.surface_cells)
+        grids[panel.name] = made[shape]
+    return grids
+
+
+def _grid(rectangle: Rectangle, apertures: AperturePattern | None, cells: tuple[int, int]) -> TriangleGrid:
+    if apertures is None:
+        return grid(rectangle, cells)
+    from orchestrator.case.deck.triangle_grid import perforated_grid
+
+    return perforated_grid(rectangle, apertures, cells)

@@ -11,12 +11,15 @@ from __future__ import annotations
 
 from typing import TypeVar
 
+import numpy as np
+
 from orchestrator.case import solvers
-from orchestrator.case.file import slice_surfaces, slice_tables
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
-from orchestrator.case.tables.bed import Block, Feed
+from orchestrator.case.tables.bed import Bed, Block, Feed
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.screen import PanelTable
+from orchestrator.case.tables.frames import Bushing, Exciter, Frame
+from orchestrator.case.tables.quantities import Box
+from orchestrator.case.tables.screen import PanelTable, Screen
 from orchestrator.ports import Array, Indices
 
 Filled = TypeVar("Filled", Block, Feed)
@@ -60,7 +63,7 @@ def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Arra
         return position_m, triangles
     low, high = full_width_m(case.whole)
     move_in_m = (high - low - case.slice.width_m) / 2.0 if case.slice.sides == "walls" else None
-    return slice_surfaces.cut(position_m, triangles, bounds_m(case.whole), move_in_m)
+    return cut_triangles(position_m, triangles, bounds_m(case.whole), move_in_m)
 
 
 def sliced(case: Case) -> Case:
@@ -73,10 +76,10 @@ def sliced(case: Case) -> Case:
     y_m, part = bounds_m(case), share(case)
     domain_m = case.domain_m
     if case.slice.sides == "periodic":
-        domain_m = slice_tables.between(domain_m, y_m)
+        domain_m = _box_between(domain_m, y_m)
     update: dict[str, object] = {
-        "screen": slice_tables.screen(case.screen, part, y_m),
-        "bed": slice_tables.bed(case.bed, part, y_m),
+        "screen": _cut_screen(case.screen, part, y_m),
+        "bed": _cut_bed(case.bed, part, y_m),
         "domain_m": domain_m,
     }
     return case.cut_to(update)
@@ -149,3 +152,131 @@ def _sides_m(panel: PanelTable) -> tuple[float, float]:
     one = panel.corner_m[1]
     other = one + (panel.width_m if panel.across[1] > 0 else -panel.width_m)
     return min(one, other), max(one, other)
+
+
+def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen:
+    """With frames, bushings and exciters of ``part``, and panels cut."""
+    return screen.model_copy(
+        update={
+            "frames": {name: _frame(row, part) for name, row in screen.frames.items()},
+            "bushings": {name: _bushing(row, part) for name, row in screen.bushings.items()},
+            "exciters": {name: _exciter(row, part) for name, row in screen.exciters.items()},
+            "panels": {name: _panel(row, y_m) for name, row in screen.panels.items()},
+        }
+    )
+
+
+def _frame(row: Frame, part: float) -> Frame:
+    update: dict[str, object] = {"products_of_inertia_kg_m2": _times(row.products_of_inertia_kg_m2, part)}
+    if row.mass_kg is not None:
+        update["mass_kg"] = part * row.mass_kg
+    if row.inertia_kg_m2 is not None:
+        update["inertia_kg_m2"] = _times(row.inertia_kg_m2, part)
+    return row.model_copy(update=update)
+
+
+def _bushing(row: Bushing, part: float) -> Bushing:
+    update = {
+        "stiffness_N_per_m": _times(row.stiffness_N_per_m, part),
+        "damping_N_s_per_m": _times(row.damping_N_s_per_m, part),
+    }
+    return row.model_copy(update=update)
+
+
+def _exciter(row: Exciter, part: float) -> Exciter:
+    update: dict[str, object] = {"mass_moment_kg_m": part * row.mass_moment_kg_m}
+    if row.motor is not None:
+        extensive = ("rated_power_W", "moment_of_inertia_kg_m2", "bearing_loss_N_m_s")
+        share = {key: part * getattr(row.motor, key) for key in extensive}
+        update["motor"] = row.motor.model_copy(update=share)
+    return row.model_copy(update=update)
+
+
+def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
+    """The part of a panel that the slice has, perforated from side to side."""
+    x, _, z = row.corner_m
+    corner_m = (x, y_m[0] if row.across[1] > 0 else y_m[1], z)
+    update: dict[str, object] = {"corner_m": corner_m, "width_m": y_m[1] - y_m[0]}
+    if row.apertures is not None:
+        update["apertures"] = row.apertures.model_copy(update={"margin_across_m": 0.0})
+    return row.model_copy(update=update)
+
+
+def _cut_bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:
+    """With boxes cut, ``part`` of the particles in blocks (at least one) and of feeds."""
+    blocks = {
+        name: _cut_box(row, y_m).model_copy(update={"count": max(1, round(part * row.count))})
+        for name, row in bed.blocks.items()
+    }
+    feeds = {
+        name: _cut_box(row, y_m).model_copy(update={"rate_kg_per_s": part * row.rate_kg_per_s})
+        for name, row in bed.feeds.items()
+    }
+    return bed.model_copy(update={"blocks": blocks, "feeds": feeds})
+
+
+def _cut_box(row: Filled, y_m: tuple[float, float]) -> Filled:
+    return row.model_copy(update={"box_m": _box_between(row.box_m, y_m)})
+
+
+def _box_between(box_m: Box, y_m: tuple[float, float]) -> Box:
+    """The part of a box."""
+    (x0, y0, z0), (x1, y1, z1) = box_m
+    return (x0, max(y0, y_m[0]), z0), (x1, min(y1, y_m[1]), z1)
+
+
+def _times(values: tuple[float, ...], part: float) -> tuple[float, ...]:
+    return tuple(part * value for value in values)
+
+
+SAME_PLACE_M = 1e-9  # corners closer than this are one
+
+
+def cut_triangles(
+    position_m: Array, triangles: Indices, y_m: tuple[float, float], move_in_m: float | None
+) -> tuple[Array, Indices]:
+    """Points (n, 3) and triangles (m, 3) of the part between ``y_m``.
+
+    Triangles wholly outside, or in the plane of a side, are moved in by ``move_in_m``; None leaves
+    them out.  Both in deck axes or both in the world: y is the same.
+    """
+    low, high = y_m
+    kept: list[Array] = []
+    for corners_m in position_m[triangles]:
+        first, last = corners_m[:, 1].min(), corners_m[:, 1].max()
+        if last <= low + SAME_PLACE_M or first >= high - SAME_PLACE_M:
+            if move_in_m is not None:
+                inwards_m = move_in_m if last <= low + SAME_PLACE_M else -move_in_m
+                kept.append(corners_m + np.array([0.0, inwards_m, 0.0]))
+            continue
+        polygon = _clipped(_clipped(corners_m, low, 1.0), high, -1.0)
+        kept += [polygon[[0, k, k + 1]] for k in range(1, len(polygon) - 1)]
+    return _welded(np.array(kept).reshape(-1, 3, 3))
+
+
+def _clipped(polygon_m: Array, limit_m: float, sign: float) -> Array:
+    """The part of a convex polygon (n, 3) on one side of a plane y = limit: Sutherland, I. E. and
+    Hodgman, G. W., Communications of the ACM 17, 1974, 32-42, doi 10.1145/360767.360802."""
+    inside_m = sign * (polygon_m[:, 1] - limit_m)
+    found = []
+    for k in range(len(polygon_m)):
+        before = k - 1
+        if (inside_m[before] < 0) != (inside_m[k] < 0):
+            along = inside_m[before] / (inside_m[before] - inside_m[k])
+            crossing_m = polygon_m[before] + along * (polygon_m[k] - polygon_m[before])
+            crossing_m[1] = limit_m
+            found.append(crossing_m)
+        if inside_m[k] >= 0:
+            found.append(polygon_m[k])
+    return np.array(found)
+
+
+def _welded(corners_m: Array) -> tuple[Array, Indices]:
+    """Equal corners as one point; triangles that shrank to a line are left out."""
+    flat_m = corners_m.reshape(-1, 3)
+    _, first, number = np.unique(
+        np.round(flat_m / SAME_PLACE_M), axis=0, return_index=True, return_inverse=True
+    )
+    triangles = number.reshape(-1, 3).astype(np.int64)
+    a, b, c = triangles.T
+    return flat_m[first], triangles[(a != b) & (b != c) & (c != a)]

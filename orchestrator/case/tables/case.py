@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, PrivateAttr, Strict
 
+from orchestrator.case.solvers import NONE
 from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.numerics import (
     CheckpointSettings,
@@ -34,7 +35,18 @@ from orchestrator.case.tables.quantities import (
     Vector,
 )
 from orchestrator.case.tables.screen import Screen
-from orchestrator.case.tables.slice import Slice
+
+
+class Slice(Table):
+    """The middle of the machine's width.  The case describes the whole machine; masses, bushings,
+    exciters and feeds take their share, so that the frames move as the whole machine's.  Usually
+    stands in a level."""
+
+    width_m: Positive
+    """Width of the slice."""
+    sides: Literal["periodic", "walls"] = "periodic"
+    """periodic: what leaves at one side comes back at the other, and walls along the sides are left
+    out.  walls: they stand at the sides of the slice."""
 
 
 class MaxwellBranch(Table):
@@ -194,3 +206,27 @@ class Case(Table):
         part = self.model_copy(update=update)
         part._whole = self
         return part
+
+
+def has_particles(case: Case) -> bool:
+    """Whether there are or will be any."""
+    described = case.bed.particles or case.bed.blocks or case.bed.feeds
+    return bool(described) and case.particles.solver != NONE
+
+
+def damped_contacts(case: Case) -> bool:
+    """Whether particles lose energy where they touch something."""
+    return has_particles(case) and any(row.restitution < 1 for row in case.contacts)
+
+
+def absent(case: Case) -> dict[str, str]:
+    """What this case does not have at all, and another might: name -> why."""
+    screen = case.screen
+    there = {
+        "particles": (has_particles(case), "the bed is empty, or particles.solver none"),
+        "exciters": (bool(screen.exciters), "there are none"),
+        "bushings": (bool(screen.bushings), "there are none"),
+        "surfaces": (bool(screen.surfaces), "there are none"),
+        "gravity": (any(case.gravity_m_per_s2), "gravity_m_per_s2 is zero"),
+    }
+    return {name: why for name, (is_there, why) in there.items() if not is_there}

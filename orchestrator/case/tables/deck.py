@@ -1,15 +1,56 @@
-"""``[screen.decks.<name>]``: a deck by its parameters, from which panels and surfaces are made."""
+"""``[screen.decks.<name>]``, from which panels and surfaces are made, and the tables that a deck
+and a panel share: ``apertures`` and ``stops``."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from annotated_types import Ge, Le
+from annotated_types import Ge, Le, Lt
 from pydantic import BeforeValidator, Field, Strict
 
-from orchestrator.case.tables.apertures import Apertures
-from orchestrator.case.tables.quantities import Few, Name, NotNegative, Number, Positive, Table, Vector
-from orchestrator.case.tables.stop import Stop
+from orchestrator.case.tables.quantities import Few, Name, NotNegative, Number, Positive, Share, Table, Vector
+
+
+class Apertures(Table):
+    """Equal openings in a regular pattern: as many whole pitches as fit between the margins,
+    centred.  Particles fall through them; the panel is as stiff and heavy as what is left
+    (docs/theory/perforated_panel.md)."""
+
+    shape: Literal["rectangle", "slot"] = "rectangle"
+    """rectangle, or slot with round ends (a circle if length and width are equal)."""
+    length_m: Positive
+    """Length of an opening along the panel."""
+    width_m: Positive
+    """Width of an opening across the panel."""
+    pitch_along_m: Positive
+    """Distance from opening to opening along the panel."""
+    pitch_across_m: Positive
+    """Distance from opening to opening across the panel."""
+    stagger: Annotated[float, Strict(), Ge(0), Lt(1)] = 0.0
+    """Shift of every second row of openings across the panel, as a share of the pitch."""
+    margin_along_m: NotNegative = 0.0
+    """Length without openings before each clamp, at least."""
+    margin_across_m: NotNegative = 0.0
+    """Width without openings at each side, at least."""
+
+
+class Stop(Table):
+    """The flat top of a beam below a panel, which the panel may come to lie on: the cross beam's
+    own flange beside its clamp, or a bar in between (docs/theory/panel_stops.md)."""
+
+    frame: str | None = None
+    """The frame that carries it, or "ground"; without, the one that holds the nearer clamp."""
+    from_m: NotNegative
+    """Where it begins, along the free length from the first clamp's inner edge."""
+    to_m: Positive
+    """Where it ends."""
+    gap_m: Positive
+    """How far it lies below the panel as it is mounted straight between its clamps."""
+    stiffness_Pa_per_m: Positive | None = None
+    """Pressure on its layer of rubber over the depth pressed in; without, a tenth of the panel's
+    mass per area over the sync interval squared, ten times less than the most allowed."""
+    damping_ratio: Share = 0.2
+    """Damping of the panel's mass on the layer over the critical one."""
 
 
 def _listed(value: Any) -> Any:

@@ -6,6 +6,7 @@ unit at the end of its name; tests/case/test_tables.py walks all tables to make 
 
 from __future__ import annotations
 
+import re
 from typing import Annotated
 
 from annotated_types import Ge, Gt, Le, Len, Lt
@@ -39,3 +40,23 @@ OneLine = Annotated[str, StringConstraints(pattern=r"^\P{C}*$", max_length=200)]
 Text = Annotated[str, StringConstraints(pattern=r"^[\P{C}\t\r\n]*$", max_length=20_000)]
 
 GROUND = "ground"
+
+
+_UNIT = r"(?:m|mm|kg|s|min|h|N|J|W|Pa|Hz|rad|deg|percent|g)\d?"
+_END = re.compile(rf"(?:^|_)({_UNIT}(?:_{_UNIT})*)(?:_per_({_UNIT}(?:_{_UNIT})*))?$")
+_WRITTEN = {"deg": "degree", "percent": "%", "g": "9.80665 m/s2"}
+
+
+def unit_of(name: str, without: str = "1") -> str:
+    """The unit of a name: ``velocity_m_per_s`` has m/s, ``wear_m3_per_N_m`` m3/(N m).
+
+    A name that ends in no unit belongs to a pure number and has the unit ``without``.
+    """
+    end = _END.search(name)
+    if end is None:
+        return without
+    above, below = end.groups()
+    unit = " ".join(_WRITTEN.get(part, part) for part in above.split("_"))
+    if below is None:
+        return unit
+    return f"{unit}/({below.replace('_', ' ')})" if "_" in below else f"{unit}/{below}"

@@ -10,8 +10,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from orchestrator.case.tables.apertures import Apertures
-from orchestrator.case.tables.deck import Deck
+from orchestrator.case.tables.deck import Apertures, Deck, Stop
 from orchestrator.case.tables.frames import Bushing, Exciter, Frame
 from orchestrator.case.tables.quantities import (
     Box,
@@ -24,7 +23,6 @@ from orchestrator.case.tables.quantities import (
     Table,
     Vector,
 )
-from orchestrator.case.tables.stop import Stop
 
 
 class PanelTable(Table):

@@ -22,7 +22,7 @@ from typing import Any, Literal
 import h5py
 import numpy as np
 
-from orchestrator.case.units import unit_of
+from orchestrator.case.tables.quantities import unit_of
 from orchestrator.ports import Array, Indices
 
 RESERVE_BYTES = 16 * 1024**2  # enough for the rows in memory, the file's tables and a summary

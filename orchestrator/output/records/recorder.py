@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.deck.line import deck_line
-from orchestrator.case.deck.opening_places import openings_m
+from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.ledger import Ledger

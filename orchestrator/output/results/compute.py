@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case.deck.opening_places import openings_m
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.file.slice import share
+from orchestrator.case.tables.case import has_particles
 from orchestrator.output.cycles import within
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 
 from orchestrator.case.deck.line import DeckLine, deck_line
-from orchestrator.case.deck.opening_places import smaller_sides_m
+from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.case.tables.case import Case
 from orchestrator.output.cycles import count_whole_cycles, counted_cycle_s, is_driven, within

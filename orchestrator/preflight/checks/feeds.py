@@ -12,7 +12,7 @@ from orchestrator.case.bed.feed import RateFeed, apart
 from orchestrator.case.bed.sources import batch_s, inlets
 from orchestrator.case.deck.panels import single_panels, to_world
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.planning import material_numbers
+from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 

@@ -11,7 +11,7 @@ import numpy as np
 from orchestrator.case import solvers
 from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.planning import frames_plan, panel_plans
+from orchestrator.case.solver_plans import frames_plan, panel_plans
 from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter, Motor

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from orchestrator.case import recording_file, solvers
 from orchestrator.case.file.errors import CaseProblem
-from orchestrator.case.file.toml_file import is_outside
+from orchestrator.case.file.layers import is_outside
 from orchestrator.case.playback import NoMatch, playbacks, turning
 from orchestrator.case.tables.case import Case
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.panels import walls
-from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 
 FEWEST_DIAMETERS = 3.0  # a particle must not meet itself, or a neighbour twice
 

@@ -11,7 +11,7 @@ from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.planning import material_numbers
+from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import TriangleSurface, overlap_m, reach_into

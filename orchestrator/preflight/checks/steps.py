@@ -7,11 +7,9 @@ from collections.abc import Iterator
 from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
-from orchestrator.case.bed.particle_step import particle_step_s
-from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.errors import CaseProblem
-from orchestrator.case.planning import panel_plans
-from orchestrator.case.tables.case import Case
+from orchestrator.case.solver_plans import panel_plans, particle_step_s
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 
 

@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.deck.opening_places import smaller_sides_m
-from orchestrator.case.file.contents import has_particles
-from orchestrator.case.tables.case import Case
+from orchestrator.case.deck.openings import smaller_sides_m
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.moved_panel import MovedPanel, softest_share, stiffness_share
 from orchestrator.preflight.scene.scene import Scene

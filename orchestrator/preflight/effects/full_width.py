@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from orchestrator.case.bed.sources import largest_diameter_m
-from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 

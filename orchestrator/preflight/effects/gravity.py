@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames

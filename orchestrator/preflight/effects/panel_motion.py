@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from orchestrator.case.file.contents import has_particles
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.passage import passage
 from orchestrator.preflight.scene.scene import Scene

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.sources import largest_diameter_m
-from orchestrator.case.file.contents import has_particles
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene

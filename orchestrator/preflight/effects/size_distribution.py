@@ -6,9 +6,8 @@ import math
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.sources import largest_diameter_m
-from orchestrator.case.deck.opening_places import smaller_sides_m
-from orchestrator.case.file.contents import has_particles
-from orchestrator.case.tables.case import Case
+from orchestrator.case.deck.openings import smaller_sides_m
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.seen import Products

@@ -12,10 +12,9 @@ from orchestrator.case.bed.contact_times import (
     reduced_modulus_Pa,
     smallest_diameters_m,
 )
-from orchestrator.case.bed.particle_sizes import mean_mass_kg
-from orchestrator.case.bed.size_distribution import Class, classes
-from orchestrator.case.deck.opening_places import smaller_sides_m
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.bed.size_distribution import Class, classes, mean_mass_kg
+from orchestrator.case.deck.openings import smaller_sides_m
+from orchestrator.case.tables.case import has_particles
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene

@@ -9,8 +9,7 @@ from pkgutil import iter_modules
 from typing import get_args
 
 from orchestrator.case import solvers
-from orchestrator.case.file.contents import absent, has_particles
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, absent, has_particles
 from orchestrator.preflight import effects
 from orchestrator.preflight.scene.effect import Effect, Part, Verdict
 from orchestrator.preflight.scene.scene import scene

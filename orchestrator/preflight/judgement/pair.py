@@ -106,7 +106,7 @@ def _program() -> str:
 
 
 def key_of(read: Mapping[str, Any], effect: str) -> str:
-    """``read``: all that the case was read from (``case/file/origin.py``)."""
+    """``read``: all that the case was read from (``case/file/layers.py``)."""
     text = json.dumps([_program(), read, effect], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 

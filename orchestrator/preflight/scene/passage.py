@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.bed.transport import TRANSPORT_M_S, deck_length_m
-from orchestrator.case.deck.opening_places import smaller_sides_m
+from orchestrator.case.deck.openings import smaller_sides_m
+from orchestrator.case.deck.panels import TRANSPORT_M_S, deck_length_m
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.preflight.scene.scene import Scene
 

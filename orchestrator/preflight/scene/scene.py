@@ -13,14 +13,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
-from orchestrator.case.bed.particle_sizes import mean_mass_kg
-from orchestrator.case.bed.size_distribution import classes, share_left_out
+from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out
 from orchestrator.case.bed.sources import largest_diameter_m
-from orchestrator.case.bed.transport import TRANSPORT_M_S, stay_s
-from orchestrator.case.deck.panels import axes, single_panels
-from orchestrator.case.file.contents import has_particles
-from orchestrator.case.planning import frames_plan, hyperelastic
-from orchestrator.case.tables.case import Case
+from orchestrator.case.deck.panels import TRANSPORT_M_S, axes, single_panels, stay_s
+from orchestrator.case.solver_plans import frames_plan, hyperelastic
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.plans import FramesPlan
 from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_answer

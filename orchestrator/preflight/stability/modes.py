@@ -11,7 +11,7 @@ from scipy.linalg import block_diag, eigh
 
 from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.planning import panel_plans
+from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports import Array

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
-from orchestrator.case.bed.particle_step import particle_step_s
-from orchestrator.case.file.contents import has_particles
+from orchestrator.case.solver_plans import particle_step_s
+from orchestrator.case.tables.case import has_particles
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.moved_panel import loss_factor
 from orchestrator.preflight.scene.scene import Scene, scene

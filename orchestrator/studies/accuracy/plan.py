@@ -23,11 +23,10 @@ from scipy.optimize import brentq
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.sources import initial_particles, largest_diameter_m
-from orchestrator.case.file.contents import has_particles
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.slice import ENOUGH_DIAMETERS, full_width_m
-from orchestrator.case.planning import material_numbers
-from orchestrator.case.tables.case import Case
+from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.results.run_reader import RunReader

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, cast
 
 from orchestrator.case import solvers
-from orchestrator.case.bed.particle_step import particle_step_s
-from orchestrator.case.file.contents import damped_contacts, has_particles
 from orchestrator.case.file.errors import CaseError, did_you_mean
 from orchestrator.case.file.slice import full_width_m
-from orchestrator.case.tables.case import Case
+from orchestrator.case.solver_plans import particle_step_s
+from orchestrator.case.tables.case import Case, damped_contacts, has_particles
 from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing

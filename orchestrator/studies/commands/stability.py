@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from pydantic import ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, from_validation
-from orchestrator.case.file.toml_file import read_toml
+from orchestrator.case.file.layers import read_toml
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orchestrator.case.bed.particle_step import particle_step_s
+from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 
 

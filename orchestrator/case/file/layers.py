@@ -1,0 +1,215 @@
+"""The TOML files of a case and what is laid over them: who gave each key, and a checksum of it all.
+
+Tables are merged key by key; anything else is replaced whole.  An element of a list is reached
+by its number, as if the list were a table: ``contacts.0.restitution``.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key
+
+DEEPEST = 20  # tables in each other; the case format has 7
+TOO_DEEP = "is nested too deeply"
+LARGEST_BYTES = 1_000_000  # the largest case of this project has 10 000
+
+
+def read_toml(file: Path, within: Path | None = None) -> dict[str, Any]:
+    """The table in a file, which must not be a link to one outside of the folder ``within``.
+    Raises CaseError when it cannot be read or is not TOML."""
+    try:
+        if within is not None and is_outside(file, within):
+            what = "is a link to a file outside of the case's folder"
+        elif file.exists() and not file.is_file():
+            what = "is no file"
+        else:
+            with file.open("rb") as opened:
+                content = opened.read(LARGEST_BYTES + 1)
+            what = f"is larger than {LARGEST_BYTES} bytes"
+            if len(content) <= LARGEST_BYTES:
+                table = tomllib.loads(content.decode("utf-8-sig"))
+                if not is_too_deep(table):
+                    return table
+                what = TOO_DEEP
+    except OSError as error:
+        what = f"cannot be read: {error.strerror}"
+    except UnicodeDecodeError:
+        what = "is no text file (UTF-8 is wanted)"
+    except ValueError as error:
+        what = f"is not TOML: {error}"
+    except RecursionError:
+        what = TOO_DEEP
+    except RuntimeError:
+        what = "is a link to itself"
+    raise CaseError([CaseProblem((), what, file=str(file))])
+
+
+def is_too_deep(given: Any) -> bool:
+    """Whether there are tables in tables in tables, on which all that comes after would choke."""
+    inside: list[Any] = [given]
+    for _ in range(DEEPEST):
+        tables = [list(v.values()) if isinstance(v, dict) else v for v in inside]
+        inside = [value for table in tables if isinstance(table, list) for value in table]
+    return bool(inside)
+
+
+def is_outside(file: Path, folder: Path) -> bool:
+    """Whether a file is really somewhere else, by ``..`` or by links."""
+    return not file.resolve().is_relative_to(folder.resolve())
+
+
+class Layers:
+    """``merged`` is what all layers so far amount to."""
+
+    def __init__(self, given: Mapping[str, Any], source: str) -> None:
+        self._first = source
+        self._source: dict[tuple[str, ...], str] = {}
+        self.merged: dict[str, Any] = dict(given)
+
+    def copy(self) -> Layers:
+        """The same layers, to lay others over."""
+        twin = Layers(self.merged, self._first)
+        twin._source = dict(self._source)
+        return twin
+
+    def lay(self, overlay: Mapping[str, Any], source: str) -> None:
+        """None takes a key away.  Raises CaseError when it reaches for an element that a list does
+        not have."""
+        self.merged = self._over(self.merged, overlay, (), source)
+
+    def source(self, key: Key) -> str:
+        """The file or option that gave this key, or the table it is in, last."""
+        words = tuple(str(part) for part in key)
+        for end in range(len(words), 0, -1):
+            if words[:end] in self._source:
+                return self._source[words[:end]]
+        return self._first
+
+    def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
+        """The problems with their files filled in."""
+        return [m if m.file else replace(m, file=self.source(m.key)) for m in problems]
+
+    def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
+        """``overlay`` over ``below`` at ``key``; changes neither."""
+        if not isinstance(overlay, Mapping):
+            self._source[key] = source
+            return overlay
+        if isinstance(below, list):
+            below = list(below)
+            for word, value in overlay.items():
+                number = _number(word, below, key, source)
+                below[number] = self._over(below[number], value, (*key, word), source)
+            return below
+        if not isinstance(below, Mapping):
+            self._source[key] = source
+            below = {}
+        merged = dict(below)
+        for word, value in overlay.items():
+            merged[word] = self._over(below.get(word), value, (*key, word), source)
+            if value is None:
+                del merged[word]
+        return merged
+
+
+def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
+    if word.isdecimal() and int(word) < len(below):
+        return int(word)
+    what = f'"{word}" is no element of this list'
+    hint = f"its elements are numbered 0 to {len(below) - 1}" if below else "it is empty"
+    raise CaseError([CaseProblem((*key, word), what, hint, source)])
+
+
+def parsed(override: str) -> dict[str, Any]:
+    """'panel.solver=rigid' as an overlay: {"panel": {"solver": "rigid"}}.
+
+    The value is TOML; what is no TOML is taken as a bare string.
+    """
+    path, equals, text = override.partition("=")
+    words = [word.strip() for word in path.split(".")]
+    if not equals or not all(words):
+        hint = "for example --set panel.solver=rigid"
+        raise CaseError([CaseProblem((), "is not key=value", hint, f"--set {override}")])
+    value: Any = _value(text.strip())
+    for word in reversed(words):
+        value = {word: value}
+    if is_too_deep(value):
+        raise CaseError([CaseProblem((), TOO_DEEP, file=f"--set {override}")])
+    return dict(value)
+
+
+def _value(text: str) -> Any:
+    try:
+        found = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return found["value"] if list(found) == ["value"] else text
+
+
+def changed(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """The keys whose values differ."""
+    if isinstance(before, Mapping) and isinstance(after, Mapping):
+        for word in dict.fromkeys((*before, *after)):
+            yield from changed(before.get(word), after.get(word), (*key, word))
+    elif before != after:
+        yield key
+
+
+CHEAP_LEVEL = "draft"
+"""The level at which a case is tried out, where it has one of this name."""
+OF_EFFECTS = ("effects", "effects_for")
+
+
+@dataclass(frozen=True)
+class Origin:
+    """``given`` is the table of case.toml, ``level`` "" for none, ``overrides`` are ``--set``'s."""
+
+    folder: Path
+    given: Mapping[str, Any]
+    level: str
+    overrides: tuple[str, ...]
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """``overrides`` without those that choose effects."""
+        return tuple(one for one in self.overrides if one.partition("=")[0].strip() not in OF_EFFECTS)
+
+    def read(self) -> dict[str, Any]:
+        """All that decides what the case is, but for which effects are chosen: tables, overrides,
+        and checksums of the other files in the folder that it names.  Raises CaseError."""
+        levels = {
+            name: read_toml(file, self.folder)
+            for name in {self.level, CHEAP_LEVEL} - {""}
+            if (file := self.folder / "levels" / f"{name}.toml").is_file()
+        }
+        tables = [_without_effects(one) for one in (self.given, *levels.values())]
+        named = {word for table in [*tables, *self.others] for word in _words(table)}
+        return {
+            "level": self.level,
+            "given": tables[0],
+            "levels": dict(zip(levels, tables[1:], strict=True)),
+            "overrides": list(self.others),
+            "files": {
+                word: hashlib.sha256(file.read_bytes()).hexdigest()
+                for word in sorted(named)
+                if word.endswith((".stl", ".h5")) and (file := self.folder / word).is_file()
+            },
+        }
+
+
+def _without_effects(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if key not in OF_EFFECTS}
+
+
+def _words(value: Any) -> set[str]:
+    """All strings in a table, and the value of an override."""
+    if isinstance(value, Mapping):
+        return {word for inner in value.values() for word in _words(inner)}
+    if isinstance(value, list | tuple):
+        return {word for inner in value for word in _words(inner)}
+    return {value.rpartition("=")[2].strip().strip("\"'")} if isinstance(value, str) else set()

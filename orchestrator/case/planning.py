@@ -1,0 +1,301 @@
+"""From the case to plans: what each solver needs, in plain records and world axes.
+
+Materials are numbered by ``material_numbers`` wherever a plan or a surface has an index.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case import solvers
+from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
+from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
+from orchestrator.case.bed.sources import combined_feed, initial_particles, largest_diameter_m
+from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit
+from orchestrator.case.tables import frames as tables
+from orchestrator.case.tables.case import Case, Material, has_particles
+from orchestrator.ports import Array
+from orchestrator.ports.geometry import TriangleSurface
+from orchestrator.ports.plans import (
+    BodyPlan,
+    BushingPlan,
+    DrivePlan,
+    ExciterPlan,
+    ExitPlan,
+    FramesPlan,
+    GrainMaterial,
+    HyperelasticPlan,
+    MeshSize,
+    MotorPlan,
+    PanelPlan,
+    ParticlesPlan,
+)
+from orchestrator.ports.recording import Playback
+
+
+def hyperelastic(material: Material) -> HyperelasticPlan:
+    """A panel's material."""
+    law = material.hyperelastic
+    assert law is not None, "checks.references refuses panels of other materials"
+    return HyperelasticPlan(
+        density_kg_per_m3=material.density_kg_per_m3,
+        c10_Pa=law.c10_Pa,
+        c01_Pa=law.c01_Pa,
+        bulk_modulus_Pa=law.bulk_modulus_Pa,
+        branches=tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell),
+    )
+
+
+def touching_materials(case: Case) -> tuple[str, ...]:
+    """Materials of particles, panels and surfaces, in the case's order."""
+    bed, screen = case.bed, case.screen
+    rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
+    used = {row.material for table in rows for row in table.values()}
+    return tuple(name for name in case.materials if name in used)
+
+
+def material_numbers(case: Case) -> dict[str, int]:
+    """The number of each material that touches another."""
+    return {name: number for number, name in enumerate(touching_materials(case))}
+
+
+def by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 0.0) -> Array:
+    """(k, k) table of a field of ``contacts``; ``otherwise`` for pairs that never meet."""
+    table = np.full((len(numbers), len(numbers)), otherwise)
+    for contact in case.contacts:
+        if set(contact.between) <= set(numbers):
+            one, two = (numbers[name] for name in contact.between)
+            table[one, two] = table[two, one] = getattr(contact, field)
+    return table
+
+
+def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_N: Array) -> FramesPlan:
+    """``points_m`` (n, 3) in the world at t = 0 with their ``carrier`` frames, ``reaction_N``
+    (n, 3) the panels' force on them at t = 0.
+
+    Frames that forces do not move get drives only: no bushings, no exciters.
+    """
+    forces = solvers.frames(case).moved_by_forces
+    frames = case.screen.frames
+    return FramesPlan(
+        bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
+        bushings=tuple(bushings(case)) if forces else (),
+        exciters=tuple(_exciters(case)) if forces else (),
+        drives=tuple(_drives(case)),
+        gravity_m_per_s2=np.array(case.gravity_m_per_s2),
+        points_m=points_m,
+        carrier=carrier,
+        reaction_N=reaction_N,
+        drawn_at_rest=case.screen.drawn_at_rest,
+        step_s=case.frames.step_s,
+        sync_interval_s=case.coupling.sync_interval_s,
+    )
+
+
+def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
+    """Driven frames need no mass: it is 0 where the case gives none."""
+    tensor = np.diag(frame.inertia_kg_m2 or (0.0, 0.0, 0.0))
+    upper = np.zeros((3, 3))
+    upper[[0, 0, 1], [1, 2, 2]] = frame.products_of_inertia_kg_m2
+    turn = axes(case)
+    return BodyPlan(
+        name=name,
+        mass_kg=frame.mass_kg or 0.0,
+        inertia_kg_m2=turn @ (tensor + upper + upper.T) @ turn.T,
+        center_of_mass_m=to_world(case, frame.center_of_mass_m),
+    )
+
+
+def bushings(case: Case) -> list[BushingPlan]:
+    """One by one, in world axes."""
+    from scipy.spatial.transform import Rotation
+
+    return [
+        BushingPlan(
+            name=name if len(row.positions_m) == 1 else f"{name}-{number + 1}",
+            bodies=row.between,
+            position_m=to_world(case, position),
+            axes=to_world(case, Rotation.from_euler("xyz", row.rotation_deg, True).as_matrix().T),
+            stiffness_N_per_m=np.array(row.stiffness_N_per_m),
+            damping_N_s_per_m=np.array(row.damping_N_s_per_m),
+        )
+        for name, row in case.screen.bushings.items()
+        for number, position in enumerate(row.positions_m)
+    ]
+
+
+def _exciters(case: Case) -> list[ExciterPlan]:
+    """One by one, in world axes; solvers that know no motors turn their shafts at full speed."""
+    motors = solvers.frames(case).motors
+    return [
+        ExciterPlan(
+            body=exciter.frame,
+            position_m=to_world(case, exciter.position_m),
+            axis=to_world(case, unit(exciter.axis)),
+            start=to_world(case, unit(exciter.start)),
+            mass_moment_kg_m=exciter.mass_moment_kg_m,
+            speed_rad_per_s=exciter.speed_rad_per_s,
+            run_up_s=exciter.run_up_s,
+            phase_rad=exciter.phase_rad,
+            start_s=exciter.start_s,
+            motor=_motor(exciter.motor) if motors else None,
+            name=name,
+        )
+        for name, exciter in case.screen.exciters.items()
+    ]
+
+
+def _motor(motor: tables.Motor | None) -> MotorPlan | None:
+    if motor is None:
+        return None
+    return MotorPlan(
+        rated_power_W=motor.rated_power_W,
+        synchronous_rad_per_s=motor.synchronous_speed_rad_per_s,
+        rated_slip=motor.rated_slip,
+        breakdown_ratio=motor.breakdown_ratio,
+        inertia_kg_m2=motor.moment_of_inertia_kg_m2,
+        bearing_N_m_s=motor.bearing_loss_N_m_s,
+    )
+
+
+def _drives(case: Case) -> list[DrivePlan]:
+    return [_drive(case, name, f.drive) for name, f in case.screen.frames.items() if f.drive]
+
+
+def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
+    amplitude_m, phase_rad = _turned(case, drive.amplitude_m, drive.phase_rad)
+    rotation_rad, rotation_phase_rad = _turned(case, drive.rotation_rad, drive.rotation_phase_rad)
+    return DrivePlan(
+        body=name,
+        center_m=to_world(case, drive.center_m),
+        speed_rad_per_s=drive.speed_rad_per_s,
+        amplitude_m=amplitude_m,
+        phase_rad=phase_rad,
+        rotation_rad=rotation_rad,
+        rotation_phase_rad=rotation_phase_rad,
+        run_up_s=drive.run_up_s,
+    )
+
+
+def _turned(case: Case, size: Sequence[float], phase_rad: Sequence[float]) -> tuple[Array, Array]:
+    """Sizes and phases along the world axes of an oscillation given along the deck axes."""
+    phasor = axes(case) @ (np.array(size) * np.exp(1j * np.array(phase_rad)))
+    return np.abs(phasor), np.angle(phasor)
+
+
+def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> tuple[PanelPlan, ...]:
+    """One plan per panel, in the order of the case, with the ``playbacks`` by the panels' names."""
+    return tuple(
+        PanelPlan(
+            name=panel.name,
+            rectangle=panel.rectangle,
+            frames=panel.frames,
+            thickness_m=panel.table.thickness_m,
+            material=hyperelastic(case.materials[panel.table.material]),
+            gravity_m_per_s2=np.array(case.gravity_m_per_s2),
+            cells=case.panel.cells,
+            step_s=case.panel.step_s,
+            integrator=case.panel.integrator,
+            sync_interval_s=case.coupling.sync_interval_s,
+            apertures=panel.apertures,
+            playback=(playbacks or {}).get(panel.name),
+            stops=planned_stops(case, panel),
+        )
+        for panel in single_panels(case)
+    )
+
+
+UNKNOWNS = 3  # of a node
+
+
+def mesh_sizes(case: Case) -> dict[str, MeshSize]:
+    """By panel; empty for solvers whose meshes are small.  ValueError for openings that the solver
+    cannot resolve."""
+    size = solvers.panel(case).mesh_size
+    return {} if size is None else {plan.name: size(plan) for plan in panel_plans(case)}
+
+
+def memory_GiB(case: Case) -> float:
+    """What the meshes of all panels need together, good to a factor of two."""
+    each_GiB = solvers.panel(case).memory_GiB
+    return 0.0 if each_GiB is None else sum(each_GiB(plan) for plan in panel_plans(case))
+
+
+def meshes(case: Case) -> Iterator[str]:
+    """Lines for ``flipflow check``: panels with equal meshes together."""
+    sizes = list(mesh_sizes(case).values())
+    for size in dict.fromkeys(sizes):
+        yield (
+            f"  mesh       {size.cells} cells, {UNKNOWNS * size.nodes} unknowns and some "
+            f"{size.memory_GiB:.2g} GiB on each of {sizes.count(size)} panels"
+        )
+
+
+def particles_plan(
+    case: Case, surface: TriangleSurface, communicator: Any = None, folder: Path | None = None
+) -> ParticlesPlan | None:
+    """``surface`` as the particles will touch it, its materials numbered by
+    ``material_numbers``; None for a case without particles."""
+    if not has_particles(case):
+        return None
+    numbers = material_numbers(case)
+    cap = case.particles.largest_youngs_modulus_Pa
+    return ParticlesPlan(
+        surface=surface,
+        materials=tuple(GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers),
+        restitution=by_pair(case, numbers, "restitution", 1.0),
+        sliding_friction=by_pair(case, numbers, "sliding_friction"),
+        rolling_friction=_rolling_friction(case, numbers),
+        adhesion=planned_adhesion(case, numbers),
+        rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
+        wear_m3_per_N_m=_wear(case, numbers),
+        predicts_load=case.coupling.scheme == "robin",
+        particles=initial_particles(case, numbers),
+        largest_diameter_m=largest_diameter_m(case),
+        domain_m=np.array(case.domain_m),
+        gravity_m_per_s2=np.array(case.gravity_m_per_s2),
+        step_s=particle_step_s(case),
+        sync_interval_s=case.coupling.sync_interval_s,
+        feed=combined_feed(case, numbers),
+        exits=exits(case),
+        periodic_y=case.slice is not None and case.slice.sides == "periodic",
+        communicator=communicator,
+        folder=folder,
+    )
+
+
+def exits(case: Case) -> tuple[ExitPlan, ...]:
+    """The exits, as boxes in the world, in the order of the case."""
+    found = []
+    for name, row in case.screen.exits.items():
+        low, high = np.array(row.box_m)
+        center_m = to_world(case, (low + high) / 2.0)
+        found.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
+    return tuple(found)
+
+
+def _rolling_friction(case: Case, numbers: dict[str, int]) -> Array:
+    """(k, k)"""
+    given = by_pair(case, numbers, "rolling_friction")
+    return np.zeros_like(given) if case.particles.rolling == "none" else given
+
+
+def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
+    """(k, k), or None where nothing wears."""
+    rate_m3_per_N_m = by_pair(case, numbers, "specific_wear_m3_per_N_m")
+    return rate_m3_per_N_m if rate_m3_per_N_m.any() and case.particles.wear != "none" else None
+
+
+def particle_step_s(case: Case) -> float:
+    """The largest step that the case allows its particles."""
+    if case.particles.step_s > 0:
+        return case.particles.step_s
+    return min(
+        case.particles.rayleigh_fraction * shortest_rayleigh_s(case),
+        adhesive_step_s(case),
+        case.coupling.sync_interval_s,
+    )
