@@ -18,8 +18,8 @@ from orchestrator.case import solvers
 from orchestrator.case.deck.panels import Wall, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.playback import playbacks
+from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.metered import Stopwatch, meter_panel

@@ -19,15 +19,11 @@ from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesion_law
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.size_distribution import mean_mass_kg
-from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.bed.sources import initial_particles, inlets
-from orchestrator.case.deck.panels import TRANSPORT_M_S, stay_s
-from orchestrator.case.deck.panels import single_panels
+from orchestrator.case.deck.panels import TRANSPORT_M_S, single_panels, stay_s
 from orchestrator.case.deck.triangle_grid import surface_grids
-from orchestrator.case.tables.case import has_particles
-from orchestrator.case.solver_plans import material_numbers
-from orchestrator.case.solver_plans import mesh_sizes
-from orchestrator.case.tables.case import Case
+from orchestrator.case.solver_plans import material_numbers, mesh_sizes, particle_step_s
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import Cost, FramesWork, PanelsWork, ParticlesWork, SolverMissing

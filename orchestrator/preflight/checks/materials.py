@@ -9,9 +9,8 @@ from itertools import combinations_with_replacement
 from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.size_distribution import Source, classes, faults, finer_share
-from orchestrator.case.tables.case import has_particles
 from orchestrator.case.file.errors import CaseProblem, Key
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_volume_m3
 from orchestrator.preflight.scene.scene import scene

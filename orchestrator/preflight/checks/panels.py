@@ -6,14 +6,12 @@ import os
 from collections.abc import Iterator
 
 from orchestrator.case import solvers
-from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels
-from orchestrator.case.deck.panels import stiffest_Pa_per_m
-from orchestrator.case.tables.case import has_particles
+from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
-from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.screen import PanelTable
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.case.tables.deck import Stop
+from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, SolverMissing
 from orchestrator.preflight.checks.machine import right_angle
@@ -76,8 +74,7 @@ def triangles(case: Case) -> Iterator[CaseProblem]:
     missing_solvers says so."""
     if not perforated(case):
         return
-    from orchestrator.case.deck.triangle_grid import BadMesh
-    from orchestrator.case.deck.triangle_grid import surface_grids
+    from orchestrator.case.deck.triangle_grid import BadMesh, surface_grids
 
     try:
         surface_grids(case)

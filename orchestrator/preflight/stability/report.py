@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
 from orchestrator.case.solver_plans import particle_step_s
-from orchestrator.case.tables.case import has_particles
-from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.moved_panel import loss_factor
 from orchestrator.preflight.scene.scene import Scene, scene
 from orchestrator.preflight.stability.bounds import Bound, contact_bounds, frame_bounds, surface_bounds
