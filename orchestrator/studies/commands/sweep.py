@@ -44,6 +44,8 @@ LOOKS: dict[str, dict[str, Any]] = {
 }
 
 Row = dict[str, Cell]
+Part = tuple[str, list[tuple[str, str]], float]
+"""Of the picture: its label, the columns with their names, and the scale."""
 
 
 def command(
@@ -157,10 +159,9 @@ def _number(where: str, value: Any) -> Iterator[tuple[str, float]]:
         yield where, value
 
 
-def _parts_of_the_picture(rows: Sequence[Row]) -> list[tuple[str, list[tuple[str, str]], float]]:
-    """Returns of each part of the picture its label, the columns with their names, and the scale."""
+def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
     columns = list(dict.fromkeys(name for row in rows for name in row if name.count(".") == 1))
-    parts: list[tuple[str, list[tuple[str, str]], float]] = []
+    parts: list[Part] = []
     for letter, where in (("x", "along"), ("z", "normal to")):
         ending = f".{letter}_m"
         names = [(name, name.removesuffix(ending)) for name in columns if name.endswith(ending)]
@@ -170,11 +171,7 @@ def _parts_of_the_picture(rows: Sequence[Row]) -> list[tuple[str, list[tuple[str
 
 
 def _plot(
-    rows: Sequence[Row],
-    values: Sequence[float],
-    parts: Sequence[tuple[str, list[tuple[str, str]], float]],
-    vary: Vary,
-    file: Path,
+    rows: Sequence[Row], values: Sequence[float], parts: Sequence[Part], vary: Vary, file: Path
 ) -> Path:
     lines = -(-len(parts) // 2)
     drawn, grid = figure(lines, 2, 11, 4.2 * lines + 0.5)
