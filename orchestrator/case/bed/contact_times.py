@@ -67,26 +67,23 @@ def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -
 
 def smallest_diameters_m(case: Case) -> dict[str, float]:
     """The smallest diameter of each material that particles are made of."""
-    bed = case.bed
-    sizes = [(p.material, p.diameter_m) for p in bed.particles.values()]
-    for source in bed.sources:
-        sizes += [(source.material, row.smallest_m) for row in classes(source)]
-    smallest: dict[str, float] = {}
-    for name, diameter_m in sizes:
-        smallest[name] = min(diameter_m, smallest.get(name, math.inf))
-    return smallest
+    return {name: min(sizes_m) for name, sizes_m in _diameters_m(case).items()}
 
 
 def largest_diameters_m(case: Case) -> dict[str, float]:
     """The largest diameter of each material that particles are made of."""
-    bed = case.bed
-    sizes = [(p.material, p.diameter_m) for p in bed.particles.values()]
-    for source in bed.sources:
-        sizes += [(source.material, row.largest_m) for row in classes(source)]
-    largest: dict[str, float] = {}
-    for name, diameter_m in sizes:
-        largest[name] = max(diameter_m, largest.get(name, 0.0))
-    return largest
+    return {name: max(sizes_m) for name, sizes_m in _diameters_m(case).items()}
+
+
+def _diameters_m(case: Case) -> dict[str, list[float]]:
+    """The diameters of single particles and the limits of size classes, by material."""
+    sizes_m: dict[str, list[float]] = {}
+    for particle in case.bed.particles.values():
+        sizes_m.setdefault(particle.material, []).append(particle.diameter_m)
+    for source in case.bed.sources:
+        for row in classes(source):
+            sizes_m.setdefault(source.material, []).extend((row.smallest_m, row.largest_m))
+    return sizes_m
 
 
 def shortest_rayleigh_s(case: Case) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -25,17 +25,7 @@ class Class:
     mass_fraction: float
 
 
-class Source(Protocol):
-    """``bed.Block`` and ``bed.Feed``."""
-
-    @property
-    def sizes(self) -> tuple[bed.SizeClass, ...]: ...
-    @property
-    def curve(self) -> tuple[bed.PassingPoint, ...]: ...
-    @property
-    def smallest_fed_m(self) -> float | None: ...
-    @property
-    def finer(self) -> Literal["leave-out", "next-class"]: ...
+Source = bed.Block | bed.Feed
 
 
 def classes(source: Source) -> tuple[Class, ...]:

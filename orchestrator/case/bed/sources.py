@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from orchestrator.case.bed.contact_times import largest_diameters_m
 from orchestrator.case.bed.feed import Feeds, Inlet
 from orchestrator.case.bed.packing import block, concatenated
 from orchestrator.case.bed.size_distribution import classes, share_left_out
@@ -113,9 +114,5 @@ def combined_feed(case: Case, numbers: dict[str, int]) -> ParticleFeed | None:
 
 
 def largest_diameter_m(case: Case) -> float:
-    """Of all particles that are or will be there."""
-    bed = case.bed
-    found = [row.diameter_m for row in bed.particles.values()]
-    for source in bed.sources:
-        found += [row.largest_m for row in classes(source)]
-    return max(found)
+    """The largest diameter of all particles that are or will be there."""
+    return max(largest_diameters_m(case).values())
