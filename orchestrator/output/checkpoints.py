@@ -165,13 +165,13 @@ def newest(run: Path) -> Checkpoint | None:
 
 def find_damage(run: Path) -> list[str]:
     """Returns what is wrong with the checkpoints that are not whole."""
-    said = []
+    damage = []
     for name in _names(run / FOLDER):
         try:
             _checked(run / FOLDER / name)
         except TornCheckpoint as wrong:
-            said.append(str(wrong))
-    return said
+            damage.append(str(wrong))
+    return damage
 
 
 def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:

@@ -67,9 +67,8 @@ class CycleRecord(SavedAttributes):
 
     def _row(self) -> None:
         middle = self._points.size
-        parts = (self._least, self._sum / self._count, self._most)
-        rows = self._points.rows(*(part[:middle] for part in parts))
-        rows |= self._panels.rows(*(part[middle:] for part in parts))
+        table = np.stack([self._least, self._sum / self._count, self._most])
+        rows = self._points.rows(table[:, :middle]) | self._panels.rows(table[:, middle:])
         for group, values in rows.items():
             self._history.add(group, self._last_s, {"sync_points": float(self._count), **values})
         self._count, self._sum[:] = 0, 0.0
@@ -93,22 +92,22 @@ class Points:
         clamps, surface = state.clamps, state.panel.surface
         moved_m = self._taken(clamps.position_m, surface.position_m) - self._start_m
         velocity_m_per_s = self._taken(clamps.velocity_m_per_s, surface.velocity_m_per_s)
-        sizes = [np.sqrt(np.einsum("ij,ij->i", one, one)) for one in (moved_m, velocity_m_per_s)]
+        sizes = [np.sqrt(np.einsum("ij,ij->i", x, x)) for x in (moved_m, velocity_m_per_s)]
         return np.column_stack([moved_m, *sizes]).ravel()
 
-    def rows(self, least: Array, mean: Array, most: Array) -> Rows:
-        found: Rows = {}
-        table = np.stack([least, mean, most]).reshape(3, -1, 5)
-        for number, name in enumerate(self._names):
-            low, middle, high = table[:, number]
-            found[f"point_cycles/{name}"] = {
+    def rows(self, table: Array) -> Rows:
+        """Returns the columns of each, from least, mean and most of their values, (3, 5 n)."""
+        values = zip(self._names, *table.reshape(3, -1, 5), strict=True)
+        return {
+            f"point_cycles/{name}": {
                 "least_m": low[:3],
                 "mean_m": middle[:3],
                 "most_m": high[:3],
                 "farthest_m": float(high[3]),
                 "fastest_m_per_s": float(high[4]),
             }
-        return found
+            for name, low, middle, high in values
+        }
 
     def _taken(self, carried: Array, touched: Array) -> Array:
         return np.vstack([carried[self._carried], touched[self._touched]])
@@ -127,7 +126,7 @@ class Panels:
         start_m = start.panel.surface.position_m
         self._points: Indices = np.concatenate(lines)
         self._lines = PanelLines(rectangles, [start_m[line] for line in lines])
-        self._along = np.array([one.along for one in rectangles])
+        self._along = np.array([rectangle.along for rectangle in rectangles])
 
     def at(self, state: State, forces_N: Array) -> Array:
         if not self._names:
@@ -144,12 +143,11 @@ class Panels:
         )
         return np.column_stack(columns).ravel()
 
-    def rows(self, least: Array, mean: Array, most: Array) -> Rows:
-        found: Rows = {}
-        table = np.stack([least, mean, most]).reshape(3, -1, 8)
-        for number, name in enumerate(self._names):
-            low, middle, high = table[:, number]
-            found[f"panel_cycles/{name}"] = {
+    def rows(self, table: Array) -> Rows:
+        """Returns the columns of each, from least, mean and most of their values, (3, 8 n)."""
+        values = zip(self._names, *table.reshape(3, -1, 8), strict=True)
+        return {
+            f"panel_cycles/{name}": {
                 "pull_least_N": float(low[0]),
                 "pull_mean_N": float(middle[0]),
                 "pull_most_N": float(high[0]),
@@ -161,4 +159,5 @@ class Panels:
                 "middle_least_m": float(low[7]),
                 "middle_most_m": float(high[7]),
             }
-        return found
+            for name, low, middle, high in values
+        }

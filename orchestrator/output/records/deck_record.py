@@ -60,15 +60,15 @@ def _speed(deck: DeckLine, velocity_m_per_s: Array, number: Array) -> Array:
 
 def _percentile(height_m: Array, mass_kg: Array, number: Array, bins: int) -> Array:
     """(bins,) height below which ``DEPTH_SHARE`` of a bin's mass lie; NaN where it is empty."""
-    found = np.full(bins, np.nan)
+    depth_m = np.full(bins, np.nan)
     order = np.lexsort((height_m, number))
     starts = np.searchsorted(number[order], np.arange(bins + 1))
     for i in range(bins):
         mine = order[starts[i] : starts[i + 1]]
         if len(mine):
             share = np.cumsum(mass_kg[mine])
-            found[i] = height_m[mine[np.searchsorted(share, DEPTH_SHARE * share[-1] * (1 - 1e-12))]]
-    return found
+            depth_m[i] = height_m[mine[np.searchsorted(share, DEPTH_SHARE * share[-1] * (1 - 1e-12))]]
+    return depth_m
 
 
 Mask = npt.NDArray[np.bool_]

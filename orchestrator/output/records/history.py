@@ -211,7 +211,7 @@ GROUP = "results"
 ROOM_BYTES = 4 * 1024**2
 
 
-def write_results(history_file: Path, found: Mapping[str, Any]) -> None:
+def write_results(history_file: Path, results: Mapping[str, Any]) -> None:
     """Writes the group anew.  An estimate becomes a number with the attributes ``half_width`` and
     ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown.
 
@@ -221,7 +221,7 @@ def write_results(history_file: Path, found: Mapping[str, Any]) -> None:
     with h5py.File(history_file, "a") as history:
         if GROUP in history:
             del history[GROUP]
-        _put(history.create_group(GROUP), found)
+        _put(history.create_group(GROUP), results)
 
 
 def _put(group: Any, table: Mapping[str, Any]) -> None:

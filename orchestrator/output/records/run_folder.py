@@ -31,10 +31,10 @@ class OtherFormat(FolderUnusable):
     """A file that another version of flipflow wrote, in another format."""
 
 
-def check_format(file: Path, found: Any, wanted: int) -> None:
+def check_format(file: Path, written: Any, wanted: int) -> None:
     """Raises OtherFormat where the version of a file's format is not the ``wanted`` one."""
-    if found != wanted:
-        version = "no version of its format, as older ones" if found is None else f"format {found}"
+    if written != wanted:
+        version = "no version of its format, as older ones" if written is None else f"format {written}"
         raise OtherFormat(
             f"{file}: has {version}; this flipflow reads format {wanted}: run the case again, or read it "
             "with the flipflow that wrote it (provenance.json names its version)"

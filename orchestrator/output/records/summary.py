@@ -44,12 +44,12 @@ def closing_table(summary: dict[str, Any]) -> Table:
 def material_lines(material: dict[str, Any]) -> list[str]:
     """Says where the particles are, with a warning where some are lost."""
 
-    def said(what: str, amount: dict[str, Any]) -> str:
+    def part(what: str, amount: dict[str, Any]) -> str:
         return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
 
-    exits = [said(f"through {name}", one) for name, one in material["exits"].items()]
-    there = [said("on deck", material["on_deck"]), *exits, said("lost", material["lost"])]
-    lines = [f"{said('particles: came', material['fed'])} = " + " + ".join(there)]
+    exits = [part(f"through {name}", amount) for name, amount in material["exits"].items()]
+    there = [part("on deck", material["on_deck"]), *exits, part("lost", material["lost"])]
+    lines = [f"{part('particles: came', material['fed'])} = " + " + ".join(there)]
     if material["lost"]["number"]:
         lines.append(
             f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "

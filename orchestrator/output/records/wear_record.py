@@ -35,7 +35,7 @@ class WearRecord:
     def groups(self, worn_m3: Array) -> dict[str, Mapping[str, Array | float]]:
         """Returns, by panel, what is to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of
         ``PATCHES``, NaN where a patch has no point."""
-        found: dict[str, Mapping[str, Array | float]] = {}
+        groups: dict[str, Mapping[str, Array | float]] = {}
         for name, (points, patch) in self._panels.items():
             worn, area = (
                 np.bincount(patch, values[points], PATCHES[0] * PATCHES[1]).reshape(PATCHES)
@@ -43,8 +43,8 @@ class WearRecord:
             )
             depth_m = np.divide(worn, area, out=np.full(PATCHES, np.nan), where=area > 0)
             whole = {"worn_m3": float(worn.sum()), "mean_m": float(worn.sum() / area.sum())}
-            found[f"wear/{name}"] = {**whole, "depth_m": depth_m}
-        return found
+            groups[f"wear/{name}"] = {**whole, "depth_m": depth_m}
+        return groups
 
 
 def point_area_m2(surface: TriangleSurface) -> Array:

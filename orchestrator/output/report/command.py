@@ -48,9 +48,7 @@ def _complete(folder: Path) -> None:
 def _made(folder: Path) -> Path:
     """Raises FolderUnusable where something in the files cannot be used."""
     try:
-        text = page(folder, compute_results(folder), make_film)
-        made = folder / NAME
-        write_text(made, text)
+        write_text(folder / NAME, page(folder, compute_results(folder), make_film))
     except FolderUnusable:
         raise
     except CaseError as error:
@@ -67,7 +65,7 @@ def _made(folder: Path) -> Path:
         ) from error
     except OSError as error:
         raise FolderUnusable(f"{folder}: {error}") from None
-    return made
+    return folder / NAME
 
 
 def _why_open(folder: Path) -> str:

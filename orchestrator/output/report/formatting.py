@@ -29,17 +29,17 @@ def whole_number(value: float) -> str:
     return f"{value:.0f}".replace("-", "−")
 
 
-def interval(found: dict[str, Any] | None, scale: float = 1.0) -> str:
+def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
     """Returns such as "82.31 ± 0.42": the value to the second digit of its half width."""
-    if found is None or found["value"] is None:
+    if estimate is None or estimate["value"] is None:
         return NONE
-    width, size = found["half_width"], abs(found["value"] * scale)
+    width, size = estimate["half_width"], abs(estimate["value"] * scale)
     if width is None or size < LEAST:
-        return number(found["value"], scale)
+        return number(estimate["value"], scale)
     shown = max(abs(width * scale), LEAST)
     most = MOST_DIGITS - 1 - math.floor(math.log10(size))
     decimals = max(min(1 - math.floor(math.log10(shown)), most), 0)
-    text = f"{found['value'] * scale:.{decimals}f} ± {shown:.{decimals}f}"
+    text = f"{estimate['value'] * scale:.{decimals}f} ± {shown:.{decimals}f}"
     return text.replace("-", "−")
 
 

@@ -35,14 +35,14 @@ class Tile:
         return f"{self.name}: {self.value}{width} {self.unit} ({self.basis})"
 
 
-def headline(found: dict[str, Any]) -> list[Tile]:
-    """Returns a tile for each figure that ``found``, the results of a run, has a value for."""
-    tiles = [*_screening(found), *_bed(found), *_motion(found)]
+def headline(results: dict[str, Any]) -> list[Tile]:
+    """Returns a tile for each figure for which the results of a run have a value."""
+    tiles = [*_screening(results), *_bed(results), *_motion(results)]
     return [tile for tile in tiles if tile.value != NONE]
 
 
-def _screening(found: dict[str, Any]) -> Iterator[Tile]:
-    screening = found.get("screening", {})
+def _screening(results: dict[str, Any]) -> Iterator[Tile]:
+    screening = results.get("screening", {})
     kinds = {
         "efficiency_percent": ("screening efficiency η", "%", "particles"),
         "fine_placement_percent": ("undersize recovery", "%", "fine_particles"),
@@ -52,25 +52,25 @@ def _screening(found: dict[str, Any]) -> Iterator[Tile]:
     }
     for key, (name, unit, counted) in kinds.items():
         if key in screening:
-            scale = _whole(found) if unit == "kg/s" else 1.0
+            scale = _whole(results) if unit == "kg/s" else 1.0
             kind = "fine particles" if counted == "fine_particles" else "particles"
-            said = f"{screening[counted]} {kind} that left, " if counted else ""
-            yield _tile(name, screening[key], unit, *_balanced(found, said), scale)
+            left = f"{screening[counted]} {kind} that left, " if counted else ""
+            yield _tile(name, screening[key], unit, *_balanced(results, left), scale)
 
 
-def _bed(found: dict[str, Any]) -> Iterator[Tile]:
-    if "bed" not in found:
+def _bed(results: dict[str, Any]) -> Iterator[Tile]:
+    if "bed" not in results:
         return
-    bed = found["bed"]
+    bed = results["bed"]
     there = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, "
-    basis = _balanced(found, there)
+    basis = _balanced(results, there)
     yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", *basis)
-    yield _tile("mass on the deck", bed["on_deck_kg"], "kg", *basis, _whole(found))
+    yield _tile("mass on the deck", bed["on_deck_kg"], "kg", *basis, _whole(results))
     yield _tile("largest bed depth", bed["largest_depth_m"], "mm", *basis, 1e3)
 
 
-def _motion(found: dict[str, Any]) -> Iterator[Tile]:
-    motion = found.get("motion")
+def _motion(results: dict[str, Any]) -> Iterator[Tile]:
+    motion = results.get("motion")
     if motion is None:
         return
     over = _lasting(motion["cycles"], motion["end_s"] - motion["start_s"])
@@ -85,9 +85,9 @@ def _motion(found: dict[str, Any]) -> Iterator[Tile]:
         yield Tile("largest panel stretch", number(max(stretches)), "", "%", *basis)
 
 
-def _balanced(found: dict[str, Any], counted: str) -> tuple[str, bool]:
+def _balanced(results: dict[str, Any], counted: str) -> tuple[str, bool]:
     """What a figure of the bed was taken from, and whether it was not steady."""
-    state = found.get("steady")
+    state = results.get("steady")
     if state is None:
         return f"{counted}the whole run", True
     lasting = _lasting(state["cycles"], state["end_s"] - state["start_s"])
@@ -96,15 +96,17 @@ def _balanced(found: dict[str, Any], counted: str) -> tuple[str, bool]:
 
 def _lasting(cycles: int, seconds: float) -> str:
     """ "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
-    said = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""
-    return f"{said}{number(seconds)} s"
+    counted = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""
+    return f"{counted}{number(seconds)} s"
 
 
-def _whole(found: dict[str, Any]) -> float:
+def _whole(results: dict[str, Any]) -> float:
     """Full width over that of the slice."""
-    return 1.0 / float(found["share_of_width"])
+    return 1.0 / float(results["share_of_width"])
 
 
-def _tile(name: str, found: dict[str, Any], unit: str, over: str, unsteady: bool, scale: float = 1.0) -> Tile:
-    value, _, width = interval(found, scale).partition(" ± ")
+def _tile(
+    name: str, estimate: dict[str, Any], unit: str, over: str, unsteady: bool, scale: float = 1.0
+) -> Tile:
+    value, _, width = interval(estimate, scale).partition(" ± ")
     return Tile(name, value, width, unit, over, unsteady)

@@ -47,30 +47,30 @@ def make_film(folder: Path, lasting_s: float) -> Film:
         return Film(made.read_bytes(), **json.loads(done.stdout))
 
 
-def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
-    """Returns the HTML of a run's report.  ``found`` are its results, ``film`` makes the animation."""
+def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
+    """Returns the HTML of a run's report.  ``results`` are its results, ``film`` makes the animation."""
     with RunReader(folder) as run:
         summary, provenance = run.summary, run.provenance
         shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
         drawings = chain(
-            [("cost", draw_cost(summary["wall_by_part_s"]))], draw_results(found), draw_machine(run)
+            [("cost", draw_cost(summary["wall_by_part_s"]))], draw_results(results), draw_machine(run)
         )
         return fill_template(
             "output/report/template.html",
             case=run.case,
             summary=summary,
             provenance=provenance,
-            results=found,
+            results=results,
             facts={
                 "machine": list(tables.machine_facts(run)),
                 "bed": list(tables.bed_facts(run.case)),
                 "how it was computed": list(tables.solver_facts(run.case, summary["stability"]["scheme"])),
             },
-            headline=headline(found),
+            headline=headline(results),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
-            warnings=collect_warnings(folder, summary, found),
-            sheets=_sheets(found),
+            warnings=collect_warnings(folder, summary, results),
+            sheets=_sheets(results),
             pictures={name: embedded(drawn) for name, drawn in drawings},
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
@@ -82,17 +82,17 @@ def page(folder: Path, found: dict[str, Any], film: Callable[[Path, float], Film
         )
 
 
-def _sheets(found: dict[str, Any]) -> dict[str, tables.Sheet]:
-    sheets, whole = {}, 1.0 / found["share_of_width"]
-    if "screening" in found:
-        sheets["screening"] = tables.screening_sheet(found["screening"], whole)
-        if found["screening"]["sections"]:
-            sheets["sections"] = tables.sections_sheet(found["screening"])
-    if "bed" in found:
-        sheets["bed"] = tables.bed_sheet(found, whole)
-    if "wear" in found:
-        sheets["wear"] = tables.wear_sheet(found["wear"])
-    motion = found.get("motion", {})
+def _sheets(results: dict[str, Any]) -> dict[str, tables.Sheet]:
+    sheets, whole = {}, 1.0 / results["share_of_width"]
+    if "screening" in results:
+        sheets["screening"] = tables.screening_sheet(results["screening"], whole)
+        if results["screening"]["sections"]:
+            sheets["sections"] = tables.sections_sheet(results["screening"])
+    if "bed" in results:
+        sheets["bed"] = tables.bed_sheet(results, whole)
+    if "wear" in results:
+        sheets["wear"] = tables.wear_sheet(results["wear"])
+    motion = results.get("motion", {})
     if motion.get("frames"):
         sheets["frames"] = tables.frames_sheet(motion)
     if motion.get("panels"):

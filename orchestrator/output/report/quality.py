@@ -51,29 +51,28 @@ def _monitor_rows(monitor: dict[str, Any]) -> Iterator[tuple[str, str]]:
         yield f"monitor: {name.replace('_', ' ')}, worst", seen + times
 
 
-def collect_warnings(folder: Path, summary: dict[str, Any], found: dict[str, Any]) -> list[str]:
+def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, Any]) -> list[str]:
     """Says how the run ended, what is not steady, what is missing, and what the log warned of."""
-    said = []
-    said += [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
+    warnings = [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
     if not trust.came_to_its_end(summary["status"]):
-        said.append(f"The run was {summary['status']}: {summary['reason']}")
+        warnings.append(f"The run was {summary['status']}: {summary['reason']}")
     elif summary["status"] == trust.INCOMPLETE:
-        said.append(f"The run is incomplete: {summary['reason']}")
-    state = found.get("steady")
+        warnings.append(f"The run is incomplete: {summary['reason']}")
+    state = results.get("steady")
     if state and not state["is_steady"]:
-        said.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")
-    motion = found.get("motion")
+        warnings.append(f"No steady state: {state['reason']}. Bed and screening figures are transient.")
+    motion = results.get("motion")
     if motion and motion["cycles"] and not motion["is_settled"]:
-        said.append(f"The machine has not settled: {motion['reason']}.")
-    for name, orbit in found.get("motion", {}).get("frames", {}).items():
+        warnings.append(f"The machine has not settled: {motion['reason']}.")
+    for name, orbit in results.get("motion", {}).get("frames", {}).items():
         if orbit["other_m"][0] > UNSETTLED * orbit["major_m"] > 0:
-            said.append(f"{name} has not settled to its periodic motion")
-    said += [f"Results not made: {part}: {error}" for part, error in found["failed"].items()]
+            warnings.append(f"{name} has not settled to its periodic motion")
+    warnings += [f"Results not made: {part}: {error}" for part, error in results["failed"].items()]
     if "energy_ledger_J" in summary:
-        said += [line for line in closing_lines(summary) if line.startswith("WARNING")]
-    if lost := found.get("screening", {}).get("lost_particles"):
-        said.append(f"{lost} particles left elsewhere than through an exit.")
-    return said + _logged(folder)
+        warnings += [line for line in closing_lines(summary) if line.startswith("WARNING")]
+    if lost := results.get("screening", {}).get("lost_particles"):
+        warnings.append(f"{lost} particles left elsewhere than through an exit.")
+    return warnings + _logged(folder)
 
 
 def _logged(folder: Path) -> list[str]:
@@ -83,7 +82,7 @@ def _logged(folder: Path) -> list[str]:
         return []
     kinds = (" WARNING ", " ERROR ")
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
-    found = [line.split(kind, 1)[1].strip() for line in lines for kind in kinds if kind in line]
-    once = list(dict.fromkeys(found))
+    messages = [line.split(kind, 1)[1].strip() for line in lines for kind in kinds if kind in line]
+    once = list(dict.fromkeys(messages))
     more = [f"and {len(once) - SHOWN} more in run.log"] if len(once) > SHOWN else []
     return once[:SHOWN] + more

@@ -35,7 +35,7 @@ def _sheet(title: str, rows: list[dict[str, str]], note: str = "") -> Sheet:
     return Sheet(title, tuple(rows[0]), tuple(tuple(row.values()) for row in rows), note)
 
 
-def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
+def screening_sheet(screening: dict[str, Any], whole: float) -> Sheet:
     """Returns flows and placements of the whole deck; masses are multiplied by ``whole``, the full width
     over that of the slice."""
     kinds = {
@@ -52,15 +52,15 @@ def screening_sheet(found: dict[str, Any], whole: float) -> Sheet:
         "misplaced material": ("misplaced_percent", "%"),
     }
     rows = [
-        (name, interval(found[key], whole if unit.startswith("kg") else 1.0), unit)
+        (name, interval(screening[key], whole if unit.startswith("kg") else 1.0), unit)
         for name, (key, unit) in kinds.items()
-        if key in found
+        if key in screening
     ]
-    partition = found["partition"]
+    partition = screening["partition"]
     if partition:
         rows.append(("cut size reached, d50", interval(partition["d50_m"], 1e3), "mm"))
         rows.append(("probable error Ep", interval(partition["ep_m"], 1e3), "mm"))
-    rows.append(("particles lost", str(found["lost_particles"]), "particles"))
+    rows.append(("particles lost", str(screening["lost_particles"]), "particles"))
     return Sheet("Screening", ("figure", "value", "unit"), tuple(rows))
 
 

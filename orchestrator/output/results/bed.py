@@ -117,15 +117,15 @@ def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
         np.repeat([0, 1], int(over.sum())),
         2,
     )
-    found: dict[str, Any] = {"residence_s": events.figure(lambda s: share(s[0], s[1]), sums)}
+    table: dict[str, Any] = {"residence_s": events.figure(lambda s: share(s[0], s[1]), sums)}
     if deck is not None:
         length = deck.length_m
-        found["residence_velocity_m_per_s"] = events.figure(lambda s: length * share(s[1], s[0]), sums)
+        table["residence_velocity_m_per_s"] = events.figure(lambda s: length * share(s[1], s[0]), sums)
         edges = bins_m(deck)
         under = counted & np.isin(removed.exit, events.exits.of(UNDERSIZE))
         station = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
-        found["passing"] = {
+        table["passing"] = {
             "along_m": (edges[1:] + edges[:-1]) / 2,
             "rate_kg_per_s_m": passing_kg_per_s_m(station, removed.mass_kg[under], edges, events.lasting_s),
         }
-    return found
+    return table

@@ -155,8 +155,8 @@ def _fit(time_s: Array, values: Array, speed_rad_per_s: float, weight: Array) ->
     slow = np.column_stack([np.ones_like(phase), (time_s - time_s.mean()) * speed_rad_per_s])
     terms = np.column_stack([np.cos(phase), -np.sin(phase), slow])
     root = np.sqrt(weight)[:, None]
-    found = np.linalg.lstsq(root * terms, root * values, rcond=None)[0]
-    return found[0] + 1j * found[1], slow @ found[2:]
+    fitted = np.linalg.lstsq(root * terms, root * values, rcond=None)[0]
+    return fitted[0] + 1j * fitted[1], slow @ fitted[2:]
 
 
 def _part(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: float) -> Phasors:
@@ -177,8 +177,8 @@ def _half_width(
     for number in range(batches, 0, -1):
         start_s = end_s - number * lasting_s
         rows = within(time_s, start_s, start_s + lasting_s, cycle_s)
-        found = np.linalg.lstsq(terms[rows], moved[rows], rcond=None)[0]
-        each.append(found[0] + 1j * found[1])
+        fitted = np.linalg.lstsq(terms[rows], moved[rows], rcond=None)[0]
+        each.append(fitted[0] + 1j * fitted[1])
     size = np.abs(phasor)
     direction = np.divide(phasor, size, out=np.ones_like(phasor), where=size > 0)
     along = np.real(np.array(each) * np.conj(direction))

@@ -145,16 +145,16 @@ def products(run: RunReader) -> Products | None:
     if tables is None:
         return None
     _, removed, exits = tables
-    found = {}
+    mean_m = {}
     for number, name in enumerate(exits.names):
         mine = removed.exit == number
         if mine.sum() >= FEWEST:
-            found[name] = float(np.average(removed.diameter_m[mine], weights=removed.mass_kg[mine]))
-    if len(found) < 2:
+            mean_m[name] = float(np.average(removed.diameter_m[mine], weights=removed.mass_kg[mine]))
+    if len(mean_m) < 2:
         return None
-    fine, coarse = min(found, key=found.__getitem__), max(found, key=found.__getitem__)
-    words = f"{found[coarse] * 1e3:.3g} mm through {coarse}, {found[fine] * 1e3:.3g} mm through {fine}"
-    return Products(found[coarse] / found[fine], words)
+    fine, coarse = min(mean_m, key=mean_m.__getitem__), max(mean_m, key=mean_m.__getitem__)
+    words = f"{mean_m[coarse] * 1e3:.3g} mm through {coarse}, {mean_m[fine] * 1e3:.3g} mm through {fine}"
+    return Products(mean_m[coarse] / mean_m[fine], words)
 
 
 class ObservedMotion:

@@ -42,8 +42,8 @@ def wear_metrics(
             **_deepest(depth_m_per_h, panel.table.thickness_m),
             "depth_m_per_h": depth_m_per_h,
         }
-    found: dict[str, Any] = {"start_s": time[first], "end_s": time[last], "panels": panels}
-    return found | {"profile": _profile(run, names, rates, deck) if deck else None}
+    table: dict[str, Any] = {"start_s": time[first], "end_s": time[last], "panels": panels}
+    return table | {"profile": _profile(run, names, rates, deck) if deck else None}
 
 
 def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
