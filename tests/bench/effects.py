@@ -34,7 +34,7 @@ class Asked:
     level: str | None
     overrides: tuple[str, ...]
 
-    def load_judged(self, *more: str) -> JudgedCase:
+    def load(self, *more: str) -> JudgedCase:
         return load_judged(self.case, self.level, [*self.overrides, *more])
 
     def loads(self, *more: str) -> frozenset[str]:
