@@ -27,7 +27,7 @@ def judge(scene: Scene) -> Verdict:
     why = f"loss factor {factor:.2g} at {where}"
     if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
         matters, why = None, f"{why}; near a panel's resonance only damping limits its answer"
-    change = scene.change_of_answer(loss_factor=factor)
+    change = scene.change_of_response(loss_factor=factor)
     if matters and change is not None and change <= TENTH:
         matters, why = None, f"{why}; taut panels' middles move as far without, to {change:.1%}"
     unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"

@@ -108,7 +108,7 @@ class Scene:
 
     def change_of_response(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
         """Largest change of the amplitude of a panel's middle without a loss factor or a mass upon
-        it (``moved_panel.change_of_answer``), if all panels are taut all the time and shaken; else
+        it (``moved_panel.change_of_response``), if all panels are taut all the time and shaken; else
         None: a slack panel is no oscillator."""
         if self.speed_rad_per_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
             return None
