@@ -12,10 +12,10 @@ from rich.table import Table
 
 from orchestrator.case.scalars import SCALARS
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.judgement.catalogue import Judged, spared, with_dependents
+from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
-from orchestrator.preflight.judgement.weighing import doubted, weighed
-from orchestrator.preflight.scene.effect import Part, in_words
+from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
+from orchestrator.preflight.scene.effect import Part, describe_verdict
 from orchestrator.preflight.stability.report import AUTO
 from orchestrator.studies.pairs import TriedEffects
 
@@ -75,10 +75,11 @@ def judge_effects(
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
 
     def here(one: Judged) -> Judged:
-        return doubted(replace(one, present=one.present and one.effect not in loaded.left_out))
+        return with_doubt(replace(one, present=one.present and one.effect not in loaded.left_out))
 
     return {
-        part: [here(one) for one in rows] for part, rows in weighed(loaded.described, pairs, asked).items()
+        part: [here(one) for one in rows]
+        for part, rows in weigh_effects(loaded.described, pairs, asked).items()
     }
 
 
@@ -87,7 +88,7 @@ def effects_table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> 
     rows_table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
         rows_table.add_column(column, no_wrap=column in SHORT, overflow="fold")
-    going = with_dependents(spared(one for rows in parts.values() for one in rows), "")
+    going = with_dependents(find_dispensable(one for rows in parts.values() for one in rows), "")
     for part, rows in parts.items():
         rows_table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
         for one in rows:
@@ -122,7 +123,7 @@ def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:
         verdict.value_in_words,
         verdict.threshold,
         _by_auto(one, going),
-        f"{in_words(verdict.matters)}: {verdict.why}",
+        f"{describe_verdict(verdict.matters)}: {verdict.why}",
         "\n".join(text for text in (one.key, verdict.cost) if text),
     )
 

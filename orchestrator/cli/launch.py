@@ -35,7 +35,7 @@ from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import Entry, account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
-from orchestrator.preflight.judgement.pair import agree, key_of
+from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
@@ -76,7 +76,7 @@ def _decide_effects(
         return loaded
     known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
     read = loaded.origin.read()
-    agree({key_of(read, name): known.get(name) for name in EFFECTS})
+    share_pairs({key_of(read, name): known.get(name) for name in EFFECTS})
     loaded = load_judged(path, level, overrides)
     require_runnable(loaded)
     return loaded

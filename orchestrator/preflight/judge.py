@@ -23,16 +23,16 @@ from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks import TABLE_RULES
 from orchestrator.preflight.judgement.catalogue import (
     EFFECTS,
-    can_go,
-    dropped,
-    left_out,
-    present,
-    spared,
+    can_leave_out,
+    find_dispensable,
+    find_left_out,
+    find_left_out_by_level,
+    has_effect,
     why_left_out,
     with_dependents,
 )
-from orchestrator.preflight.judgement.pair import Pair, key_of, remembered
-from orchestrator.preflight.judgement.weighing import undecided, weighed
+from orchestrator.preflight.judgement.pair import Pair, key_of, recall
+from orchestrator.preflight.judgement.weighing import is_undecided, weigh_effects
 
 KEY: Key = ("effects",)
 OF_LAW = {law: name for name, effect in EFFECTS.items() for law in effect.laws}
@@ -140,7 +140,7 @@ def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
     if not names:
         return {}
     read = origin.read()
-    pairs = {name: remembered(key_of(read, name)) for name in names}
+    pairs = {name: recall(key_of(read, name)) for name in names}
     return {name: pair for name, pair in pairs.items() if pair is not None}
 
 
@@ -156,7 +156,7 @@ def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
 
 def _all_left_out(case: Case, choice: Choice) -> dict[str, str]:
     """By settings, by ``effects``, or by the one because of the other."""
-    reasons = left_out(case)
+    reasons = find_left_out(case)
     for name, why in choice.left_out.items():
         reasons[name] = f"{reasons[name]}; {why}" if name in reasons else why
     return reasons
@@ -168,7 +168,9 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
         return
     source = f"levels/{level.name}.toml"
     try:
-        needed = dropped(*(laid_out(Case.model_validate(c)) for c in (level.before, level.after)))
+        needed = find_left_out_by_level(
+            *(laid_out(Case.model_validate(c)) for c in (level.before, level.after))
+        )
     except (ValidationError, CaseError):
         return  # without the level or --set it is no case
     for name, why in needed.items():
@@ -189,17 +191,17 @@ def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
 def _judged_choice(
     layers: Layers, bare: Case, case: Case, source: str, origin: Origin, asked: tuple[str, ...]
 ) -> Choice:
-    estimated = [one for rows in weighed(case).values() for one in rows]
-    trying = tuple(one.effect for one in estimated if undecided(one) and EFFECTS[one.effect].saves)
+    estimated = [one for rows in weigh_effects(case).values() for one in rows]
+    trying = tuple(one.effect for one in estimated if is_undecided(one) and EFFECTS[one.effect].saves)
     pairs = known_pairs(origin, trying)
-    every = [one for rows in weighed(case, pairs, asked).values() for one in rows]
+    every = [one for rows in weigh_effects(case, pairs, asked).values() for one in rows]
     lacking = tuple(
         f"{one.effect} matters, and the case does not have it: "
         f"{one.verdict.in_numbers}; {one.verdict.why}; {one.key}"
         for one in every
         if one.lacking
     )
-    spare = with_dependents(spared(every), 'effects = "auto"')
+    spare = with_dependents(find_dispensable(every), 'effects = "auto"')
     _leave_out(layers, bare, spare, source)
     unknown = tuple(name for name in trying if name not in pairs)
     left_out = _there(case, spare)
@@ -226,7 +228,7 @@ def _named_choice(
         return Choice(problems=tuple(wrong))
     for law in (word for word in asked if word in OF_LAW):
         layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
-    others = [name for name in EFFECTS if name not in names and can_go(case, name)]
+    others = [name for name in EFFECTS if name not in names and can_leave_out(case, name)]
     spare = with_dependents(others, "effects does not name it")
     _leave_out(layers, bare, spare, source)
     return Choice(_there(case, spare), described=case)
@@ -234,7 +236,7 @@ def _named_choice(
 
 def _there(case: Case, spare: Mapping[str, str]) -> dict[str, str]:
     """Those that the case would have."""
-    return {name: why for name, why in spare.items() if present(case, name)}
+    return {name: why for name, why in spare.items() if has_effect(case, name)}
 
 
 def _leave_out(layers: Layers, bare: Case, spare: Collection[str], source: str) -> None:

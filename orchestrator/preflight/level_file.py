@@ -12,7 +12,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import Layers, parsed, read_toml
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.preflight.judgement.catalogue import dropped
+from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
 
 
 def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) -> Path:
@@ -32,7 +32,7 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
     whole = Layers(bare, "case.toml")
     whole.lay(level.merged, file.name)
     cases = (laid_out(Case.model_validate(table)) for table in (bare, whole.merged))
-    without = [*dropped(*cases)]
+    without = [*find_left_out_by_level(*cases)]
     head = {"about": about} | ({"without": without} if without else {})
     file.parent.mkdir(exist_ok=True)
     file.write_text(tomli_w.dumps(head | level.merged), encoding="utf-8")

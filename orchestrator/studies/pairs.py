@@ -35,10 +35,16 @@ from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, known_pairs, load_judged
-from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, can_go, present, with_dependents
-from orchestrator.preflight.judgement.pair import Pair, key_of, remember, remembered
-from orchestrator.preflight.judgement.weighing import undecided, weighed
-from orchestrator.preflight.scene.effect import in_words
+from orchestrator.preflight.judgement.catalogue import (
+    EFFECTS,
+    Judged,
+    can_leave_out,
+    has_effect,
+    with_dependents,
+)
+from orchestrator.preflight.judgement.pair import Pair, key_of, recall, remember
+from orchestrator.preflight.judgement.weighing import is_undecided, weigh_effects
+from orchestrator.preflight.scene.effect import describe_verdict
 from orchestrator.studies.points import MAIN, sample_s
 
 LIMIT_S = 30.0
@@ -85,7 +91,7 @@ class Pairs:
     def of(self, loaded: JudgedCase, effect: str) -> Pair:
         """The pair of a case and an effect that it has, from memory if it is known."""
         found = key_of(loaded.origin.read(), effect)
-        known = None if self.forget else remembered(found)
+        known = None if self.forget else recall(found)
         if known is not None and not (known.refused and known.limit_s < self.limit_s):
             return known
         try:
@@ -182,7 +188,7 @@ def _sets(
 ) -> tuple[str, ...]:
     """Raises NoPair and CaseError."""
     case = _described(folder, level, others).case
-    if not (present(case, effect) and can_go(case, effect)):
+    if not (has_effect(case, effect) and can_leave_out(case, effect)):
         raise NoPair(f"{effect} cannot be left out of the case at level {level or 'none'}")
     sets = (*others, *_watched(case))
     if cheaper:
@@ -191,7 +197,7 @@ def _sets(
     found = _load(folder, level, every)
     if wrong := find_problems(found):
         raise NoPair(str(wrong[0]))
-    if not present(found.case, effect):
+    if not has_effect(found.case, effect):
         raise NoPair(f"{effect} is gone with cheaper panels")
     return (*sets, *_shorter(found.case, _predicted_s(folder, level, every), limit_s))
 
@@ -209,7 +215,7 @@ def _load(folder: Path, level: str, sets: tuple[str, ...]) -> JudgedCase:
 
 def _present(folder: Path, level: str, sets: tuple[str, ...]) -> Iterator[str]:
     case = _load(folder, level, (*sets, AUTO)).described
-    return (name for name in EFFECTS if present(case, name))
+    return (name for name in EFFECTS if has_effect(case, name))
 
 
 def _named(effects: Iterable[str]) -> str:
@@ -285,7 +291,7 @@ def ranked(every: Sequence[Judged]) -> list[str]:
     be judged, then what matters, from the lowest value over its threshold up.  Not among them is
     what surely may be left out."""
     there = [one for one in every if one.present and one.can_go]
-    open_ones = [one for one in there if undecided(one)]
+    open_ones = [one for one in there if is_undecided(one)]
     others = [one for one in there if one.verdict.matters is True and one not in open_ones]
     return [one.effect for group in (open_ones, others) for one in sorted(group, key=_over)]
 
@@ -311,7 +317,7 @@ def tried(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget_s: fl
 
 def for_results(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
     """Of all effects of the case that a pair could decide about."""
-    every = [one for rows in weighed(loaded.described).values() for one in rows]
+    every = [one for rows in weigh_effects(loaded.described).values() for one in rows]
     return tried(loaded, ranked(every), pairs, budget_s)
 
 
@@ -335,11 +341,11 @@ def before(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
         )
     found = tried(loaded, names, Pairs(LIMIT_S, say), BUDGET_S).pairs
     asked = loaded.choice.asked or (*SCALARS,)
-    rows = (one for rows in weighed(loaded.described, found, asked).values() for one in rows)
+    rows = (one for rows in weigh_effects(loaded.described, found, asked).values() for one in rows)
     verdicts = {one.effect: one.verdict for one in rows}
     for name, pair in found.items():
         if pair.refused:
             say(f"{name} stays, as there are no runs to tell: {pair.refused}")
         else:
-            say(f"{name}: {in_words(verdicts[name].matters)}: {verdicts[name].why}")
+            say(f"{name}: {describe_verdict(verdicts[name].matters)}: {verdicts[name].why}")
     return found

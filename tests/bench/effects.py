@@ -17,7 +17,7 @@ import numpy as np
 from rich.table import Table
 
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from tests.bench.coupling import Runner
 from tests.bench.loaded import loaded_by
 
@@ -45,14 +45,14 @@ class Asked:
 def bench(asked: Asked, intervals: int) -> Table:
     """Times ``intervals`` sync intervals of each machine.  Raises SolverMissing, SolverFailed."""
     case = asked.load().case
-    here = [name for name in EFFECTS if present(case, name)]
+    here = [name for name in EFFECTS if has_effect(case, name)]
     table = Table(title=f"{asked.case.name}: ms per sync interval", title_justify="left")
     for column in ("", "all", *PARTS, "against the case", "undescribed / left out"):
         table.add_column(column, justify="left" if not column else "right", no_wrap=True)
     table.add_column("not loaded")
     whole, everything = _timed([asked.load()], intervals)[0], asked.loads()
     table.add_row("the case", *whole.row(), "", "", "")
-    for name in (one for one in here if can_go(case, one)):
+    for name in (one for one in here if can_leave_out(case, one)):
         others = [one for one in here if one not in with_dependents([name], "")]
         named = f"effects={others}"
         undescribed = list(sets(EFFECTS[name].undescribed(case)))

@@ -13,7 +13,7 @@ from orchestrator.case.bed.contact_times import contact_moduli, reduced_modulus_
 from orchestrator.case.solver_plans import material_numbers, particle_step_s
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.plans import Jkr, Sjkr
-from orchestrator.preflight.judgement.catalogue import left_out
+from orchestrator.preflight.judgement.catalogue import find_left_out
 from tests.case.cases import complaints, loaded, only_complaint
 
 WET = ("contacts.0.work_of_adhesion_J_per_m2=0.1", "contacts.1.work_of_adhesion_J_per_m2=0.2")
@@ -31,8 +31,8 @@ def adhesion(folder: Path, *overrides: str) -> Jkr | Sjkr | None:
 def test_without_work_nothing_is_planned(tmp_path: Path) -> None:
     assert adhesion(tmp_path) is None
     assert adhesion(tmp_path, *WET, 'particles.adhesion="none"') is None
-    assert "adhesion" in left_out(case(tmp_path, *WET, 'particles.adhesion="none"'))
-    assert "adhesion" not in left_out(case(tmp_path, *WET))
+    assert "adhesion" in find_left_out(case(tmp_path, *WET, 'particles.adhesion="none"'))
+    assert "adhesion" not in find_left_out(case(tmp_path, *WET))
 
 
 def test_works_by_pair_of_materials_and_the_widest_stretch(tmp_path: Path) -> None:

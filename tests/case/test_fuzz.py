@@ -17,7 +17,7 @@ from orchestrator.case.file.layers import Layers
 from orchestrator.case.load import validated
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.judgement.catalogue import judged
+from orchestrator.preflight.judgement.catalogue import judge_effects
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 from tests.case.mutations import ROOT
 
@@ -84,7 +84,7 @@ def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tm
             spoilt = replace(found, case=validated(found.layers))
             if not find_problems(spoilt):
                 warnings(spoilt)
-                judged(spoilt.case)
+                judge_effects(spoilt.case)
 
 
 @pytest.mark.parametrize("value", [1e300, -1e300, 5e-324])

@@ -11,7 +11,7 @@ from orchestrator.case.file.loss_curve import Branches, Fit, fitted, moduli
 from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports import Array
-from orchestrator.preflight.judgement.catalogue import EFFECTS, present
+from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from tests.case.cases import complaints, loaded, only_complaint
 
 FREQUENCIES_HZ = np.geomspace(10.0, 300.0, 12)
@@ -79,7 +79,7 @@ def test_the_resolved_case_holds_the_branches_and_check_compares_them(tmp_path: 
     law = case.case.materials["PU"].hyperelastic
     assert law is not None
     assert len(law.maxwell) == 3
-    assert present(case.case, "panel-damping")
+    assert has_effect(case.case, "panel-damping")
     again = resolved_case(case)["materials"]["PU"]["hyperelastic"]
     assert [row["ratio"] for row in again["maxwell"]] == [row.ratio for row in law.maxwell]
     lines = "\n".join(overview(case))
@@ -95,7 +95,7 @@ def test_given_branches_are_not_fitted_again(tmp_path: Path) -> None:
 
 def test_damping_left_out_takes_the_curve_away(tmp_path: Path) -> None:
     before = loaded(tmp_path, [CONSTANT]).case
-    others = [name for name in EFFECTS if present(before, name) and name != "panel-damping"]
+    others = [name for name in EFFECTS if has_effect(before, name) and name != "panel-damping"]
     case = loaded(tmp_path, [CONSTANT, f"effects={others}"])
     law = case.case.materials["PU"].hyperelastic
     assert law is not None

@@ -10,7 +10,7 @@ from orchestrator.case.solver_plans import particles_plan
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan
-from orchestrator.preflight.judgement.catalogue import left_out
+from orchestrator.preflight.judgement.catalogue import find_left_out
 from tests.case.cases import loaded, only_complaint
 
 WEARS = "contacts.0.specific_wear_m3_per_N_m=2e-12"
@@ -36,9 +36,9 @@ def test_rates_by_pair_of_materials(tmp_path: Path) -> None:
 def test_a_level_can_leave_it_out(tmp_path: Path) -> None:
     case = loaded(tmp_path, [WEARS, "particles.wear=none"]).case
     assert plan(case).wear_m3_per_N_m is None
-    assert left_out(case)["wear"]
-    assert "wear" not in left_out(loaded(tmp_path, [WEARS]).case)
-    assert "wear" not in left_out(loaded(tmp_path, ["particles.wear=none"]).case)
+    assert find_left_out(case)["wear"]
+    assert "wear" not in find_left_out(loaded(tmp_path, [WEARS]).case)
+    assert "wear" not in find_left_out(loaded(tmp_path, ["particles.wear=none"]).case)
 
 
 def test_particles_do_not_wear_each_other(tmp_path: Path) -> None:

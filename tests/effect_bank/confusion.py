@@ -19,9 +19,9 @@ from scipy.stats import t as student
 
 from orchestrator.case.scalars import scalar
 from orchestrator.output.records import trust
-from orchestrator.preflight.judgement.pair import Change, changed
-from orchestrator.preflight.judgement.weighing import doubted, weighed
-from orchestrator.preflight.scene.effect import Verdict, in_words
+from orchestrator.preflight.judgement.pair import Change, compute_change
+from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
+from orchestrator.preflight.scene.effect import Verdict, describe_verdict
 from orchestrator.studies.points import is_random
 from tests.effect_bank.trials import Trial, Tried
 
@@ -31,7 +31,7 @@ BY_CHANCE = "open by chance"
 NOT_RUN = "not run"
 NOT_COMPARED = "nothing to compare"
 OUTCOMES = (CHANGED, UNCHANGED, BY_CHANCE, NOT_COMPARED, NOT_RUN)
-PREDICTIONS = tuple(in_words(matters) for matters in (False, True, None))
+PREDICTIONS = tuple(describe_verdict(matters) for matters in (False, True, None))
 MAY_GO, MATTERS, CANNOT_SAY = PREDICTIONS
 MOST_FALSE_ALARMS = 0.2
 
@@ -50,7 +50,7 @@ class Row:
 
     @property
     def predicted(self) -> str:
-        return in_words(None if self.verdict is None else self.verdict.matters)
+        return describe_verdict(None if self.verdict is None else self.verdict.matters)
 
     @property
     def wrong(self) -> bool:
@@ -100,8 +100,8 @@ def confusion(scenes: Sequence[Tried]) -> Confusion:
 
 
 def _rows(one: Tried) -> Iterator[Row]:
-    parts = weighed(one.loaded.described, asked=one.scene.asked).values()
-    verdicts = {each.effect: doubted(each).verdict for rows in parts for each in rows}
+    parts = weigh_effects(one.loaded.described, asked=one.scene.asked).values()
+    verdicts = {each.effect: with_doubt(each).verdict for rows in parts for each in rows}
     base, *others = one.trials
     for trial in others:
         verdict = verdicts.get(trial.without)
@@ -135,7 +135,7 @@ def change(
     asked = scalar(name)
     found = [[asked.of(summary) for summary in each] for each in (with_it, without)]
     if len(with_it) == len(without) == 1:
-        single = changed(found[0][0], found[1][0], asked.floor)
+        single = compute_change(found[0][0], found[1][0], asked.floor)
         return single if by_chance else replace(single, uncertain=None)
     one, two = (np.array([each.value for each in side if each is not None]) for side in found)
     if not one.size and not two.size:

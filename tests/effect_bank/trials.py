@@ -16,7 +16,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.judgement.catalogue import EFFECTS, can_go, present, with_dependents
+from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from orchestrator.studies import points as sweep
 from orchestrator.studies.points import sample_s, seeded
 from tests.effect_bank.bank import Scene
@@ -86,10 +86,10 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
     sets = _sets(load_judged(case, scene.level, scene.sets), scene)
     first = _trial(name, AS_IT_IS, case, scene, sets, out)
     loaded = first.runs[0].loaded
-    here = [one for one in EFFECTS if present(loaded.described, one)]
+    here = [one for one in EFFECTS if has_effect(loaded.described, one)]
     trials = [first]
     for effect in here:
-        if can_go(loaded.described, effect) and (not scene.effects or effect in scene.effects):
+        if can_leave_out(loaded.described, effect) and (not scene.effects or effect in scene.effects):
             going = with_dependents([effect], "")
             kept = json.dumps([one for one in here if one not in going])
             try:

@@ -14,7 +14,7 @@ from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import account, at_start
-from orchestrator.preflight.judgement.catalogue import EFFECTS, present, with_dependents
+from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect, with_dependents
 from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complaint, written
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 
@@ -62,7 +62,7 @@ def full(folder: Path, *effects: str) -> JudgedCase:
 
 
 def has(case: JudgedCase) -> set[str]:
-    return {name for name in EFFECTS if present(case.case, name)}
+    return {name for name in EFFECTS if has_effect(case.case, name)}
 
 
 def test_the_full_case_has_these_effects_that_can_be_left_out(tmp_path: Path) -> None:

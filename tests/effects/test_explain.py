@@ -17,8 +17,8 @@ from orchestrator.cli.main import app
 from orchestrator.preflight import effects
 from orchestrator.preflight.check import find_table_problems
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.judgement.catalogue import EFFECTS, judged, spared
-from orchestrator.preflight.judgement.weighing import weighed
+from orchestrator.preflight.judgement.catalogue import EFFECTS, find_dispensable, judge_effects
+from orchestrator.preflight.judgement.weighing import weigh_effects
 from tests.case.cases import CASE, written
 from tests.effects.verdicts import STILL_CASE
 
@@ -34,7 +34,7 @@ CALL = CliRunner()
 @pytest.mark.parametrize(("case", "level"), LEVELS)
 def test_every_case_is_explained_at_every_level(case: str, level: str) -> None:
     loaded = load_judged(CASES / case, level)
-    verdicts = [one for rows in judged(loaded.case).values() for one in rows]
+    verdicts = [one for rows in judge_effects(loaded.case).values() for one in rows]
     names = [one.effect for one in verdicts]
     assert len(names) == len(set(names))
     present = {one.effect: one.present for one in verdicts}
@@ -49,9 +49,9 @@ def test_every_case_can_do_without_what_may_be_left_out(case: str, level: str, e
     """And is then a case without mistakes in its tables, which has none of these effects."""
     found = load_judged(CASES / case, level, [f"effects={effects}"])
     assert find_table_problems(found) == []
-    asked = weighed(found.case, None, (*SCALARS,))
+    asked = weigh_effects(found.case, None, (*SCALARS,))
     here = [one for rows in asked.values() for one in rows if one.present]
-    spare = spared(here) if effects == "auto" else [one.effect for one in here if one.can_go]
+    spare = find_dispensable(here) if effects == "auto" else [one.effect for one in here if one.can_go]
     assert spare == []
 
 
@@ -86,7 +86,9 @@ def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
 
 
 def test_a_scene_that_nothing_shakes_is_explained(tmp_path: Path) -> None:
-    found = {one.effect: one for one in judged(load_judged(written(tmp_path, STILL_CASE)).case)["frames"]}
+    found = {
+        one.effect: one for one in judge_effects(load_judged(written(tmp_path, STILL_CASE)).case)["frames"]
+    }
     assert found["panel-reaction"].verdict.why == "nothing shakes the frames"
     assert found["bushing-damping"].verdict.value is None
     assert set(found) == {"frame-dynamics", "frame-motion", "panel-reaction", "bushing-damping"}
@@ -110,7 +112,7 @@ material = "PU"
 
 
 def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
-    parts = judged(load_judged(written(tmp_path)).case)
+    parts = judge_effects(load_judged(written(tmp_path)).case)
     assert len(effects_table(parts, COLUMNS).columns) == 8
     console = Console(width=100, record=True, file=StringIO())
     console.print(effects_table(parts, COLUMNS[:-1]))

@@ -11,9 +11,9 @@ import pytest
 from orchestrator.case.solver_plans import frames_plan
 from orchestrator.case.tables.frames import Exciter
 from orchestrator.output.results.observed import angle_rad
-from orchestrator.preflight.judgement.catalogue import EFFECTS, present
+from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
+from orchestrator.preflight.scene.observed import Observed, Turned
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.preflight.scene.seen import Seen, Turned
 from tests.case.cases import loaded, only_complaint
 from tests.effects.verdicts import verdict
 
@@ -47,7 +47,7 @@ def test_more_than_the_rated_power_matters(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("solver", "knows"), [("planar", True), ("exudyn", True), ("two-mass", False)])
 def test_who_has_it(tmp_path: Path, solver: str, knows: bool) -> None:
     found = loaded(tmp_path, [MOTOR, f"frames.solver={solver}"])
-    assert present(found.case, "motor-slip") is knows
+    assert has_effect(found.case, "motor-slip") is knows
     assert ("motor-slip" in found.left_out) is not knows
     none = np.zeros((0, 3))
     planned = frames_plan(found.case, none, (), none)
@@ -56,7 +56,7 @@ def test_who_has_it(tmp_path: Path, solver: str, knows: bool) -> None:
 
 def test_without_a_motor_there_is_no_such_question(tmp_path: Path) -> None:
     case = loaded(tmp_path, [])
-    assert not present(case.case, "motor-slip")
+    assert not has_effect(case.case, "motor-slip")
     assert "motor-slip" not in case.left_out
 
 
@@ -69,7 +69,7 @@ def test_motors_that_cannot_be(tmp_path: Path) -> None:
 
 def test_slip_that_is_not_named_takes_the_motor_away(tmp_path: Path) -> None:
     before = loaded(tmp_path, [MOTOR, PLANAR]).case
-    others = [name for name in EFFECTS if present(before, name) and name != "motor-slip"]
+    others = [name for name in EFFECTS if has_effect(before, name) and name != "motor-slip"]
     case = loaded(tmp_path, [MOTOR, PLANAR, f"effects={others}"])
     assert case.case.screen.exciters["shaft"].motor is None
     assert set(case.left_out) == {"motor-slip", "sideways-motion"}
@@ -96,7 +96,7 @@ def test_a_run_without_the_motor_says_whether_it_would_have_passed(
 ) -> None:
     """By the torque that the machine took on its way up, in place of the steady motion's there."""
     estimated = scene(loaded(tmp_path, [MOTOR, DAMPED, PLANAR]).case)
-    seen = replace(estimated, seen=Seen(turned=Turned(power_W=0.01, largest_N_m=largest_N_m)))
+    seen = replace(estimated, observed=Observed(turned=Turned(power_W=0.01, largest_N_m=largest_N_m)))
     found = EFFECTS["motor-slip"].judge(seen)
     assert found is not None
     assert found.matters is matters

@@ -13,8 +13,8 @@ from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import HyperelasticPlan
 from orchestrator.preflight.scene.moved_panel import (
     MovedPanel,
-    answer,
-    change_of_answer,
+    change_of_response,
+    clamp_response,
     loss_factor,
     mooney_ratio,
     one_sided,
@@ -128,17 +128,17 @@ def test_what_loss_and_mass_change_of_a_taut_panels_middle(ratio: float) -> None
     of_base = 4 / math.pi / (stiffness * (1 + 1j * eta) - 1)
     undamped = math.inf if ratio == 1.0 else 4 / math.pi / (stiffness - 1)
     damped = abs(1 + of_base)
-    found = change_of_answer(ratio, eta, 0.0)
+    found = change_of_response(ratio, eta, 0.0)
     if ratio == 1.0:
         assert damped == pytest.approx(4 / math.pi / eta, rel=0.02)
     assert found == pytest.approx(abs(abs(1 + undamped) / damped - 1), rel=1e-12)
     loaded_m = abs(1 + (1 + mass) * 4 / math.pi / (stiffness * (1 + 1j * eta) - (1 + mass)))
     expected = abs(abs(1 + undamped) / loaded_m - 1)
-    assert change_of_answer(ratio, eta, mass) == pytest.approx(expected, rel=1e-12)
-    assert change_of_answer(ratio, 0.0, 0.0) == 0.0
+    assert change_of_response(ratio, eta, mass) == pytest.approx(expected, rel=1e-12)
+    assert change_of_response(ratio, 0.0, 0.0) == 0.0
 
 
 def test_far_below_its_frequency_nothing_changes() -> None:
-    assert change_of_answer(0.09, 0.06, 3.3) < 0.05
-    assert change_of_answer(0.09, 0.0, 0.0) == 0.0
-    assert answer(0.09) < 0.02
+    assert change_of_response(0.09, 0.06, 3.3) < 0.05
+    assert change_of_response(0.09, 0.0, 0.0) == 0.0
+    assert clamp_response(0.09) < 0.02

@@ -15,7 +15,7 @@ from orchestrator.cli.main import app
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement import pair
-from orchestrator.preflight.judgement.pair import Pair, agree, changed, key_of, remember, remembered
+from orchestrator.preflight.judgement.pair import Pair, compute_change, key_of, recall, remember, share_pairs
 from orchestrator.studies import pairs
 from orchestrator.studies.pairs import tried
 from tests.case.cases import CASE, loaded, written
@@ -37,24 +37,24 @@ def own_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_change_is_relative_to_the_value_with_the_effect() -> None:
     """1.5 instead of 11.8 mm is 87 % off; 32.5 instead of 3.43 mm is 848 % off."""
     for with_it, without, percent in ((11.8e-3, 1.5e-3, 87), (3.43e-3, 32.5e-3, 848)):
-        found = changed(Value(with_it), Value(without), 1e-6)
+        found = compute_change(Value(with_it), Value(without), 1e-6)
         assert found.relative is not None
         assert round(100 * found.relative) == percent
         assert found.matters is True
 
 
 def test_what_neither_run_resolves_is_no_change_and_what_one_run_lacks_is_all_of_it() -> None:
-    assert changed(Value(1e-12), Value(4e-12), 1e-6).relative is None
-    assert changed(None, None, 1e-6).relative is None
-    lost = changed(Value(80.0), None, 0.1)
+    assert compute_change(Value(1e-12), Value(4e-12), 1e-6).relative is None
+    assert compute_change(None, None, 1e-6).relative is None
+    lost = compute_change(Value(80.0), None, 0.1)
     assert (lost.relative, lost.matters) == (math.inf, True)
 
 
 def test_chance_makes_a_change_near_the_threshold_unknown() -> None:
-    near = changed(Value(10.0, 0.5), Value(10.8, 0.5), 0.1)
+    near = compute_change(Value(10.0, 0.5), Value(10.8, 0.5), 0.1)
     assert near.matters is None
-    assert changed(Value(10.0, 0.01), Value(10.8, 0.01), 0.1).matters is False
-    assert changed(Value(10.0, 0.5), Value(13.0, 0.5), 0.1).matters is True
+    assert compute_change(Value(10.0, 0.01), Value(10.8, 0.01), 0.1).matters is False
+    assert compute_change(Value(10.0, 0.5), Value(13.0, 0.5), 0.1).matters is True
 
 
 def test_results_have_one_table_of_names_and_paths_besides() -> None:
@@ -78,9 +78,9 @@ def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
 def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
     folder = written(tmp_path / "case", CASE)
     read = load_judged(folder).origin.read()
-    assert remembered(key_of(read, "adhesion")) is None
+    assert recall(key_of(read, "adhesion")) is None
     remember(key_of(read, "adhesion"), Pair("adhesion", "draft", ("a=1",), "", 2.0))
-    assert remembered(key_of(read, "adhesion")) == Pair("adhesion", "draft", ("a=1",), "", 2.0)
+    assert recall(key_of(read, "adhesion")) == Pair("adhesion", "draft", ("a=1",), "", 2.0)
     other = load_judged(folder, None, ["duration_s=0.04"]).origin.read()
     assert key_of(other, "adhesion") != key_of(read, "adhesion")
     asked = load_judged(folder, None, ["effects=auto"]).origin.read()
@@ -155,9 +155,9 @@ def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch
     read = load_judged(written(tmp_path / "agreed", CASE)).origin.read()
     mine, agreed = key_of(read, "wear"), key_of(read, "adhesion")
     remember(mine, Pair("wear"))
-    agree({mine: None, agreed: Pair("adhesion")})
-    assert remembered(mine) is None
-    assert remembered(agreed) == Pair("adhesion")
+    share_pairs({mine: None, agreed: Pair("adhesion")})
+    assert recall(mine) is None
+    assert recall(agreed) == Pair("adhesion")
 
 
 def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.case import Probe
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import Scene, scene
-from orchestrator.preflight.scene.shaking import Shaking, shakings
+from orchestrator.preflight.scene.shaking import Shaking, solve_shakings
 from tests.case.cases import BLOCK, FEED, loaded, written
 from tests.effects.verdicts import DRIVEN_CASE
 
@@ -98,7 +98,7 @@ def test_the_published_machine_pitches_as_its_points_say() -> None:
     """Six freedoms with panels as springs against the coupled run at level draft (its README):
     amplitudes normal to the deck at both ends of both frames, within 4 %."""
     found = scene(load_judged(CASES / "ffs0827-empty", "draft").case)
-    (motion,) = shakings(found.plan, found.springs, None, 6)
+    (motion,) = solve_shakings(found.plan, found.springs, None, 6)
     run_mm = {"point-1": 3.89, "point-3": 4.33, "point-4": 4.70, "point-6": 5.36}
     for name, wanted_mm in run_mm.items():
         probe = found.case.probes[name]

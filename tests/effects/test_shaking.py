@@ -9,7 +9,7 @@ import pytest
 
 from adapters.frames.common import linear
 from orchestrator.ports.plans import DrivePlan
-from orchestrator.preflight.scene.shaking import PanelSpring, shakings
+from orchestrator.preflight.scene.shaking import PanelSpring, solve_shakings
 from tests.frames.machines import bushing, exciter, steady_amplitudes_m, two_bodies
 
 ENDS_M = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0]])
@@ -20,7 +20,7 @@ PAIR = ("driving", "driven")
 @pytest.mark.parametrize("speed", [40.0, 78.5, 105.0])
 def test_two_masses_move_as_the_closed_form_says(speed: float) -> None:
     plan = two_bodies((exciter(speed),))
-    (found,) = shakings(plan)
+    (found,) = solve_shakings(plan)
     wanted = steady_amplitudes_m(plan, speed)
     for row, name in zip(wanted, PAIR, strict=True):
         assert found.amplitude_m[name] == pytest.approx(row, rel=1e-10, abs=1e-15)
@@ -29,7 +29,7 @@ def test_two_masses_move_as_the_closed_form_says(speed: float) -> None:
 def test_a_panel_is_a_spring_along_itself_and_half_its_mass_at_each_end() -> None:
     plan = two_bodies((exciter(),))
     spring = PanelSpring(PAIR, ENDS_M, ALONG, 0.9e6, 10.0)
-    (found,) = shakings(plan, [spring])
+    (found,) = solve_shakings(plan, [spring])
     heavier = tuple(replace(one, mass_kg=one.mass_kg + 5.0) for one in plan.bodies)
     stiffer = (*plan.bushings, bushing(PAIR, np.zeros(3), (0.9e6, 0.0, 0.0), 0.0))
     wanted = steady_amplitudes_m(replace(plan, bodies=heavier, bushings=stiffer), 78.5)
@@ -38,7 +38,7 @@ def test_a_panel_is_a_spring_along_itself_and_half_its_mass_at_each_end() -> Non
 
 def test_without_damping_the_masses_have_their_textbook_amplitudes() -> None:
     """a2 / a1 = ks / (ks - M2 w^2) and (M1 - Kg / w^2) a1 + M2 a2 = -u (docs/theory/machine.md)."""
-    (found,) = shakings(two_bodies((exciter(),), loss_factor=0.3), loss_factor=0.0)
+    (found,) = solve_shakings(two_bodies((exciter(),), loss_factor=0.3), loss_factor=0.0)
     one, two = (1j * found.amplitude_m[name][0] for name in PAIR)  # real: force is -i u w^2 along x
     stiffness = 2.37e6 + 4.0
     assert two / one == pytest.approx(stiffness / (stiffness - 287 * 78.5**2), rel=1e-9)
@@ -48,7 +48,7 @@ def test_without_damping_the_masses_have_their_textbook_amplitudes() -> None:
 def test_a_loss_factor_takes_the_place_of_the_bushings_damping() -> None:
     """At 78.5 rad/s the machine's own damping is that of a loss factor of 0.1."""
     plan = two_bodies((exciter(),), loss_factor=0.1)
-    own, other = shakings(plan)[0], shakings(plan, loss_factor=0.1)[0]
+    own, other = solve_shakings(plan)[0], solve_shakings(plan, loss_factor=0.1)[0]
     assert own.amplitude_m["driven"] == pytest.approx(other.amplitude_m["driven"], rel=1e-9)
 
 
@@ -61,7 +61,7 @@ def test_rotations_solve_the_adapters_linearised_machine() -> None:
     load[:6] = linear.displacement(plan.bodies[0], plan.exciters[0].position_m).T @ force_N
     dynamic = machine.stiffness + 78.5j * machine.damping - 78.5**2 * machine.mass
     wanted = np.linalg.solve(dynamic, load)
-    (found,) = shakings(plan, freedoms=6)
+    (found,) = solve_shakings(plan, freedoms=6)
     for number, name in enumerate(PAIR):
         start = 6 * number
         assert found.amplitude_m[name] == pytest.approx(wanted[start : start + 3], rel=1e-9)
@@ -75,7 +75,7 @@ def test_a_driven_frame_moves_a_free_one_through_its_bushings() -> None:
     plan = two_bodies(loss_factor=0.0)
     still, size_m = np.zeros(3), np.array([2e-3, 0.0, 0.0])
     drive = DrivePlan("driving", still, 60.0, size_m, np.full(3, 0.4), still, still, 0.0)
-    (found,) = shakings(replace(plan, drives=(drive,)))
+    (found,) = solve_shakings(replace(plan, drives=(drive,)))
     base_m = 2e-3 * np.exp(1j * (0.4 - np.pi / 2))
     stiffness = 2.37e6 + 4.0
     wanted = base_m * stiffness / (stiffness - 287 * 60.0**2)
@@ -84,4 +84,4 @@ def test_a_driven_frame_moves_a_free_one_through_its_bushings() -> None:
 
 
 def test_nothing_shakes_without_exciters_and_drives() -> None:
-    assert shakings(two_bodies()) == ()
+    assert solve_shakings(two_bodies()) == ()

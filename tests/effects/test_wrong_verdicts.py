@@ -13,13 +13,19 @@ import pytest
 from orchestrator.case.scalars import SCALARS
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.account import account
-from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
+from orchestrator.preflight.judgement.catalogue import (
+    EFFECTS,
+    Judged,
+    all_needs,
+    find_also_lost,
+    judge_effects,
+)
 from orchestrator.preflight.judgement.pair import Pair, key_of, remember
-from orchestrator.preflight.judgement.weighing import doubted, weighed
+from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
 from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.preflight.scene.moved_panel import stiffness_share
+from orchestrator.preflight.scene.observed import Observed
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.preflight.scene.seen import Seen
 from orchestrator.studies.pairs import Pairs
 from tests.case.cases import loaded, only_complaint, written
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
@@ -46,7 +52,7 @@ ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
 def of(case: str, *sets: str, level: str | None = "draft") -> dict[str, Judged]:
     """What is said of a shipped case, by effect."""
     described = load_judged(CASES / case, level, sets).described
-    return {one.effect: one for rows in weighed(described).values() for one in rows}
+    return {one.effect: one for rows in weigh_effects(described).values() for one in rows}
 
 
 def test_taut_mats_that_hold_the_frames_together_are_not_left_out() -> None:
@@ -72,7 +78,7 @@ def test_openings_that_soften_the_mats_are_not_left_out() -> None:
 def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share: float) -> None:
     """Brute force at resonance: 1.5 mm without panel-deformation instead of 11.8."""
     case = load_judged(written(tmp_path, DRIVEN_CASE), None, ONE_MAT).case
-    mat = {one.effect: one for rows in judged(case).values() for one in rows}["panel-inertia"]
+    mat = {one.effect: one for rows in judge_effects(case).values() for one in rows}["panel-inertia"]
     assert mat.verdict.value is not None
     own_rad_per_s = 80.0 / mat.verdict.value**0.5
     turns = f"screen.frames.driving.drive.speed_rad_per_s={speed_share * own_rad_per_s}"
@@ -115,7 +121,7 @@ def test_what_passes_the_openings_leaves_in_the_shortest_run(tmp_path: Path) -> 
 
     def removal(*sets: str) -> Verdict:
         case = loaded(tmp_path, [*short, *sets]).case
-        every = {one.effect: one for rows in weighed(case).values() for one in rows}
+        every = {one.effect: one for rows in weigh_effects(case).values() for one in rows}
         return every["removal"].verdict
 
     assert removal().matters is False
@@ -151,9 +157,11 @@ def test_nothing_is_left_out_that_something_needs(
 ) -> None:
     found = of(case, *sets, level=level)
     for one in found.values():
-        along = taken_along(load_judged(CASES / case, level, sets).described, one.effect)
+        along = find_also_lost(load_judged(CASES / case, level, sets).described, one.effect)
         others = [
-            other for other in found.values() if one.effect in needs_of(other.effect) or other.effect in along
+            other
+            for other in found.values()
+            if one.effect in all_needs(other.effect) or other.effect in along
         ]
         if one.verdict.matters is False and one.present:
             assert all(o.verdict.matters is False for o in others if o.present), one
@@ -179,7 +187,7 @@ def test_a_run_without_openings_says_the_same_of_them() -> None:
         )
         for panel, spring in zip(estimated.panels, estimated.springs, strict=True)
     )
-    run = replace(estimated, springs=whole, seen=Seen(closed=True))
+    run = replace(estimated, springs=whole, observed=Observed(closed=True))
     after = EFFECTS["apertures"].judge(run)
     assert before is not None
     assert after is not None
@@ -234,12 +242,12 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
 
     pair = Pair("sideways-motion", summary_with=run(0.006), summary_without=run(0.00606))
     described = load_judged(CASES / "ffs0827-empty", "draft").described
-    rows = weighed(described, {"sideways-motion": pair}, ("stroke",))
+    rows = weigh_effects(described, {"sideways-motion": pair}, ("stroke",))
     found = next(one for one in rows["frames"] if one.effect == "sideways-motion")
     assert found.verdict.measured
     assert found.verdict.value == pytest.approx(0.01)
     assert found.verdict.matters is False
-    nothing = weighed(described, {"sideways-motion": pair}, ("efficiency",))
+    nothing = weigh_effects(described, {"sideways-motion": pair}, ("efficiency",))
     assert not next(o for o in nothing["frames"] if o.effect == "sideways-motion").verdict.measured
 
 
@@ -285,8 +293,8 @@ def test_brute_force_of_the_stroke(
 def asked_of(names: Sequence[str], case: str, *sets: str) -> dict[str, Judged]:
     """What is said of a shipped case at level draft, by effect, for some results."""
     described = load_judged(CASES / case, "draft", sets).described
-    rows = (one for rows in weighed(described, asked=names).values() for one in rows)
-    return {one.effect: doubted(one) for one in rows}
+    rows = (one for rows in weigh_effects(described, asked=names).values() for one in rows)
+    return {one.effect: with_doubt(one) for one in rows}
 
 
 def test_an_estimate_cries_wolf_over_its_own_results_only() -> None:

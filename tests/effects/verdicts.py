@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from orchestrator.preflight.judgement.catalogue import Judged, judged
+from orchestrator.preflight.judgement.catalogue import Judged, judge_effects
 from tests.case.cases import CASE, loaded, written
 
 APERTURES = (
@@ -31,7 +31,7 @@ run_up_s = 0.1
 
 
 def by_name(case: JudgedCase) -> dict[str, Judged]:
-    return {one.effect: one for rows in judged(case.case).values() for one in rows}
+    return {one.effect: one for rows in judge_effects(case.case).values() for one in rows}
 
 
 def verdict(folder: Path, effect: str, *overrides: str) -> Judged:

@@ -26,9 +26,9 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.judgement.account import Entry, account, at_end
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.scene.effect import Verdict
+from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Products
 from orchestrator.preflight.scene.scene import Scene, scene, stroke_m
-from orchestrator.preflight.scene.seen import Bearing, Deepest, Products, Seen
-from orchestrator.preflight.scene.shaking import shakings
+from orchestrator.preflight.scene.shaking import solve_shakings
 from tests.results.synthetic import CYCLE_S, FRAMES_M, LEAVES, SIZES_M, TURNED_RAD, folder_of
 
 DECK_RAD = math.radians(15)
@@ -98,7 +98,7 @@ def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict
     }
     screen = screen.model_copy(update={"exciters": at_once})
     data = with_case(data, data.case.model_copy(update={"screen": screen}))
-    found = seen(data, figures).seen.turned
+    found = seen(data, figures).observed.turned
     assert found is not None
     assert found.power_W == pytest.approx(2.0, rel=1e-6)
     assert found.largest_N_m == pytest.approx(2.0 / 78.5, rel=1e-6)
@@ -106,7 +106,7 @@ def test_power_and_torque_of_the_exciters_by_hand(data: RunReader, figures: dict
 
 def test_bed_and_its_speed_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
     """Eight bins of 0.2 kg, at 0.3 m/s."""
-    found = seen(data, figures).seen
+    found = seen(data, figures).observed
     assert found.bed_kg_per_m2 == pytest.approx(8 * 0.2 / DECK_M2, rel=1e-9)
     assert found.transport_m_per_s == pytest.approx(0.3, rel=1e-9)
 
@@ -115,10 +115,10 @@ def test_panels_as_springs_by_hand(data: RunReader, figures: dict[str, Any]) -> 
     """50 N in phase with a stretch of 6 mm, of either panel."""
     found = seen(data, figures, panel="strip")
     assert [one.stiffness_N_per_m for one in found.springs] == pytest.approx([50 / 0.006] * 2, rel=1e-6)
-    assert found.seen.panels_N_per_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
-    then = shakings(found.plan, found.springs)
+    assert found.observed.panels_N_per_m == pytest.approx(2 * 50 / 0.006, rel=1e-6)
+    then = solve_shakings(found.plan, found.springs)
     assert stroke_m(found.shaken, found.springs[0]) == stroke_m(then, found.springs[0])
-    assert seen(data, figures, panel="rigid").seen.panels_N_per_m is None
+    assert seen(data, figures, panel="rigid").observed.panels_N_per_m is None
 
 
 def test_a_pull_out_of_phase_is_no_spring() -> None:
@@ -140,7 +140,7 @@ def test_loss_factor_at_the_frequencies_of_the_pull(data: RunReader, figures: di
 
 def test_bearing_on_the_deck_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
     """3 N down on either panel, of 1.6 kg on a deck that falls along +x."""
-    found = seen(data, figures).seen.bearing
+    found = seen(data, figures).observed.bearing
     assert found is not None
     slope_rad = math.asin(-single_panels(data.case)[0].rectangle.along[2])
     assert found.carried == pytest.approx(6.0 / (1.6 * 9.81), rel=1e-9)
@@ -149,7 +149,7 @@ def test_bearing_on_the_deck_by_hand(data: RunReader, figures: dict[str, Any]) -
 
 
 def test_overlaps_by_hand(data: RunReader, figures: dict[str, Any]) -> None:
-    found = seen(data, figures).seen
+    found = seen(data, figures).observed
     assert found.deepest == Deepest(per_diameter=0.02, surface_m=4e-5)
     assert found.products is None, "ten particles left through either exit"
 
@@ -168,16 +168,16 @@ def test_products_by_hand(tmp_path: Path) -> None:
 
 def test_rotation_is_seen_only_where_frames_can_rotate(data: RunReader, figures: dict[str, Any]) -> None:
     """Clamps reach to 0.319 m from the driving frame's centre; half a clamp would be too fine."""
-    assert seen(data, figures).seen.rotation is None
-    rotation = seen(data, figures, frames="exudyn").seen.rotation
+    assert seen(data, figures).observed.rotation is None
+    rotation = seen(data, figures, frames="exudyn").observed.rotation
     assert rotation is not None
     assert rotation[1] == "at the outermost clamp of driving"
     moved_m = math.hypot(*FRAMES_M["driving"])
     assert rotation[0] == pytest.approx(TURNED_RAD * 0.319 / moved_m, rel=1e-3)
-    sideways = seen(data, figures, frames="exudyn").seen.sideways
+    sideways = seen(data, figures, frames="exudyn").observed.sideways
     assert sideways is not None
     assert sideways[0] == pytest.approx(0.0, abs=1e-12)
-    assert seen(data, figures, frames="planar").seen.sideways is None
+    assert seen(data, figures, frames="planar").observed.sideways is None
 
 
 def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: dict[str, Any]) -> None:
@@ -206,21 +206,21 @@ def test_the_verdicts_are_given_again(folder: Path, data: RunReader, figures: di
 @pytest.mark.parametrize(
     ("effect", "was_seen", "value", "matters"),
     [
-        ("size-distribution", Seen(products=Products(1.5, "so")), 1.5, True),
-        ("size-distribution", Seen(products=Products(1.05, "so")), 1.05, False),
-        ("contact-stiffness", Seen(deepest=Deepest(0.2, 0.0)), 0.4, True),
-        ("contact-stiffness", Seen(deepest=Deepest(0.01, 0.0)), 0.02, False),
-        ("panel-damping", Seen(loss_factor=0.02), 0.04 * math.pi, True),
-        ("sliding-friction", Seen(bearing=Bearing(0.5, 0.01)), 0.005 / math.tan(DECK_RAD), False),
-        ("sliding-friction", Seen(bearing=Bearing(0.5, None)), 0.235 / math.tan(DECK_RAD), True),
-        ("rolling-friction", Seen(bearing=Bearing(0.1, None)), 0.009 / math.tan(DECK_RAD), False),
+        ("size-distribution", Observed(products=Products(1.5, "so")), 1.5, True),
+        ("size-distribution", Observed(products=Products(1.05, "so")), 1.05, False),
+        ("contact-stiffness", Observed(deepest=Deepest(0.2, 0.0)), 0.4, True),
+        ("contact-stiffness", Observed(deepest=Deepest(0.01, 0.0)), 0.02, False),
+        ("panel-damping", Observed(loss_factor=0.02), 0.04 * math.pi, True),
+        ("sliding-friction", Observed(bearing=Bearing(0.5, 0.01)), 0.005 / math.tan(DECK_RAD), False),
+        ("sliding-friction", Observed(bearing=Bearing(0.5, None)), 0.235 / math.tan(DECK_RAD), True),
+        ("rolling-friction", Observed(bearing=Bearing(0.1, None)), 0.009 / math.tan(DECK_RAD), False),
     ],
 )
 def test_the_verdict_by_what_a_run_has_seen(
-    data: RunReader, effect: str, was_seen: Seen, value: float, matters: bool
+    data: RunReader, effect: str, was_seen: Observed, value: float, matters: bool
 ) -> None:
     """Of the quickstart, whose coal on panels has 0.47 and 0.09, at 15 degrees."""
-    judged = EFFECTS[effect].judge(replace(scene(data.case), seen=was_seen))
+    judged = EFFECTS[effect].judge(replace(scene(data.case), observed=was_seen))
     assert judged is not None
     assert judged.value == pytest.approx(value, rel=1e-6)
     assert judged.matters is matters
@@ -240,5 +240,5 @@ def test_what_turns_out_to_matter_is_a_warning() -> None:
 def test_a_run_of_less_than_a_cycle_tells_no_motion(tmp_path: Path) -> None:
     short = folder_of(tmp_path / "run", particles=False, cycles=0)
     with RunReader(short) as data:
-        found = observed_scene(scene(data.case), data, compute_results(short)).seen
+        found = observed_scene(scene(data.case), data, compute_results(short)).observed
     assert (found.frames_throw, found.bed_kg_per_m2, found.rotation) == (None, None, None)

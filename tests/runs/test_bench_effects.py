@@ -13,7 +13,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import particles_plan
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.judgement.catalogue import EFFECTS, present
+from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from tests.bench.effects import Asked, Timed, bench, ratio, sets
 from tests.bench.loaded import loaded_by
 from tests.runs.outside import ROOT
@@ -40,7 +40,7 @@ def test_overlays_are_said_as_on_the_command_line() -> None:
 def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
     """Every field of the particles' plan, to the bit."""
     case = load_judged(COAL, "draft").case
-    others = [one for one in EFFECTS if present(case, one) and one != name]
+    others = [one for one in EFFECTS if has_effect(case, one) and one != name]
     without = load_judged(COAL, "draft", [f"effects={others}"]).case
     undescribed = load_judged(COAL, "draft", sets(EFFECTS[name].undescribed(case))).case
     corner_m = single_panels(case)[0].rectangle.corner_m

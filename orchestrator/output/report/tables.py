@@ -11,7 +11,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.output.report.formatting import interval, number, whole_number
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
-from orchestrator.preflight.scene.effect import in_words
+from orchestrator.preflight.scene.effect import describe_verdict
 
 MM_IN_1000_H = 1e6  # 1 m/h
 WEAR_NOTE = (
@@ -260,4 +260,4 @@ def left_out_rows(summary: dict[str, Any]) -> Iterator[tuple[str, str]]:
 
 def _verdict(verdict: dict[str, Any]) -> str:
     deciding = f"{verdict['number']} {number(verdict['value'])}, threshold {verdict['threshold']}"
-    return f"{in_words(verdict['matters'])}: {deciding}"
+    return f"{describe_verdict(verdict['matters'])}: {deciding}"

@@ -26,12 +26,17 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.results.sampling import rows_too_seldom
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.account import Entry
-from orchestrator.preflight.judgement.catalogue import EFFECTS, present
+from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
+from orchestrator.preflight.scene.clamp_motion import (
+    MotionPart,
+    clamps_m,
+    motion_by_rotation,
+    motion_out_of_plane,
+)
 from orchestrator.preflight.scene.moved_panel import MovedPanel
+from orchestrator.preflight.scene.observed import Bearing, Deepest, Observed, Products, Shape, Turned
 from orchestrator.preflight.scene.scene import Scene, deck_m2, scene
-from orchestrator.preflight.scene.seen import Bearing, Deepest, Products, Seen, Shape, Turned
-from orchestrator.preflight.scene.shaking import PanelSpring, free_frames, shakings
-from orchestrator.preflight.scene.turning import Part, clamps_m, out_of_plane, turned
+from orchestrator.preflight.scene.shaking import PanelSpring, free_frames, solve_shakings
 
 FEWEST = 30  # particles of a product whose mean size is compared: the project's own choice
 STILL_M = 1e-9  # a stretch of less than this is none
@@ -50,7 +55,7 @@ def checked_by_run(
     table = dict(entries)
     for name, entry in entries.items():
         what = EFFECTS[name].checked_by
-        if entry.before is not None and what and getattr(observed.seen, what) is not None:
+        if entry.before is not None and what and getattr(observed.observed, what) is not None:
             table[name] = replace(entry, after=EFFECTS[name].judge(observed))
     return table
 
@@ -58,33 +63,33 @@ def checked_by_run(
 def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any]) -> Scene:
     """Returns the scene with the numbers of the run: motion over the window of ``results``, bed over
     all of it.  Nothing is said of motion where the series do not show it."""
-    bed = Seen(
+    bed = Observed(
         bed_kg_per_m2=bed_kg_per_m2(run),
         transport_m_per_s=transport_m_per_s(results),
         deepest=deepest(run),
         products=products(run),
-        closed=not present(run.case, "apertures"),
+        closed=not has_effect(run.case, "apertures"),
     )
     window = results.get("motion")
     seldom = rows_too_seldom(run.series_s(), run.cycle_s, run.case.coupling.sync_interval_s)
     if window is None or seldom or not estimated.speed_rad_per_s > 0:
-        return replace(estimated, seen=bed)
+        return replace(estimated, observed=bed)
     motion = ObservedMotion(estimated, run, window["start_s"], window["end_s"])
     springs = motion.springs()
-    seen = replace(
+    whole = replace(
         bed,
         frames_throw=motion.frames_throw(),
-        rotation=motion.outermost("frame-rotation", turned),
-        sideways=motion.outermost("sideways-motion", out_of_plane),
+        rotation=motion.outermost("frame-rotation", motion_by_rotation),
+        sideways=motion.outermost("sideways-motion", motion_out_of_plane),
         panels_N_per_m=sum(spring.stiffness_N_per_m for spring in springs) if springs else None,
         loss_factor=motion.loss_factor(),
         turned=motion.turned(),
         bearing=bearing(estimated, run, window["start_s"], window["end_s"]),
     )
-    moved = replace(estimated, panels=motion.panels(), seen=seen)
+    moved = replace(estimated, panels=motion.panels(), observed=whole)
     if not springs:
         return moved
-    return replace(moved, springs=springs, shaken=shakings(moved.plan, springs))
+    return replace(moved, springs=springs, shaken=solve_shakings(moved.plan, springs))
 
 
 def bed_kg_per_m2(run: RunReader) -> float | None:
@@ -123,7 +128,7 @@ def bearing(scene: Scene, run: RunReader, start_s: float, end_s: float) -> Beari
     weight_N = float(mass_kg.mean()) * scene.gravity_m_per_s2 * normal_weight
     if not (normal_N > 0.0 and weight_N > 0.0):
         return None
-    rubs = present(run.case, "sliding-friction")
+    rubs = has_effect(run.case, "sliding-friction")
     return Bearing(normal_N / weight_N, max(0.0, downhill_N / normal_N) if rubs else None)
 
 
@@ -173,7 +178,7 @@ class ObservedMotion:
 
     def panels(self) -> tuple[MovedPanel, ...]:
         """Returns the panels with their strokes, and with their shapes where they bend."""
-        bend = present(self._run.case, "panel-deformation")
+        bend = has_effect(self._run.case, "panel-deformation")
         return tuple(
             replace(
                 panel,
@@ -186,7 +191,7 @@ class ObservedMotion:
     def springs(self) -> tuple[PanelSpring, ...]:
         """Returns the panels' springs as their pull and stretch have them; none where panels do not
         bend, or nothing stretches one."""
-        if not present(self._run.case, "panel-deformation"):
+        if not has_effect(self._run.case, "panel-deformation"):
             return ()
         springs = []
         for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True):
@@ -200,7 +205,7 @@ class ObservedMotion:
 
     def loss_factor(self) -> float | None:
         """Returns the largest loss factor of a panel's material at the frequencies that move it."""
-        if not present(self._run.case, "panel-deformation"):
+        if not has_effect(self._run.case, "panel-deformation"):
             return None
         factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels]
         return max((one for one in factors if one is not None), default=None)
@@ -226,18 +231,18 @@ class ObservedMotion:
         spent_J, over_s = np.ptp(given_J[inside]), np.ptp(time_s[inside])
         return Turned(float(spent_J / over_s), float(torque_N_m.max()))
 
-    def outermost(self, effect: str, part: Part) -> tuple[float, str] | None:
+    def outermost(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
         """Returns a part of the displacement at a frame's outermost clamp over the translation of its
         centre of mass, of the frame for which it is largest; None where the solver leaves out the
         effect, or nothing moves."""
         moved_m = {name: np.linalg.norm(self._moved(name)) for name in free_frames(self._scene.plan)}
         free = [name for name, size_m in moved_m.items() if size_m > 0]
-        if not free or not present(self._run.case, effect):
+        if not free or not has_effect(self._run.case, effect):
             return None
         ratio, name = max((self._part_m(name, part) / moved_m[name], name) for name in free)
         return float(ratio), f"at the outermost clamp of {name}"
 
-    def _part_m(self, frame: str, part: Part) -> float:
+    def _part_m(self, frame: str, part: MotionPart) -> float:
         body = next(one for one in self._scene.plan.bodies if one.name == frame)
         arms_m = clamps_m(self._scene, frame) - body.center_of_mass_m
         at_clamps_m = part(self._moved(frame), self._phasor(frame, "rotation_rad"), arms_m)

@@ -13,8 +13,8 @@ from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_volume_m3
+from orchestrator.preflight.scene.contacts import softness
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.preflight.scene.softness import softness
 
 
 def complete_materials(case: Case) -> Iterator[CaseProblem]:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
-from orchestrator.preflight.scene.contact_law import contact_law
+from orchestrator.preflight.scene.contacts import contact_law_effect
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
@@ -53,7 +53,7 @@ def _would_matter(scene: Scene, apart: float) -> str:
     return f" (it would matter from {TENTH * apart / most:.1g} J/m2)" if most else ""
 
 
-EFFECT = contact_law(
+EFFECT = contact_law_effect(
     judge,
     coefficient="work_of_adhesion_J_per_m2",
     law="adhesion",

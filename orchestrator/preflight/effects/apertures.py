@@ -9,11 +9,11 @@ from typing import Any
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.preflight.scene.clamp_motion import largest_stroke_m
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.moved_panel import MovedPanel, softest_share, stiffness_share
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import shakings
-from orchestrator.preflight.scene.strokes import largest_stroke_m
+from orchestrator.preflight.scene.shaking import solve_shakings
 
 COST = "thousands of triangles for the particles"
 
@@ -61,14 +61,14 @@ def _stroke_m(scene: Scene, share: Any) -> float:
         replace(spring, stiffness_N_per_m=spring.stiffness_N_per_m * _against(scene, panel, share))
         for panel, spring in zip(scene.panels, scene.springs, strict=True)
     )
-    moved = replace(scene, springs=springs, shaken=shakings(scene.plan, springs))
+    moved = replace(scene, springs=springs, shaken=solve_shakings(scene.plan, springs))
     return largest_stroke_m(moved, moved.shaken)
 
 
 def _against(scene: Scene, panel: MovedPanel, share: Any) -> float:
     """Over the share that is in the springs of the scene: all of it in a run without openings."""
     pattern, rectangle = panel.panel.apertures, panel.panel.rectangle
-    there = 1.0 if scene.seen.closed else stiffness_share(pattern, rectangle)
+    there = 1.0 if scene.observed.closed else stiffness_share(pattern, rectangle)
     return float(share(pattern, rectangle) / there)
 
 

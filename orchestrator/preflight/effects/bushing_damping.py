@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.clamp_motion import change_of_stroke, moved_by_forces
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import free_frames, shakings
-from orchestrator.preflight.scene.strokes import change_of_stroke, moved_by_forces
+from orchestrator.preflight.scene.shaking import free_frames, solve_shakings
 
 RUBBER = 0.1  # loss factor taken where no damping is given (docs/theory/machine.md)
 
@@ -17,7 +17,7 @@ def judge(scene: Scene) -> Verdict | None:
         return None
     given = any(bushing.damping_N_s_per_m.any() for bushing in scene.plan.bushings)
     what = "without damping" if given else f"with a loss factor of {RUBBER:g}, as rubber has"
-    other = shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
+    other = solve_shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
     change, why = change_of_stroke(scene, other, what)
     matters = True if abs(change) > TENTH else None
     swings = "" if matters else "; yet the start's swinging would never die out"

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from orchestrator.case.tables.case import has_particles
+from orchestrator.preflight.scene.contacts import STEP_COST, is_softened, softness
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.softness import STEP_COST, softened, softness
 
 LARGEST_OVERLAP = 1 / 3
 """Of the radius.  Results of loaded cases were found to differ by 0.3 % from 1e6 to 1e8 Pa, which
@@ -29,7 +29,7 @@ def judge(scene: Scene) -> Verdict:
 EFFECT = Effect(
     part="particles",
     judge=judge,
-    described=lambda case: has_particles(case) and not softened(case),
+    described=lambda case: has_particles(case) and not is_softened(case),
     key="particles.largest_youngs_modulus_Pa",
     checked_by="deepest",
 )

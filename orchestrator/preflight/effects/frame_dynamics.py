@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from orchestrator.case import solvers
+from orchestrator.preflight.scene.clamp_motion import moved_by_forces
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
-from orchestrator.preflight.scene.strokes import moved_by_forces
 
 
 def judge(scene: Scene) -> Verdict:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.clamp_motion import at_outermost_clamps, motion_by_rotation, moved_by_forces
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
-from orchestrator.preflight.scene.strokes import moved_by_forces
-from orchestrator.preflight.scene.turning import at_outermost_clamps, turned
 
 
 def judge(scene: Scene) -> Verdict | None:
     """None without free frames."""
     if not free_frames(scene.plan) or scene.speed_rad_per_s == 0:
         return None
-    ratio, why = scene.seen.rotation or at_outermost_clamps(scene, turned)
+    ratio, why = scene.observed.rotation or at_outermost_clamps(scene, motion_by_rotation)
     return Verdict(
         number="rotation x lever / translation",
         value=ratio,
@@ -23,7 +22,7 @@ def judge(scene: Scene) -> Verdict | None:
         matters=ratio > TENTH if ratio is not None else None,
         limit=TENTH,
         why=why,
-        cost="planar 0.2 ms per sync interval, two-mass, which cannot, 0.1 ms",
+        cost="0.2 ms per sync interval, 0.1 ms without",
     )
 
 

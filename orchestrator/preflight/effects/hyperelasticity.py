@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.moved_panel import mooney_ratio
-from orchestrator.preflight.scene.scene import ELASTIC, Scene
+from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
@@ -18,7 +18,7 @@ def judge(scene: Scene) -> Verdict:
         matters=off > TENTH,
         limit=TENTH,
         why=f"the tautest panel is stretched by {panel.strain:.2%}",
-        cost=ELASTIC,
+        cost=elastic_solvers(),
     )
 
 

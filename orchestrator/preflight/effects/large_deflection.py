@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orchestrator.preflight.scene.effect import Effect, Verdict
-from orchestrator.preflight.scene.scene import ELASTIC, NOTHING_MOVES, Scene
+from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene, elastic_solvers
 
 LARGE_DEFLECTION = 0.2
 
@@ -19,7 +19,7 @@ def judge(scene: Scene) -> Verdict:
         matters=ratio > LARGE_DEFLECTION if moves else None,
         limit=LARGE_DEFLECTION,
         why=f"the slackest panel sags by {sag_m * 1e3:.3g} mm" if moves else NOTHING_MOVES,
-        cost=ELASTIC,
+        cost=elastic_solvers(),
     )
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Motor
 from orchestrator.ports.plans import ExciterPlan
+from orchestrator.preflight.scene.clamp_motion import largest_stroke_m
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import Shaking, shakings
-from orchestrator.preflight.scene.strokes import largest_stroke_m
+from orchestrator.preflight.scene.shaking import Shaking, solve_shakings
 
 COST = "half a millisecond per step of the frames"
 SPEEDS = 200  # at which a resonance on the way up is looked for
@@ -35,13 +35,13 @@ def judge(scene: Scene) -> Verdict | None:
         replace(one, speed_rad_per_s=(1 - slip) * one.speed_rad_per_s) for one in scene.plan.exciters
     )
     now_m = largest_stroke_m(scene, scene.shaken)
-    then = shakings(replace(scene.plan, exciters=slower), scene.springs)
+    then = solve_shakings(replace(scene.plan, exciters=slower), scene.springs)
     change = abs(largest_stroke_m(scene, then) / now_m - 1) if now_m else 0.0
     why = f"the machine takes {share:.2g} of the rated power in the mean: a slip of {slip:.2g}"
-    held, at_rad_per_s = max(_held(scene, *one) for one in motors)
-    takes = "took" if scene.seen.turned is not None else "takes, if it stays there,"
+    torque_share, at_rad_per_s = max(_torque_share(scene, *one) for one in motors)
+    takes = "took" if scene.observed.turned is not None else "takes, if it stays there,"
     passing = (
-        f"at {at_rad_per_s:.3g} rad/s, on its way up, the machine {takes} {held:.2g} of the torque "
+        f"at {at_rad_per_s:.3g} rad/s, on its way up, the machine {takes} {torque_share:.2g} of the torque "
         "that the motor has"
     )
     slipping = Verdict(
@@ -53,13 +53,13 @@ def judge(scene: Scene) -> Verdict | None:
         cost=COST,
         limit=TENTH,
     )
-    if slipping.matters or held <= ENOUGH:
+    if slipping.matters or torque_share <= ENOUGH:
         return slipping
     return Verdict(
         number="torque taken / there, on the way up",
-        value=held,
+        value=torque_share,
         threshold="0.33 (a third of what would hold it)",
-        matters=True if held > 1.0 else None,
+        matters=True if torque_share > 1.0 else None,
         why=f"{passing}; {why}",
         cost=COST,
     )
@@ -68,14 +68,14 @@ def judge(scene: Scene) -> Verdict | None:
 def _slip(scene: Scene, exciter: ExciterPlan, motor: Motor) -> tuple[float, float]:
     """Mean slip, in proportion to the mean power, and that power over the rated one."""
     power_W = sum(_power_W(exciter, one) for one in scene.shaken)
-    if scene.seen.turned is not None:
-        power_W = scene.seen.turned.power_W
+    if scene.observed.turned is not None:
+        power_W = scene.observed.turned.power_W
     power_W += motor.bearing_loss_N_m_s * exciter.speed_rad_per_s**2
     share = power_W / motor.rated_power_W
     return motor.rated_slip * share, share
 
 
-def _held(scene: Scene, exciter: ExciterPlan, motor: Motor) -> tuple[float, float]:
+def _torque_share(scene: Scene, exciter: ExciterPlan, motor: Motor) -> tuple[float, float]:
     """Largest share that the machine takes of the torque that the motor has, at any speed below its
     own, and that speed.  A machine that is slow to pass a resonance takes the steady motion's
     power there: an upper bound (Sommerfeld's effect; Kononenko, V. O., Vibrating Systems with a
@@ -85,12 +85,12 @@ def _held(scene: Scene, exciter: ExciterPlan, motor: Motor) -> tuple[float, floa
     for speed_rad_per_s in np.linspace(0.1, 0.95, SPEEDS) * exciter.speed_rad_per_s:
         turned = replace(exciter, speed_rad_per_s=float(speed_rad_per_s))
         plan = replace(scene.plan, exciters=(turned,))
-        power_W = sum(_power_W(turned, one) for one in shakings(plan, scene.springs))
+        power_W = sum(_power_W(turned, one) for one in solve_shakings(plan, scene.springs))
         taken_N_m = power_W / speed_rad_per_s + motor.bearing_loss_N_m_s * speed_rad_per_s
         found.append((taken_N_m / _left_N_m(motor, float(speed_rad_per_s)), float(speed_rad_per_s)))
     most, at_rad_per_s = max(found)
-    if scene.seen.turned is not None:
-        most = scene.seen.turned.largest_N_m / _left_N_m(motor, at_rad_per_s)
+    if scene.observed.turned is not None:
+        most = scene.observed.turned.largest_N_m / _left_N_m(motor, at_rad_per_s)
     return most, at_rad_per_s
 
 

@@ -19,15 +19,15 @@ def judge(scene: Scene) -> Verdict:
     else:
         speed, where = scene.speed_rad_per_s, "the excitation's frequency"
     factor = max(loss_factor(panel.material, speed) for panel in scene.panels)
-    if scene.seen.loss_factor is not None:
-        factor, where = scene.seen.loss_factor, "the frequencies of the panels' pull"
+    if scene.observed.loss_factor is not None:
+        factor, where = scene.observed.loss_factor, "the frequencies of the panels' pull"
     lost = 2 * math.pi * factor
     given = any(panel.material.branches for panel in scene.panels)
     matters: bool | None = lost > TENTH
     why = f"loss factor {factor:.2g} at {where}"
     if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
         matters, why = None, f"{why}; near a panel's resonance only damping limits its answer"
-    change = scene.change_of_answer(loss_factor=factor)
+    change = scene.change_of_response(loss_factor=factor)
     if matters and change is not None and change <= TENTH:
         matters, why = None, f"{why}; taut panels' middles move as far without, to {change:.1%}"
     unknown = "neither branches nor a curve are given: measure the loss factor (0.02 would matter)"
@@ -40,7 +40,7 @@ def judge(scene: Scene) -> Verdict:
         matters=matters if given else None,
         limit=TENTH,
         why=why if given else unknown,
-        cost="hardly anything for a strip, an eighth to a quarter of a sheet's time",
+        cost="hardly anything if nothing varies across, else an eighth to a quarter of the panels' time",
     )
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from orchestrator.case import solvers
+from orchestrator.preflight.scene.clamp_motion import change_of_stroke
 from orchestrator.preflight.scene.effect import PARTS, TENTH, Effect, Verdict
-from orchestrator.preflight.scene.moved_panel import answer
+from orchestrator.preflight.scene.moved_panel import clamp_response
 from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene
-from orchestrator.preflight.scene.shaking import shakings
-from orchestrator.preflight.scene.strokes import change_of_stroke
+from orchestrator.preflight.scene.shaking import solve_shakings
 
 
 def judge(scene: Scene) -> Verdict:
@@ -29,7 +29,7 @@ def judge(scene: Scene) -> Verdict:
         matters=matters if shaken else None,
         limit=TENTH,
         why=why if shaken else NOTHING_MOVES,
-        cost="a strip little, a sheet a tenth to a half of the particles' time",
+        cost="little if nothing varies across, else a tenth to a half of the particles' time",
         about=PARTS if _size(shares[-1]) > TENTH else ("particles", "panels"),
     )
 
@@ -52,7 +52,7 @@ def _slackening(scene: Scene) -> Share:
 def _answering(scene: Scene) -> Share:
     """The panel nearest to its resonance."""
     ratio, lowest = max(
-        (answer(scene.speed_rad_per_s / one.frequency_rad_per_s), one.frequency_rad_per_s)
+        (clamp_response(scene.speed_rad_per_s / one.frequency_rad_per_s), one.frequency_rad_per_s)
         for one in scene.panels
     )
     why = f"panels with {lowest:.3g} rad/s of their own answer a shaking of {scene.speed_rad_per_s:.3g}"
@@ -60,7 +60,7 @@ def _answering(scene: Scene) -> Share:
 
 
 def _pulling(scene: Scene) -> Share:
-    change, why = change_of_stroke(scene, shakings(scene.plan), "flat panels do not pull: then")
+    change, why = change_of_stroke(scene, solve_shakings(scene.plan), "flat panels do not pull: then")
     return "change of the stroke", abs(change), why
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
-from orchestrator.preflight.scene.scene import ELASTIC, NOTHING_MOVES, Scene
+from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
@@ -17,7 +17,7 @@ def judge(scene: Scene) -> Verdict:
         matters=ratio > TENTH if shaken else None,
         limit=TENTH,
         why=f"the empty panel's lowest is at {frequency:.3g} rad/s" if shaken else NOTHING_MOVES,
-        cost=ELASTIC,
+        cost=elastic_solvers(),
     )
 
 

@@ -6,10 +6,10 @@ from __future__ import annotations
 import math
 
 from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.clamp_motion import change_of_stroke, moved_by_forces
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import bushing_N_per_m, free_frames, shakings
-from orchestrator.preflight.scene.strokes import change_of_stroke, moved_by_forces
+from orchestrator.preflight.scene.shaking import bushing_N_per_m, free_frames, solve_shakings
 
 
 def judge(scene: Scene) -> Verdict | None:
@@ -18,7 +18,7 @@ def judge(scene: Scene) -> Verdict | None:
         return None
     free = bool(free_frames(scene.plan))
     ratio = _panels_share(scene)
-    change, why = change_of_stroke(scene, shakings(scene.plan), "without the panels")
+    change, why = change_of_stroke(scene, solve_shakings(scene.plan), "without the panels")
     if not free:
         why = "all frames move as prescribed: panels cannot change that"
     if not scene.panels:

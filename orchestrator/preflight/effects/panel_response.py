@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orchestrator.preflight.scene.effect import Effect, Verdict
-from orchestrator.preflight.scene.scene import ELASTIC, Scene
+from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
@@ -13,7 +13,7 @@ def judge(scene: Scene) -> Verdict:
         threshold="none",
         matters=None,
         why="a recording holds for the machine and the cycles it was made of, and no others",
-        cost=ELASTIC,
+        cost=elastic_solvers(),
     )
 
 

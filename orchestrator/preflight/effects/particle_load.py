@@ -17,7 +17,7 @@ def judge(scene: Scene) -> Verdict | None:
     why = f"the bed has up to {bed:.3g} kg/m2"
     if not matters and any(scene.near_resonance(panel) for panel in scene.panels):
         matters, why = None, f"{why}; near a panel's resonance little mass shifts much"
-    change = scene.change_of_answer(mass_ratio=ratio)
+    change = scene.change_of_response(mass_ratio=ratio)
     if matters and change is not None and change <= TENTH:
         matters, why = None, f"{why}; taut panels' middles move as far without, to {change:.1%}"
     return Verdict(

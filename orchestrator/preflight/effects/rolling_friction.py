@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from orchestrator.preflight.scene.contact_law import contact_law
+from orchestrator.preflight.scene.contacts import (
+    contact_law_effect,
+    contacts_on_deck,
+    describe_friction,
+    friction_over_pull,
+)
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.slope_friction import of_weight, on_deck, takes
 
 
 def judge(scene: Scene) -> Verdict:
-    friction = max((row.rolling_friction for row in on_deck(scene.case)), default=0.0)
-    ratio = of_weight(scene, friction)
+    friction = max((row.rolling_friction for row in contacts_on_deck(scene.case)), default=0.0)
+    ratio = friction_over_pull(scene, friction)
     matters: bool | None = ratio > TENTH
-    why = takes(ratio, "rolling alone")
+    why = describe_friction(ratio, "rolling alone")
     if matters and scene.throw > 1:
         matters, why = None, f"{why}; but what is thrown, with {scene.throw:.2g} g, hardly rolls"
     return Verdict(
@@ -26,7 +30,7 @@ def judge(scene: Scene) -> Verdict:
     )
 
 
-EFFECT = contact_law(
+EFFECT = contact_law_effect(
     judge,
     coefficient="rolling_friction",
     law="rolling",

@@ -9,8 +9,8 @@ from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
+from orchestrator.preflight.scene.observed import Products
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.seen import Products
 
 PERCOLATION = 1 / (2 / math.sqrt(3) - 1)  # 6.46: through the throat between three touching spheres
 COST = "number of particles with 1/d^3, step with d of the smallest"
@@ -18,8 +18,8 @@ COST = "number of particles with 1/d^3, step with d of the smallest"
 
 def judge(scene: Scene) -> Verdict:
     """By the sizes that there are, or by those of a run's products."""
-    if scene.seen.products is not None:
-        return _separated(scene.seen.products)
+    if scene.observed.products is not None:
+        return _separated(scene.observed.products)
     ratio = _ratio(scene.case)
     matters, why = _matter(scene.case, ratio)
     return Verdict(

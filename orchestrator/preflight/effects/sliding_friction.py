@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.contacts import contacts_on_deck, describe_friction, friction_over_pull
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.slope_friction import of_weight, on_deck, takes
 
 
 def judge(scene: Scene) -> Verdict:
     """Of the coefficient, or of the force that a run with friction has found."""
-    bearing = scene.seen.bearing
+    bearing = scene.observed.bearing
     if bearing is not None and bearing.mobilised is not None:
-        return _verdict("friction / weight, along the deck", of_weight(scene, bearing.mobilised))
-    return _verdict("mu / tan(slope)", of_weight(scene, _friction(scene.case)))
+        return _verdict("friction / weight, along the deck", friction_over_pull(scene, bearing.mobilised))
+    return _verdict("mu / tan(slope)", friction_over_pull(scene, _friction(scene.case)))
 
 
 def _verdict(number: str, ratio: float) -> Verdict:
@@ -23,7 +23,7 @@ def _verdict(number: str, ratio: float) -> Verdict:
         threshold="0.1 (Coulomb)",
         matters=ratio > TENTH,
         limit=TENTH,
-        why=takes(ratio, "sliding"),
+        why=describe_friction(ratio, "sliding"),
         cost="hardly anything",
     )
 
@@ -34,7 +34,7 @@ def overlay(case: Case) -> Overlay:
 
 
 def _friction(case: Case) -> float:
-    return max((row.sliding_friction for row in on_deck(case)), default=0.0)
+    return max((row.sliding_friction for row in contacts_on_deck(case)), default=0.0)
 
 
 EFFECT = Effect(

@@ -16,9 +16,9 @@ from orchestrator.case.bed.size_distribution import Class, classes, mean_mass_kg
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.tables.case import has_particles
 from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.preflight.scene.contacts import STEP_COST, is_softened, softness
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.softness import STEP_COST, softened, softness
 
 
 def judge(scene: Scene) -> Verdict | None:
@@ -31,8 +31,8 @@ def judge(scene: Scene) -> Verdict | None:
     found, opening_m = softness(scene), max(openings_m)
     pressed_m = pressed_overlap_m(scene, opening_m)
     struck_m = max(pressed_m, found.overlap * opening_m / 2)
-    if scene.seen.deepest is not None:
-        struck_m = max(pressed_m, scene.seen.deepest.surface_m)
+    if scene.observed.deepest is not None:
+        struck_m = max(pressed_m, scene.observed.deepest.surface_m)
     least, most = (_passing_more(scene, opening_m, one) for one in (pressed_m, struck_m))
     matters = True if least > TENTH else None if most > TENTH else False
     return Verdict(
@@ -104,7 +104,7 @@ def _density(scene: Scene, material: str) -> float:
 EFFECT = Effect(
     part="particles",
     judge=judge,
-    described=lambda case: has_particles(case) and not softened(case),
+    described=lambda case: has_particles(case) and not is_softened(case),
     key="particles.largest_youngs_modulus_Pa",
     checked_by="deepest",
     about=("particles",),

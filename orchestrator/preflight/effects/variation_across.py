@@ -23,7 +23,7 @@ def judge(scene: Scene) -> Verdict:
         threshold="1 (measured: strip against sheet)",
         matters=True if aspect > WIDE else None,
         why=note,
-        cost="a sheet of 22 x 8 cells takes 2 to 3 times a strip's time",
+        cost="22 x 8 cells take 2 to 3 times the time of a panel without it",
     )
 
 

@@ -6,10 +6,9 @@ from __future__ import annotations
 import math
 
 from orchestrator.case.deck.panels import axes
-from orchestrator.preflight.scene.contact_law import contact_law
+from orchestrator.preflight.scene.contacts import contact_law_effect, contacts_on_deck
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.slope_friction import on_deck
 
 SERVICE_S = 1000 * 3600.0
 HARSHEST_M3_PER_N_M = 1e-10  # a polyurethane on abrasive paper: docs/theory/wear.md
@@ -19,7 +18,7 @@ def judge(scene: Scene) -> Verdict | None:
     """None without panels."""
     if not scene.panels:
         return None
-    rate_m3_per_N_m = max((row.specific_wear_m3_per_N_m for row in on_deck(scene.case)), default=0.0)
+    rate_m3_per_N_m = max((row.specific_wear_m3_per_N_m for row in contacts_on_deck(scene.case)), default=0.0)
     share = _worn_share(scene, rate_m3_per_N_m)
     given = f"after 1000 hours at most {share:.1%} of the thinnest panel is worn off"
     harshest = _worn_share(scene, HARSHEST_M3_PER_N_M)
@@ -54,7 +53,7 @@ def _sliding_m_per_s(scene: Scene) -> float:
     return 2 / math.pi * float(max(shaking_m_per_s, default=0.0)) + scene.transport_m_per_s
 
 
-EFFECT = contact_law(
+EFFECT = contact_law_effect(
     judge,
     coefficient="specific_wear_m3_per_N_m",
     law="wear",

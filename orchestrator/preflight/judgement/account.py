@@ -9,8 +9,8 @@ from typing import Any
 
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judgement.pair import Pair
-from orchestrator.preflight.judgement.weighing import weighed
-from orchestrator.preflight.scene.effect import Verdict, in_words
+from orchestrator.preflight.judgement.weighing import weigh_effects
+from orchestrator.preflight.scene.effect import Verdict, describe_verdict
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def account(
     """Of all effects, from the case with all that it describes, and those left out of it.
     ``pairs`` of runs with and without an effect say what results ``asked`` for they change."""
     found = {}
-    for one in (one for rows in weighed(described, pairs, asked).values() for one in rows):
+    for one in (one for rows in weigh_effects(described, pairs, asked).values() for one in rows):
         why = left_out.get(one.effect, "")
         found[one.effect] = Entry(why, one.present and not why, one.verdict)
     others = {name: Entry(why, False) for name, why in left_out.items() if name not in found}
@@ -77,13 +77,13 @@ def at_end(entries: Mapping[str, Entry]) -> Iterator[str]:
         yield f"left out: {name}; by the run {one.after.in_numbers}"
         if one.crossed:
             yield (
-                f"WARNING: {name}, which is left out, {in_words(one.after.matters)} by the run; "
+                f"WARNING: {name}, which is left out, {describe_verdict(one.after.matters)} by the run; "
                 f"the estimate before it was {one.before.value_in_words}"
             )
 
 
 def _said(verdict: Verdict) -> str:
-    return f"{in_words(verdict.matters)}: {verdict.in_numbers}"
+    return f"{describe_verdict(verdict.matters)}: {verdict.in_numbers}"
 
 
 def _figures(verdict: Verdict | None) -> dict[str, Any] | None:

@@ -1,10 +1,12 @@
-"""All effects that there are: every file in ``orchestrator/preflight/effects`` is one."""
+"""All effects that there are: every file in ``orchestrator/preflight/effects`` is one, and so is every
+entry point of an installed package in the group ``flipflow.effects``."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.metadata import entry_points
 from pkgutil import iter_modules
 from typing import get_args
 
@@ -15,16 +17,18 @@ from orchestrator.preflight.scene.effect import Effect, Part, Verdict
 from orchestrator.preflight.scene.scene import scene
 
 
-def _found() -> dict[str, Effect]:
+def _find_effects() -> dict[str, Effect]:
+    """Return every effect by its name: those in ``effects``, then those of installed packages."""
     found: dict[str, Effect] = {}
     for module in iter_modules(effects.__path__):
         effect = import_module(f"{effects.__name__}.{module.name}").EFFECT
-        assert isinstance(effect, Effect)
         found[module.name.replace("_", "-")] = effect
+    found |= {point.name: point.load() for point in entry_points(group="flipflow.effects")}
+    assert all(isinstance(effect, Effect) for effect in found.values())
     return found
 
 
-EFFECTS = _found()
+EFFECTS = _find_effects()
 FLAT = ("frames", "panel", "particles", "exchange")
 """Tables of the case that have no tables in them: solvers and hand-overs."""
 
@@ -51,7 +55,7 @@ class Judged:
         return self.verdict.matters is False and self.present and bool(self.key)
 
 
-def judged(case: Case) -> dict[Part, list[Judged]]:
+def judge_effects(case: Case) -> dict[Part, list[Judged]]:
     """By part; particles and panels are empty where there are none.  For a case whose tables fit
     together (``checks.find_table_problems``)."""
     there: dict[Part, bool] = {
@@ -60,24 +64,24 @@ def judged(case: Case) -> dict[Part, list[Judged]]:
         "frames": True,
         "machine": True,
     }
-    seen = scene(case)
+    numbers = scene(case)
     found: dict[Part, list[Judged]] = {part: [] for part in get_args(Part)}
     for name, effect in EFFECTS.items():
-        verdict = effect.judge(seen) if there[effect.part] else None
+        verdict = effect.judge(numbers) if there[effect.part] else None
         if verdict is not None:
-            one = Judged(name, effect.key, present(case, name), can_go(case, name), verdict)
+            one = Judged(name, effect.key, has_effect(case, name), can_leave_out(case, name), verdict)
             found[effect.part].append(one)
     return found
 
 
-def can_go(case: Case, name: str) -> bool:
+def can_leave_out(case: Case, name: str) -> bool:
     """Whether keys of the case leave it out that do not do so yet: neither it nor, with another
     value of the same key, something that it needs."""
-    gone = any(why_left_out(case, effect) for effect in (name, *needs_of(name)))
+    gone = any(why_left_out(case, effect) for effect in (name, *all_needs(name)))
     return bool(EFFECTS[name].overlay(case)) and not gone
 
 
-def spared(every: Iterable[Judged]) -> list[str]:
+def find_dispensable(every: Iterable[Judged]) -> list[str]:
     """What may be left out, by keys of the case."""
     return [one.effect for one in every if one.can_go and one.verdict.matters is False]
 
@@ -86,26 +90,26 @@ def with_dependents(names: Collection[str], why: str) -> dict[str, str]:
     """These, and all that needs one of them: name -> why."""
     found = dict.fromkeys(names, why)
     for name in EFFECTS:
-        if need := next((need for need in needs_of(name) if need in names), None):
+        if need := next((need for need in all_needs(name) if need in names), None):
             found[name] = f"it needs {need}, which is left out"
     return found
 
 
-def needs_of(name: str) -> Iterator[str]:
+def all_needs(name: str) -> Iterator[str]:
     """All effects without which this is nothing."""
     for need in EFFECTS[name].needs:
         yield need
-        yield from needs_of(need)
+        yield from all_needs(need)
 
 
-def present(case: Case, name: str) -> bool:
+def has_effect(case: Case, name: str) -> bool:
     """Whether the case describes it and nothing leaves it out, nor what it needs."""
     effect = EFFECTS[name]
     there = effect.described(case) and not why_left_out(case, name)
-    return there and all(present(case, one) for one in effect.needs)
+    return there and all(has_effect(case, one) for one in effect.needs)
 
 
-def taken_along(case: Case, name: str) -> list[str]:
+def find_also_lost(case: Case, name: str) -> list[str]:
     """What else the case loses with an effect although it does not need it: solvers that leave out
     the one may not know the other."""
     flat = {
@@ -114,11 +118,11 @@ def taken_along(case: Case, name: str) -> list[str]:
         if table in FLAT
     }
     without = case.model_copy(update=flat)
-    others = (one for one in EFFECTS if one != name and name not in needs_of(one))
-    return [one for one in others if present(case, one) and not present(without, one)]
+    others = (one for one in EFFECTS if one != name and name not in all_needs(one))
+    return [one for one in others if has_effect(case, one) and not has_effect(without, one)]
 
 
-def left_out(case: Case) -> dict[str, str]:
+def find_left_out(case: Case) -> dict[str, str]:
     """What solvers and other settings leave out of this case: name -> why."""
     reasons = {name: why_left_out(case, name) for name in EFFECTS}
     return {name: why for name, why in reasons.items() if why}
@@ -136,9 +140,9 @@ def why_left_out(case: Case, name: str) -> str:
     return ""
 
 
-def dropped(bare: Case, at_level: Case) -> dict[str, str]:
+def find_left_out_by_level(bare: Case, at_level: Case) -> dict[str, str]:
     """What the level leaves out of the bare case."""
-    before, after = absent(bare) | left_out(bare), absent(at_level) | left_out(at_level)
+    before, after = absent(bare) | find_left_out(bare), absent(at_level) | find_left_out(at_level)
     found = {name: why for name, why in after.items() if name not in before}
     for name, effect in EFFECTS.items():
         if effect.overlay(bare) and effect.described(bare) and not effect.described(at_level):

@@ -67,7 +67,7 @@ class Pair:
         if self.summary_with is None or self.summary_without is None:
             return None
         asked = scalar(name)
-        return changed(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
+        return compute_change(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
 
     def changes(self, names: Sequence[str]) -> dict[str, Change]:
         """Of those results that the runs have, by name."""
@@ -75,7 +75,7 @@ class Pair:
         return {name: one for name, one in found.items() if one and one.relative is not None}
 
 
-def changed(one: Value | None, two: Value | None, floor: float) -> Change:
+def compute_change(one: Value | None, two: Value | None, floor: float) -> Change:
     """From ``one`` with the effect to ``two`` without; a result that one run alone has has changed
     by all of it."""
     if one is None and two is None:
@@ -114,13 +114,13 @@ def key_of(read: Mapping[str, Any], effect: str) -> str:
 _AGREED: dict[str, Pair | None] = {}
 
 
-def agree(found: Mapping[str, Pair | None]) -> None:
+def share_pairs(found: Mapping[str, Pair | None]) -> None:
     """From now on, this process remembers these pairs by their keys, whatever its own memory has:
     processes that run one case together must choose alike."""
     _AGREED.update(found)
 
 
-def remembered(found: str) -> Pair | None:
+def recall(found: str) -> Pair | None:
     """The pair of a key; None where it is not known, or its file is no pair."""
     if found in _AGREED:
         return _AGREED[found]

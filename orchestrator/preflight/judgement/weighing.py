@@ -22,21 +22,27 @@ from dataclasses import replace
 
 from orchestrator.case.scalars import is_of_separation, part_of
 from orchestrator.case.tables.case import Case
-from orchestrator.preflight.judgement.catalogue import EFFECTS, Judged, judged, needs_of, taken_along
+from orchestrator.preflight.judgement.catalogue import (
+    EFFECTS,
+    Judged,
+    all_needs,
+    find_also_lost,
+    judge_effects,
+)
 from orchestrator.preflight.judgement.pair import Change, Pair
-from orchestrator.preflight.scene.effect import MARGIN, TENTH, Part, Verdict, in_words
+from orchestrator.preflight.scene.effect import MARGIN, TENTH, Part, Verdict, describe_verdict
 
 
-def weighed(
+def weigh_effects(
     case: Case, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
 ) -> dict[Part, list[Judged]]:
     """As ``judged``, weighed, with the ``pairs`` that are known, by what results are ``asked``
     for."""
-    parts = judged(case)
+    parts = judge_effects(case)
     by_name = {one.effect: one for rows in parts.values() for one in rows}
     for name, pair in (pairs or {}).items():
         if name in by_name:
-            verdict = measured(by_name[name].verdict, pair, asked)
+            verdict = measured_verdict(by_name[name].verdict, pair, asked)
             by_name[name] = replace(by_name[name], verdict=verdict)
     if any(is_of_separation(name) for name in asked):
         by_name = {name: _separated(one) for name, one in by_name.items()}
@@ -48,7 +54,7 @@ def weighed(
     return {part: [kept[one.effect] for one in rows] for part, rows in parts.items()}
 
 
-def undecided(one: Judged) -> bool:
+def is_undecided(one: Judged) -> bool:
     """Whether only a pair of runs can say if the case can do without the effect: it has it, a key
     takes it out, and no estimate says with certainty that it matters."""
     verdict = one.verdict
@@ -57,10 +63,10 @@ def undecided(one: Judged) -> bool:
     return verdict.matters is None or (verdict.matters is True and not is_clear(verdict))
 
 
-def doubted(one: Judged) -> Judged:
+def with_doubt(one: Judged) -> Judged:
     """ "Cannot say" in place of a "matters" that is no further above its threshold than estimates
     err, where a pair of runs can decide."""
-    if not undecided(one) or one.verdict.matters is None:
+    if not is_undecided(one) or one.verdict.matters is None:
         return one
     return _cannot_say(one, f"within a factor of {MARGIN:g} of the threshold")
 
@@ -72,7 +78,7 @@ def is_clear(verdict: Verdict) -> bool:
     return verdict.value > MARGIN * verdict.limit
 
 
-def measured(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
+def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
     """By the largest change of the results that are asked for; as it was where there are no
     runs, or neither has such a result."""
     changes = pair.changes(asked)
@@ -132,12 +138,12 @@ def _consistent(case: Case, one: Judged, every: Collection[Judged]) -> Judged:
     """What is measured speaks for all that goes with it, but against another measurement."""
     if one.verdict.matters is not False:
         return one
-    along = taken_along(case, one.effect) if one.present and one.can_go else []
+    along = find_also_lost(case, one.effect) if one.present and one.can_go else []
     for other in every:
-        goes = other.effect in along or one.effect in needs_of(other.effect)
+        goes = other.effect in along or one.effect in all_needs(other.effect)
         if one.verdict.measured and not (other.verdict.measured and other.verdict.matters):
             continue
         if goes and other.present and other.verdict.matters is not False:
-            why = f"{other.effect} goes with it: {in_words(other.verdict.matters)}"
+            why = f"{other.effect} goes with it: {describe_verdict(other.verdict.matters)}"
             return _cannot_say(one, why)
     return one

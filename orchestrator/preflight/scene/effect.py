@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from orchestrator.case.tables.case import Case
+from orchestrator.preflight.scene.observed import ObservedField
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.seen import What
 
 Part = Literal["particles", "panels", "frames", "machine"]
 PARTS: tuple[Part, ...] = get_args(Part)
@@ -68,7 +68,7 @@ class Verdict:
         return f"{self.number} {self.value_in_words}, threshold {self.threshold}"
 
 
-def in_words(matters: bool | None) -> str:
+def describe_verdict(matters: bool | None) -> str:
     """ "matters", "may be left out" or "cannot say"."""
     if matters is None:
         return "cannot say"
@@ -98,7 +98,7 @@ class Effect:
     ``laws``: names by which it can be called for with one of several laws, and the keys that choose
     it; two of them exclude each other.  ``key``: what a user changes to have it or not.
     ``undescribed``: keys that take it out of the data where ``overlay`` chooses another law, for
-    the benchmark.  ``checked_by``: what a run must tell (a field of ``Seen``) for ``judge`` to be
+    the benchmark.  ``checked_by``: what a run must tell (a field of ``Observed``) for ``judge`` to be
     asked again after it.  ``saves``: whether a run without it takes less time, so that it is worth
     a trial.  ``about``: the parts whose results the number is an estimate of; of others it says
     nothing when it is above its threshold.
@@ -113,7 +113,7 @@ class Effect:
     needs: tuple[str, ...] = ()
     laws: Mapping[str, Overlay] = field(default_factory=dict)
     key: str = ""
-    checked_by: What | None = None
+    checked_by: ObservedField | None = None
     saves: bool = False
     about: tuple[Part, ...] = PARTS
 

@@ -12,7 +12,7 @@ from orchestrator.case.deck.panels import SinglePanel
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import HyperelasticPlan
-from orchestrator.preflight.scene.seen import Shape
+from orchestrator.preflight.scene.observed import Shape
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def softest_share(pattern: AperturePattern | None, rectangle: Rectangle) -> floa
     return float(1 / (1 / stiffness_share(pattern, rectangle) + gives))
 
 
-def answer(ratio: float) -> float:
+def clamp_response(ratio: float) -> float:
     """Amplitude of the middle of a panel against its clamps, over theirs normal to it, when they
     are shaken at ``ratio`` times its lowest frequency without damping: the sine's share of a
     uniform load, 4/pi, times r^2 / |1 - r^2|.  Infinite at resonance."""
@@ -157,7 +157,7 @@ def answer(ratio: float) -> float:
     return math.inf if square == 1.0 else 4 / math.pi * square / abs(1 - square)
 
 
-def change_of_answer(ratio: float, loss_factor: float, mass_ratio: float) -> float:
+def change_of_response(ratio: float, loss_factor: float, mass_ratio: float) -> float:
     """Share by which the amplitude of the middle of a panel, clamps' motion included, changes when
     it has neither a loss factor nor ``mass_ratio`` times its own mass upon it, which moves with it
     and lowers its frequency; shaken as in ``answer``, where ``ratio`` is of the empty panel."""

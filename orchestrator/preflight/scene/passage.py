@@ -28,7 +28,7 @@ def passage(scene: Scene, cost: str) -> Verdict:
     matters: bool | None = True if low > TENTH else None if high > TENTH else False
     if matters is False and falls_through(scene):
         matters, why = None, f"{why}; yet some pass the openings and fall to what is below"
-    if scene.slope < 1e-9 and scene.seen.transport_m_per_s is None:
+    if scene.slope < 1e-9 and scene.observed.transport_m_per_s is None:
         matters = None
         why = "the deck is level: whether it carries the bed along, only a run tells"
     return Verdict(
@@ -46,9 +46,9 @@ def speeds_m_per_s(scene: Scene) -> tuple[float, float, str]:
     """Slowest and fastest speed of the bed along the deck that can be, and what the fastest is of:
     what slides down all the deck without friction, or is as fast as the frames and panels that
     throw it.  Of a run, its own."""
-    seen = scene.seen.transport_m_per_s
-    if seen is not None:
-        return seen, seen, ", by the run"
+    observed = scene.observed.transport_m_per_s
+    if observed is not None:
+        return observed, observed, ", by the run"
     drop_m = deck_length_m(scene.case) * math.sin(math.atan(scene.slope))
     sliding_m_per_s = math.sqrt(2 * scene.gravity_m_per_s2 * drop_m)
     fast_m_per_s, how = max((sliding_m_per_s, SLIDING), (scene.impact_m_per_s, THROWN))

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from orchestrator.case import solvers
 from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
 from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out
 from orchestrator.case.bed.sources import largest_diameter_m
@@ -20,27 +22,29 @@ from orchestrator.case.solver_plans import frames_plan, hyperelastic
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.plans import FramesPlan
-from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_answer
-from orchestrator.preflight.scene.seen import Seen
-from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, shakings
+from orchestrator.preflight.scene.moved_panel import MovedPanel, change_of_response
+from orchestrator.preflight.scene.observed import Observed
+from orchestrator.preflight.scene.shaking import PanelSpring, Shaking, solve_shakings
+
+if TYPE_CHECKING:
+    from orchestrator.ports.adapters import FramesAdapter
 
 RESONANT = (0.7, 1.4)  # of the lowest frequency: one oscillator answers twice as much or more
 ROUNDS = 200  # of panels' stiffness and frames' stroke, which depend on each other
 NOTHING_MOVES = "nothing moves the panels' ends: what particles do to them, only a run tells"
-ELASTIC = "every panel.solver but rigid has it"
 
 
 @dataclass(frozen=True)
 class Scene:
     """``shaken`` is the frames' steady motion with the panels as springs, ``springs``; what was
-    ``seen`` in a run takes the place of what is estimated here."""
+    ``observed`` in a run takes the place of what is estimated here."""
 
     case: Case
     plan: FramesPlan
     panels: tuple[MovedPanel, ...]
     springs: tuple[PanelSpring, ...]
     shaken: tuple[Shaking, ...]
-    seen: Seen = field(default_factory=Seen)
+    observed: Observed = field(default_factory=Observed)
 
     @property
     def speed_rad_per_s(self) -> float:
@@ -55,8 +59,8 @@ class Scene:
     @property
     def frames_throw(self) -> float:
         """Throw intensity w^2 a / g of the frame that moves most normal to the deck."""
-        if self.seen.frames_throw is not None:
-            return self.seen.frames_throw
+        if self.observed.frames_throw is not None:
+            return self.observed.frames_throw
         normal = axes(self.case)[:, 2]
         names = [body.name for body in self.plan.bodies]
         found = [
@@ -79,14 +83,16 @@ class Scene:
     @property
     def bed_kg_per_m2(self) -> float:
         """Mass of the particles per area of the deck, at most."""
-        seen = self.seen.bed_kg_per_m2
-        return bed_kg_per_m2(self.case) if seen is None else max(seen, _lying_kg_per_m2(self.case))
+        observed = self.observed.bed_kg_per_m2
+        if observed is None:
+            return bed_kg_per_m2(self.case)
+        return max(observed, _lying_kg_per_m2(self.case))
 
     @property
     def transport_m_per_s(self) -> float:
         """Speed of the bed along the deck."""
-        seen = self.seen.transport_m_per_s
-        return TRANSPORT_M_S if seen is None else seen
+        observed = self.observed.transport_m_per_s
+        return TRANSPORT_M_S if observed is None else observed
 
     @property
     def slope(self) -> float:
@@ -100,14 +106,14 @@ class Scene:
         ratio = self.speed_rad_per_s / panel.frequency_rad_per_s
         return RESONANT[0] < ratio < RESONANT[1]
 
-    def change_of_answer(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
+    def change_of_response(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
         """Largest change of the amplitude of a panel's middle without a loss factor or a mass upon
-        it (``moved_panel.change_of_answer``), if all panels are taut all the time and shaken; else
+        it (``moved_panel.change_of_response``), if all panels are taut all the time and shaken; else
         None: a slack panel is no oscillator."""
         if self.speed_rad_per_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
             return None
         return max(
-            change_of_answer(self.speed_rad_per_s / one.frequency_rad_per_s, loss_factor, mass_ratio)
+            change_of_response(self.speed_rad_per_s / one.frequency_rad_per_s, loss_factor, mass_ratio)
             for one in self.panels
         )
 
@@ -125,11 +131,22 @@ def scene(case: Case) -> Scene:
     return Scene(case, plan, panels, springs, shaken)
 
 
+def elastic_solvers() -> str:
+    """Return the panel solvers whose panels deform, as words about a cost."""
+    return f"none with panel.solver {solvers.those('panel', lambda adapter: adapter.deforms)}"
+
+
 def moving_plan(case: Case) -> FramesPlan:
     """Frames, bushings, exciters and drives, whatever the level solves of them."""
-    solver = case.frames.model_copy(update={"solver": "exudyn"})
-    case = case.model_copy(update={"frames": solver})
+    able = next(name for name in solvers.names("frames") if _moves_all(name))
+    case = case.model_copy(update={"frames": case.frames.model_copy(update={"solver": able})})
     return frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
+
+
+def _moves_all(solver: str) -> bool:
+    """Return whether a frames solver leaves out nothing that a plan of frames has."""
+    adapter = cast("FramesAdapter", solvers.adapter("frames", solver))
+    return adapter.moved_by_forces and adapter.drives and adapter.rotates and adapter.motors
 
 
 def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
@@ -147,7 +164,7 @@ def _together(
     stiffness_N_per_m = np.array([panel.taut_stiffness_N_per_m / 2 for panel in panels])
     for _ in range(ROUNDS):
         springs = tuple(_spring(*row) for row in zip(panels, stiffness_N_per_m, strict=True))
-        shaken = shakings(plan, springs)
+        shaken = solve_shakings(plan, springs)
         panels = tuple(
             MovedPanel(panel.panel, panel.material, stroke_m(shaken, spring))
             for panel, spring in zip(panels, springs, strict=True)

@@ -54,7 +54,7 @@ class Joint:
     stiffness_N_per_m: Array
 
 
-def shakings(
+def solve_shakings(
     plan: FramesPlan, springs: Sequence[PanelSpring] = (), loss_factor: float | None = None, freedoms: int = 3
 ) -> tuple[Shaking, ...]:
     """One for each speed of exciters and drives.  ``loss_factor``: of all bushings, in place of
@@ -115,11 +115,11 @@ def _shaking(
     freedoms: int,
     speed_rad_per_s: float,
 ) -> Shaking:
-    numbers = numbered(plan)
+    numbers = frame_numbers(plan)
     joints = _joints(plan, springs, loss_factor, speed_rad_per_s)
-    dynamic = assembled(plan, joints, freedoms)
+    dynamic = assemble_stiffness(plan, joints, freedoms)
     for number, body in enumerate(plan.bodies):
-        dynamic[number, :, number] -= speed_rad_per_s**2 * mass_of(body, springs)[:freedoms, :freedoms]
+        dynamic[number, :, number] -= speed_rad_per_s**2 * mass_matrix(body, springs)[:freedoms, :freedoms]
     found = _solved(plan, numbers, dynamic, speed_rad_per_s)
     still = np.zeros(3, dtype=complex)
     turned = {name: row[3:] if freedoms > 3 else still for name, row in found.items()}
@@ -127,14 +127,14 @@ def _shaking(
     return Shaking(speed_rad_per_s, moved | {GROUND: still}, turned | {GROUND: still})
 
 
-def numbered(plan: FramesPlan) -> dict[str, int]:
+def frame_numbers(plan: FramesPlan) -> dict[str, int]:
     """The number of each frame."""
     return {body.name: number for number, body in enumerate(plan.bodies)}
 
 
-def assembled(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array:
+def assemble_stiffness(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array:
     """Stiffness (frames, freedoms, frames, freedoms), complex, of joints between all frames."""
-    numbers = numbered(plan)
+    numbers = frame_numbers(plan)
     whole = np.zeros((len(numbers), freedoms, len(numbers), freedoms), dtype=complex)
     for joint in joints:
         ends = [
@@ -147,7 +147,7 @@ def assembled(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array
     return whole
 
 
-def mass_of(body: BodyPlan, springs: Sequence[PanelSpring] = ()) -> Array:
+def mass_matrix(body: BodyPlan, springs: Sequence[PanelSpring] = ()) -> Array:
     """(6, 6) of a frame; the panels' share rides at the centre of mass."""
     from scipy.linalg import block_diag
 

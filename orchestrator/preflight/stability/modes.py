@@ -20,11 +20,11 @@ from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import (
     Joint,
-    assembled,
+    assemble_stiffness,
     bushing_N_per_m,
+    frame_numbers,
     free_frames,
-    mass_of,
-    numbered,
+    mass_matrix,
     panel_joints,
 )
 
@@ -67,7 +67,7 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
     if not solvers.panel(case).yields:  # no springs
         springs = []
     bodies = {body.name: body for body in plan.bodies}
-    masses = [mass_of(bodies[name])[:freedoms, :freedoms] for name in free_frames(plan)]
+    masses = [mass_matrix(bodies[name])[:freedoms, :freedoms] for name in free_frames(plan)]
     halves = [
         Joint(("ground", name), (end_m, end_m), panel.whole_mass_kg / 2 * np.eye(3))
         for spring, panel in zip(scene.springs, scene.panels, strict=True)
@@ -88,10 +88,10 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
 
 def _free(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array:
     """Assembled over the free frames' coordinates, one after the other."""
-    numbers = numbered(plan)
+    numbers = frame_numbers(plan)
     free = [numbers[name] for name in free_frames(plan)]
     every, size = range(freedoms), freedoms * len(free)
-    whole = assembled(plan, joints, freedoms)[np.ix_(free, every, free, every)]
+    whole = assemble_stiffness(plan, joints, freedoms)[np.ix_(free, every, free, every)]
     return np.asarray(whole.reshape(size, size))
 
 

@@ -52,7 +52,7 @@ class Turned:
 
 
 @dataclass(frozen=True)
-class Seen:
+class Observed:
     """None where the run does not tell.
 
     ``frames_throw``: throw intensity of the frame that moves most normal to the deck; with it,
@@ -80,7 +80,7 @@ class Seen:
     turned: Turned | None = None
 
 
-What = Literal[
+ObservedField = Literal[
     "frames_throw",
     "bed_kg_per_m2",
     "rotation",
