@@ -80,7 +80,7 @@ def study(*words: object) -> Any:
 
 def turned_over(monkeypatch: pytest.MonkeyPatch) -> None:
     """Makes all effects say the opposite of what they say."""
-    weighed = confusion.weighed
+    weighed = confusion.weigh_effects
 
     def opposite(one: Judged) -> Judged:
         matters = None if one.verdict.matters is None else not one.verdict.matters
@@ -90,7 +90,7 @@ def turned_over(monkeypatch: pytest.MonkeyPatch) -> None:
         every = weighed(case, asked=asked)
         return {part: [opposite(one) for one in rows] for part, rows in every.items()}
 
-    monkeypatch.setattr(confusion, "weighed", all_opposite)
+    monkeypatch.setattr(confusion, "weigh_effects", all_opposite)
 
 
 def test_two_scenes_are_run_once_and_a_verdict_turned_over_is_found(
