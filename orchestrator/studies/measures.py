@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -15,10 +15,8 @@ from orchestrator.output.records import trust
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.points import Point, Vary, summary_of
-
-if TYPE_CHECKING:
-    from orchestrator.studies.criteria import Criterion
 
 AXES = {"": None, "x": 0, "y": 1, "z": 2, "size": -1}
 TAKES: dict[str, Callable[[Array, Array], float]] = {

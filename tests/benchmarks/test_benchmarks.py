@@ -12,7 +12,8 @@ import pytest
 
 from orchestrator.output.records import trust
 from orchestrator.studies.commands.stability import Benchmark, benchmark
-from orchestrator.studies.criteria import Criterion, judge, read_criteria
+from orchestrator.studies.criteria import judge, read_criteria
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.points import run_points
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import has_results

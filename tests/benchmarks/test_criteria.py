@@ -12,7 +12,6 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.criteria import (
-    Criterion,
     CriterionResult,
     answer_error,
     judge,
@@ -20,6 +19,7 @@ from orchestrator.studies.criteria import (
     read_criteria,
     verdict_markdown,
 )
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
 from orchestrator.studies.points import Point
 

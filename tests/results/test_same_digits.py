@@ -23,7 +23,7 @@ from orchestrator.output.results.observed import ObservedMotion
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.studies.commands.sweep import sweep_rows, write_sweep
-from orchestrator.studies.criteria import Criterion
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.measures import amplitude
 from orchestrator.studies.points import Vary
 from tests.results.synthetic import folder_of

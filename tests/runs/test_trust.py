@@ -15,7 +15,7 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
 from orchestrator.studies.accuracy.measured import read
-from orchestrator.studies.criteria import Criterion
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
 from tests.runs.outside import ROOT, summary
 

@@ -12,7 +12,7 @@ from orchestrator.studies.accuracy.combinations import ALONE, BASE, named
 from orchestrator.studies.accuracy.measured import Error, Measured, Scatter, against, errors
 from orchestrator.studies.accuracy.model import Option
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting
-from orchestrator.studies.criteria import Criterion
+from orchestrator.studies.criterion import Criterion
 
 LARGEST = 6.0
 CLEAN = 0.25  # of a logarithm: what a straight line may be off

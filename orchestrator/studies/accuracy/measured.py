@@ -12,7 +12,8 @@ from scipy.stats import t as student
 
 from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.studies.accuracy.combinations import Combination
-from orchestrator.studies.criteria import Criterion, answer_error
+from orchestrator.studies.criteria import answer_error
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.metrics import QUANTITIES, Metrics, measure, relative
 
 

@@ -34,7 +34,8 @@ from orchestrator.studies.accuracy.convergence import Converged, all_converged, 
 from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, read, scatter
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Offer, Setting, joint_sets, offer
-from orchestrator.studies.criteria import Criterion, known_answers
+from orchestrator.studies.criteria import known_answers
+from orchestrator.studies.criterion import Criterion
 from orchestrator.studies.metrics import QUANTITIES, happens
 from orchestrator.studies.points import Point, check_case, is_random, run_points
 from orchestrator.studies.record import drives, record

@@ -31,7 +31,6 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import (
     FILE,
-    Criteria,
     CriterionResult,
     criteria_runs,
     interval_sets,
@@ -41,6 +40,7 @@ from orchestrator.studies.criteria import (
     verdict_table,
     write_verdicts,
 )
+from orchestrator.studies.criterion import Criteria
 from orchestrator.studies.measures import Runs, outcome
 from orchestrator.studies.options import Scheduler, Told, Workers, crew
 from orchestrator.studies.points import Point, point, run_points, summary_of
