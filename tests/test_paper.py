@@ -16,7 +16,7 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.criteria import CriterionResult, criteria_runs, judge, read_criteria, write_verdicts
 from orchestrator.studies.measures import Runs, Unknown
 from orchestrator.studies.points import Point
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder
 
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
 DRIVEN = "[screen.frames.driven]\nmass_kg = 30.0\ninertia_kg_m2 = [1.0, 2.0, 2.0]\n"
@@ -47,7 +47,7 @@ def moved_mm(speed: float) -> tuple[float, float]:
 def case(tmp_path: Path) -> Path:
     before, after = CASE.split("[screen.bushings.isolation]")
     text = before + DRIVEN + HELD + "[screen.bushings.isolation]" + after
-    folder = written(tmp_path / "case", text)
+    folder = case_folder(tmp_path / "case", text)
     (folder / "criteria.toml").write_text(HEAD + ROW)
     return folder
 
@@ -69,7 +69,7 @@ def runs_of(case: Path) -> dict[str, Runs]:
 def fake(point: Point) -> None:
     speed = float(point.value)
     driving, driven = moved_mm(speed)
-    written(point.folder, (point.loaded.folder / "case.toml").read_text())
+    case_folder(point.folder, (point.loaded.folder / "case.toml").read_text())
     screening = {
         "efficiency_percent": {"value": speed},
         "sections": [{"depth_m": speed / 100 - step} for step in (0.0, 0.3, 0.4)],

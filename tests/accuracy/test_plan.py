@@ -15,7 +15,7 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s
 from orchestrator.studies.accuracy.plan import Plan, Stored, Timing, filling, stored
-from tests.case.cases import written
+from tests.cases import case_folder
 from tests.runs.outside import ROOT
 
 # 2 s to start, then 20 s of processor time for each simulated second; here twice as slow
@@ -140,8 +140,8 @@ def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
 
 
 def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:
-    """And is not written over; what it leaves out is named in it."""
-    folder = written(tmp_path)
+    """And is not case_folder over; what it leaves out is named in it."""
+    folder = case_folder(tmp_path)
     sets = ["panel.solver=rigid", "duration_s=0.02", "contacts.0.restitution=0.5"]
     loaded = load_judged(folder, None)
     file = write_level(loaded, "planned", sets, "5 % in 3 min")

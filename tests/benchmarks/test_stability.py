@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,6 +22,7 @@ from orchestrator.studies.criteria import CriterionResult, interval_sets
 from orchestrator.studies.points import FolderUnusable, Point, run_points
 from orchestrator.studies.tables import write_csv
 from orchestrator.studies.workers import Crew
+from tests.cases import case_folder
 from tests.runs.outside import ROOT, flipflow, said_plainly
 
 HARD = ROOT / "cases" / "hard"
@@ -42,11 +42,8 @@ def made_up(point: Point, figures: dict[str, object]) -> None:
 @pytest.fixture
 def spots(tmp_path: Path) -> list[stability.Spot]:
     """The map of the strip, nothing run; two masses, two intervals."""
-    case = tmp_path / "case"
-    (case / "levels").mkdir(parents=True)
-    text = (HARD / "interval/case.toml").read_text()
-    (case / "case.toml").write_text(text)
-    shutil.copy(HARD / "interval/levels/draft.toml", case / "levels")
+    texts = [(HARD / "interval" / name).read_text() for name in ("case.toml", "levels/draft.toml")]
+    case = case_folder(tmp_path / "case", texts[0], draft=texts[1])
     (case / "map.toml").write_text(
         f'key = "materials.coal.density_kg_per_m3"\nvalues = [350.0, 1430.0]\nmultiples = [1.0, 2.0]\n'
         f"sets = {json.dumps(STRIP)}\n"

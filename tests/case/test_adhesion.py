@@ -14,7 +14,7 @@ from orchestrator.case.solver_plans import material_numbers, particle_step_s
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.plans import Jkr, Sjkr
 from orchestrator.preflight.judgement.catalogue import find_left_out
-from tests.case.cases import complaints, loaded, only_complaint
+from tests.cases import complaints, loaded, only_complaint
 
 WET = ("contacts.0.work_of_adhesion_J_per_m2=0.1", "contacts.1.work_of_adhesion_J_per_m2=0.2")
 

@@ -13,8 +13,7 @@ from orchestrator.case.deck.triangle_grid import BadMesh, perforated_grid, quali
 from orchestrator.case.solver_plans import mesh_sizes
 from orchestrator.cli.overview import overview
 from orchestrator.ports.geometry import AperturePattern, Rectangle
-from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, complaints, loaded, only_complaint, written
+from tests.cases import CASE, complaints, load_case, loaded, only_complaint
 
 FFS0827 = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006, 0.0, 0.030, 0.020)
 KEYS = (
@@ -183,7 +182,7 @@ def test_openings_are_resolved_for_particles_only(tmp_path: Path) -> None:
     """Whatever the surface is made of, the plan has them: stiffness and mass are the panel's."""
     start, _, rest = CASE.partition("[bed.particles.ball]")
     empty = start + rest[rest.index("[probes.middle]") :]
-    case = load_judged(written(tmp_path, empty), None, [SLOTTED, "panel.surface_cells=[6, 4]"]).case
+    case = load_case(tmp_path, empty, [SLOTTED, "panel.surface_cells=[6, 4]"]).case
     assert len(surface_grids(case)["deck"].triangles) == 2 * (6 + 2) * 4
     assert single_panels(case)[0].apertures is not None
 

@@ -11,7 +11,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.preflight.check import find_problems
-from tests.case.cases import FEED, LEVEL, loaded, written
+from tests.cases import FEED, LEVEL, case_folder, loaded
 from tests.runs.outside import QUICK, flipflow, run_words
 
 pytestmark = pytest.mark.solver
@@ -88,7 +88,7 @@ def test_a_plate_below_or_above_it_is_none_of_its_business(tmp_path: Path, heigh
 
 def test_nothing_is_left_behind(tmp_path: Path) -> None:
     """From outside: exit code 2, one message, no folder."""
-    case = written(tmp_path / "case", draft=LEVEL)
+    case = case_folder(tmp_path / "case", draft=LEVEL)
     sets = [*QUICK, *SLACK, *BALL, ball_at(-0.06), plate(-0.02)]
     done = flipflow(*run_words(str(case), tmp_path / "run", sets))
     assert done.returncode == 2, done.stderr

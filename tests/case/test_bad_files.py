@@ -10,7 +10,7 @@ import pytest
 
 from orchestrator.case.file.errors import LONGEST, MOST, CaseError
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, LEVEL, complaints, only_complaint, written
+from tests.cases import CASE, LEVEL, case_folder, complaints, only_complaint
 
 
 def refusal(folder: Path, level: str | None = None) -> str:
@@ -34,19 +34,19 @@ def refusal(folder: Path, level: str | None = None) -> str:
     ids=["bytes", "NUL", "twice", "digits", "lists", "tables", "dots", "large"],
 )
 def test_what_is_no_case(tmp_path: Path, content: bytes, said: str) -> None:
-    written(tmp_path)
+    case_folder(tmp_path)
     (tmp_path / "case.toml").write_bytes(content)
     assert said in refusal(tmp_path)
     assert len(refusal(tmp_path).splitlines()) == 2
 
 
 def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
-    written(tmp_path, "\ufeff" + CASE.replace("\n", "\r\n"))
+    case_folder(tmp_path, "\ufeff" + CASE.replace("\n", "\r\n"))
     assert load_judged(tmp_path).case.title == "a test"
 
 
 def test_a_level_that_is_no_file(tmp_path: Path) -> None:
-    written(tmp_path)
+    case_folder(tmp_path)
     (tmp_path / "levels/folder.toml").mkdir()
     os.mkfifo(tmp_path / "levels/pipe.toml")  # reading it would wait for ever
     (tmp_path / "levels/null.toml").symlink_to("/dev/zero")
@@ -60,7 +60,7 @@ def test_a_level_that_is_no_file(tmp_path: Path) -> None:
 
 
 def test_a_level_of_somebody_else(tmp_path: Path) -> None:
-    folder = written(tmp_path / "case", own=LEVEL)
+    folder = case_folder(tmp_path / "case", own=LEVEL)
     (tmp_path / "secret.toml").write_text("[panel]\nsolver = 'strip'")
     (folder / "levels/link.toml").symlink_to("../../secret.toml")
     (folder / "levels/own-link.toml").symlink_to("own.toml")
@@ -72,7 +72,7 @@ def test_a_level_of_somebody_else(tmp_path: Path) -> None:
 
 
 def test_a_case_may_be_reached_by_a_link(tmp_path: Path) -> None:
-    (tmp_path / "link").symlink_to(written(tmp_path / "case", draft=LEVEL))
+    (tmp_path / "link").symlink_to(case_folder(tmp_path / "case", draft=LEVEL))
     (tmp_path / "file.toml").symlink_to("case/case.toml")
     for path in (tmp_path / "link", tmp_path / "file.toml"):
         assert load_judged(path, "draft").folder == tmp_path / "case"
@@ -112,7 +112,7 @@ def test_names_are_short_enough_for_files(tmp_path: Path) -> None:
 
 
 def test_a_hundred_thousand_mistakes_are_not_all_said(tmp_path: Path) -> None:
-    written(tmp_path, CASE + "".join(f"[x{number}]\n" for number in range(50_000)))
+    case_folder(tmp_path, CASE + "".join(f"[x{number}]\n" for number in range(50_000)))
     said = refusal(tmp_path).splitlines()
     assert len(said) == MOST + 2
     assert all(len(line) <= LONGEST + 2 for line in said)
@@ -123,7 +123,7 @@ def test_a_hundred_thousand_mistakes_are_not_all_said(tmp_path: Path) -> None:
 def test_huge_values_are_said_in_short(tmp_path: Path, value: str) -> None:
     for key in ("duration_s", "coupling.scheme", "bed.blocks.x.seed", "title", "panel.cells"):
         (tmp_path / key).mkdir(exist_ok=True)
-        written(tmp_path / key, f"{key} = {value}\n" + CASE)
+        case_folder(tmp_path / key, f"{key} = {value}\n" + CASE)
         said = refusal(tmp_path / key)
         assert key in said
         assert len(said) < 3 * LONGEST

@@ -11,7 +11,7 @@ from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import stability_report
-from tests.case.cases import BLOCK, CASE, FEED, complaints, loaded, only_complaint, written
+from tests.cases import BLOCK, CASE, FEED, case_folder, complaints, loaded, only_complaint
 
 EXIT = 'screen.exits.under={product="undersize", box_m=[[-1, -1, -0.5], [1, 1, -0.3]]}'
 FRAME = "mass_kg=1, inertia_kg_m2=[1, 1, 1]"
@@ -135,7 +135,7 @@ def test_a_row_of_panels_needs_a_pitch_without_overlap(tmp_path: Path) -> None:
 
 def test_only_two_mass_knows_no_drives(tmp_path: Path) -> None:
     alone = CASE.replace('frame = "driving"', 'frame = "driven"')
-    folder = written(tmp_path, alone)
+    folder = case_folder(tmp_path, alone)
     given = [
         f"screen.frames.driven={{{FRAME}}}",
         "screen.frames.driving={drive={speed_rad_per_s=78.5, amplitude_m=[0.01, 0, 0]}}",
@@ -183,7 +183,7 @@ def test_a_feed_may_stand_on_a_panel(tmp_path: Path) -> None:
 
 
 def test_tension_or_span_must_be_given(tmp_path: Path) -> None:
-    folder = written(tmp_path, CASE.replace("tension_m = 0.002", ""))
+    folder = case_folder(tmp_path, CASE.replace("tension_m = 0.002", ""))
     (said,) = find_problems(load_judged(folder))
     assert said.what == "missing"
     assert said.hint == "give tension_m or span_m"

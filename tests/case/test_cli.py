@@ -12,7 +12,7 @@ from orchestrator.cli import launch
 from orchestrator.cli.main import app
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, LEVEL, written
+from tests.cases import CASE, LEVEL, case_folder
 
 CASES = Path(__file__).parents[2] / "cases"
 CALL = CliRunner()
@@ -20,7 +20,7 @@ CALL = CliRunner()
 
 def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
     given = ["frames.solver=two-mass", "panel.solver=strip", "particles.solver=spheres"]
-    done = CALL.invoke(app, ["check", str(written(tmp_path)), *[w for g in given for w in ("--set", g)]])
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), *[w for g in given for w in ("--set", g)]])
     assert done.exit_code == 0, done.output
     for said in (
         "frames     1 (two-mass), 2 bushings, 1 exciters",
@@ -34,7 +34,7 @@ def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
 
 
 def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["check", str(written(tmp_path)), "--set", "panel.solver=rigd"])
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--set", "panel.solver=rigd"])
     assert done.exit_code == 2
     assert done.stdout == ""
     assert done.stderr == (
@@ -44,7 +44,7 @@ def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
 
 
 def test_mistakes_may_hold_brackets_that_are_no_markup(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["check", str(written(tmp_path)), "--set", "title=['[/bold]']"])
+    done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--set", "title=['[/bold]']"])
     assert done.exit_code == 2
     assert "title: ['[/bold]'] is wrong, a valid string is wanted" in done.stderr
 
@@ -75,8 +75,8 @@ def test_run_hands_everything_over_and_exits_with_its_code(
 
 
 def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None:
-    written(tmp_path / "good", CASE, draft=LEVEL)
-    written(tmp_path / "bad", "title = 3")
+    case_folder(tmp_path / "good", CASE, draft=LEVEL)
+    case_folder(tmp_path / "bad", "title = 3")
     done = CALL.invoke(app, ["list", str(tmp_path)])
     assert done.exit_code == 0
     assert "good  a test\n    levels: draft (default)" in done.output

@@ -6,15 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import tomli_w
 
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import material_numbers
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.preflight.judge import JudgedCase, load_judged
-from tests.case.cases import BLOCK, CASE, FEED, only_complaint, written
 from tests.case.test_apertures import SLOTTED
+from tests.cases import BLOCK, CASE, FEED, case_folder, load_case, only_complaint
 
 BALL = CASE[CASE.index("[bed.particles.ball]") : CASE.index("[probes")]
 BED = BLOCK.replace("count=1,", "count=64,")
@@ -25,7 +24,7 @@ WET = "contacts.1.work_of_adhesion_J_per_m2=0.3"
 
 def of(folder: Path, *overrides: str) -> JudgedCase:
     """The test case without its ball."""
-    return load_judged(written(folder, CASE.replace(BALL, "")), None, overrides)
+    return load_case(folder, CASE.replace(BALL, ""), overrides)
 
 
 def test_mass_stays_and_numbers_fall(tmp_path: Path) -> None:
@@ -53,10 +52,7 @@ def test_sizes_and_works_of_adhesion_grow(tmp_path: Path) -> None:
 
 def test_the_resolved_case_is_the_same_case(tmp_path: Path) -> None:
     first = of(tmp_path, BED, WET, COARSE)
-    (tmp_path / "again").mkdir()
-    text = tomli_w.dumps(resolved_case(first))
-    (tmp_path / "again" / "case.toml").write_text(text, encoding="utf-8")
-    again = load_judged(tmp_path / "again")
+    again = load_judged(case_folder(tmp_path / "again", resolved_case(first)))
     assert again.case.bed == first.case.bed  # and not coarser still
     assert again.case.contacts == first.case.contacts
     assert resolved_case(again) == resolved_case(first)

@@ -18,7 +18,7 @@ from orchestrator.case.bed.contact_times import (
 )
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.case import Hyperelastic, Material
-from tests.case.cases import loaded
+from tests.cases import loaded
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.2, 0.3, 0.4, 0.49])

@@ -21,7 +21,7 @@ from orchestrator.preflight.cost import (
     predicted_range_s,
 )
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, written
+from tests.cases import CASE, load_case
 from tests.cost_series import IN_THE_SUITE, compared
 from tests.runs.outside import ROOT
 
@@ -51,7 +51,7 @@ def sphere_kg(diameter_m: float) -> float:
 
 def test_a_feed_fills_the_deck_until_as_much_leaves(tmp_path: Path) -> None:
     """0.05 and 0.15 kg/s of two sizes; each stays 0.302 m / (0.34 m/s)."""
-    case = load_judged(written(tmp_path, CASE + FEED), None, [f"duration_s={DURATION_S}"]).case
+    case = load_case(tmp_path, CASE + FEED, [f"duration_s={DURATION_S}"]).case
     found = bed_cost(case, 0, THICK)
     rate = 0.05 / sphere_kg(0.004) + 0.15 / sphere_kg(0.008)
     assert found.most == pytest.approx(rate * STAY_S, rel=1e-9)
@@ -64,10 +64,10 @@ def test_a_feed_fills_the_deck_until_as_much_leaves(tmp_path: Path) -> None:
 
 def test_who_is_there_at_the_start_leaves_where_there_are_exits(tmp_path: Path) -> None:
     sets = [f"duration_s={DURATION_S}", "bed.feeds.coal.start_s=3.9999"]
-    leaving = bed_cost(load_judged(written(tmp_path / "one", CASE + FEED), None, sets).case, 1000, THICK)
+    leaving = bed_cost(load_case(tmp_path / "one", CASE + FEED, sets).case, 1000, THICK)
     assert leaving.most == 1000
     assert leaving.mean == pytest.approx(1000 * STAY_S / DURATION_S, rel=2e-3)
-    assert bed_cost(load_judged(written(tmp_path / "two"), None, []).case, 1000, THICK).mean == 1000
+    assert bed_cost(load_case(tmp_path / "two", overrides=[]).case, 1000, THICK).mean == 1000
 
 
 def predicted(*sets: str, name: str = "quickstart", level: str = "draft") -> dict[str, float]:

@@ -11,8 +11,8 @@ import pytest
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels, walls
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import find_problems
-from orchestrator.preflight.judge import JudgedCase, load_judged
-from tests.case.cases import CASE, written
+from orchestrator.preflight.judge import JudgedCase
+from tests.cases import CASE, load_case
 
 BEFORE, AFTER = CASE.split("[screen.panels.deck]")
 DECK = """
@@ -59,7 +59,7 @@ INCLINED = "screen.inclination_deg=17.0"
 
 
 def deck(folder: Path, *overrides: str) -> JudgedCase:
-    return load_judged(written(folder, BEFORE + DECK), None, [ROOM, INCLINED, *overrides])
+    return load_case(folder, BEFORE + DECK, [ROOM, INCLINED, *overrides])
 
 
 def ends_m(panel: SinglePanel) -> tuple[np.ndarray, np.ndarray]:

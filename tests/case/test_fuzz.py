@@ -18,8 +18,8 @@ from orchestrator.case.load import validated
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import judge_effects
-from tests.case.cases import BLOCK, CASE, FEED, LEVEL, written
 from tests.case.mutations import ROOT
+from tests.cases import BLOCK, CASE, FEED, LEVEL, case_folder
 
 GIVEN = tomllib.loads(CASE)
 SCALARS = st.one_of(
@@ -65,7 +65,7 @@ def test_any_dictionary_is_a_case_or_a_case_error(table: dict[str, Any]) -> None
 @given(key=st.sampled_from(KEYS), value=VALUES)
 def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: Any, tmp_path: Path) -> None:
     """The bare case is good; one key of it gets any value."""
-    folder = written(tmp_path, draft=LEVEL)
+    folder = case_folder(tmp_path, draft=LEVEL)
     bare = load_judged(folder, "draft")
     with suppress(CaseError):
         bare.layers.lay(nested(key, value), "--set")
@@ -76,7 +76,7 @@ def test_any_value_anywhere_in_a_case_is_checked(key: tuple[str, ...], value: An
 @pytest.mark.parametrize("value", [0, -1, 1e-308, 1e308, [1e308, 1e308, 1e308]])
 def test_extreme_numbers_anywhere_are_checked_without_overflow(value: object, tmp_path: Path) -> None:
     """Warnings are errors in tests, so that an overflow would show."""
-    folder = written(tmp_path, draft=LEVEL)
+    folder = case_folder(tmp_path, draft=LEVEL)
     for key in keys(load_judged(folder, "draft", [BLOCK, FEED]).layers.merged)[1:]:
         found = load_judged(folder, "draft", [BLOCK, FEED])
         with suppress(CaseError):
@@ -103,4 +103,4 @@ def test_a_deck_is_not_laid_out_of_extreme_numbers(value: float) -> None:
 def test_any_text_in_a_file_and_on_the_command_line(text: str, override: str, tmp_path: Path) -> None:
     for case, overrides in ((text, ()), (CASE, (override,))):
         with suppress(CaseError):
-            load_judged(written(tmp_path, case.encode("utf-8", "ignore").decode()), None, overrides)
+            load_judged(case_folder(tmp_path, case.encode("utf-8", "ignore").decode()), None, overrides)

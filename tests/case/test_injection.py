@@ -11,12 +11,12 @@ from typing import Any
 
 import h5py
 import pytest
-import tomli_w
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import find_problems, find_table_problems
 from orchestrator.preflight.judge import load_judged
 from tests.case.mutations import ROOT, Path_, at, lay_out, places
+from tests.cases import case_folder
 
 EVIL = "x\nshell touch owned\n"
 # free text, which solvers never see; and names of files: below and in test_surfaces.py
@@ -45,7 +45,7 @@ def is_refused(given: Given, place: Path_, *, key: bool) -> bool:
         holder[EVIL] = holder.pop(place[-1])
     else:
         holder[place[-1]] = EVIL
-    (folder / "case.toml").write_text(tomli_w.dumps(table))
+    case_folder(folder, table)
     try:
         return bool(find_table_problems(load_judged(folder)))
     except CaseError:

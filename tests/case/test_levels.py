@@ -9,7 +9,7 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, LEVEL, complaints, loaded, only_complaint, written
+from tests.cases import CASE, LEVEL, case_folder, complaints, load_case, loaded, only_complaint
 
 DEFAULT = 'default_level = "fine"\n'
 FINE = "[panel]\ncells = [44, 16]\n"
@@ -22,7 +22,7 @@ def refused(folder: Path, level: str | None = None, *overrides: str) -> str:
 
 
 def test_a_level_overlays_the_case_and_set_overlays_the_level(tmp_path: Path) -> None:
-    folder = written(tmp_path, draft=LEVEL, fine=FINE)
+    folder = case_folder(tmp_path, draft=LEVEL, fine=FINE)
     assert load_judged(folder, "draft").case.panel.solver == "strip"
     assert load_judged(folder, "draft", ["panel.solver=rigid"]).case.panel.solver == "rigid"
     assert load_judged(folder, "fine").case.panel.cells == (44, 16)
@@ -30,21 +30,21 @@ def test_a_level_overlays_the_case_and_set_overlays_the_level(tmp_path: Path) ->
 
 
 def test_the_level_is_the_one_asked_for_or_the_default_or_the_only_one(tmp_path: Path) -> None:
-    assert load_judged(written(tmp_path)).level == ""
-    assert load_judged(written(tmp_path, draft=LEVEL)).level == "draft"
-    assert load_judged(written(tmp_path, fine=FINE)).level == ""
-    assert load_judged(written(tmp_path, DEFAULT + CASE)).level == "fine"
+    assert load_case(tmp_path).level == ""
+    assert load_judged(case_folder(tmp_path, draft=LEVEL)).level == "draft"
+    assert load_judged(case_folder(tmp_path, fine=FINE)).level == ""
+    assert load_case(tmp_path, DEFAULT + CASE).level == "fine"
     assert load_judged(tmp_path / "case.toml", "draft").level == "draft"
 
 
 def test_an_unknown_level_is_refused_with_the_nearest(tmp_path: Path) -> None:
-    folder = written(tmp_path, draft=LEVEL, fine=FINE)
+    folder = case_folder(tmp_path, draft=LEVEL, fine=FINE)
     assert 'did you mean "draft"?' in refused(folder, "drafts")
     assert "levels: draft, fine" in refused(folder, "../../etc/passwd")
 
 
 def test_a_level_must_name_what_it_leaves_out_and_nothing_else(tmp_path: Path) -> None:
-    folder = written(tmp_path, draft=LEVEL.replace('"variation-across"', '"gravity"'))
+    folder = case_folder(tmp_path, draft=LEVEL.replace('"variation-across"', '"gravity"'))
     message = refused(folder, "draft")
     assert 'levels/draft.toml without: "variation-across" must be named' in message
     assert '"gravity" is not left out' in message
@@ -52,9 +52,9 @@ def test_a_level_must_name_what_it_leaves_out_and_nothing_else(tmp_path: Path) -
 
 def test_a_level_that_takes_the_particles_away_must_say_so(tmp_path: Path) -> None:
     empty = LEVEL.replace("[panel]", "bed.particles = 0\n[panel]")
-    assert "0 is wrong" in refused(written(tmp_path, draft=empty))
+    assert "0 is wrong" in refused(case_folder(tmp_path, draft=empty))
     weightless = LEVEL.replace("[panel]", "gravity_m_per_s2 = [0.0, 0.0, 0.0]\n[panel]")
-    assert '"gravity" must be named' in refused(written(tmp_path, draft=weightless))
+    assert '"gravity" must be named' in refused(case_folder(tmp_path, draft=weightless))
 
 
 def test_what_a_run_leaves_out_and_what_physics_changed_is_known(tmp_path: Path) -> None:
@@ -95,7 +95,7 @@ def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, sai
 
 def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp_path: Path) -> None:
     case = CASE.replace("thickness_m", "thicknes_m").replace("diameter_m = 0.02", "diameter_m = -1")
-    folder = written(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))
+    folder = case_folder(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))
     said = refused(folder, None, "coupling.sync_interval_s=fast").splitlines()
     assert said[0] == "4 problems in the case:"
     assert sorted(said[1:]) == [
@@ -128,8 +128,8 @@ def test_wrong_types_are_said_in_plain_words(tmp_path: Path, override: str, said
 def test_particles_need_something_to_touch(tmp_path: Path) -> None:
     bare = CASE.partition("[screen.panels.deck]")[0]
     ball = "[bed.particles.ball]\nposition_m = [0, 0, 0]\ndiameter_m = 0.02\nmaterial = 'coal'\n"
-    assert find_problems(load_judged(written(tmp_path, bare))) == []
-    (complaint,) = find_problems(load_judged(written(tmp_path, bare + ball)))
+    assert find_problems(load_case(tmp_path, bare)) == []
+    (complaint,) = find_problems(load_case(tmp_path, bare + ball))
     assert "screen.panels: missing: there is nothing for particles to touch" in str(complaint)
 
 

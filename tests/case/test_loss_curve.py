@@ -12,7 +12,7 @@ from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports import Array
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
-from tests.case.cases import complaints, loaded, only_complaint
+from tests.cases import complaints, loaded, only_complaint
 
 FREQUENCIES_HZ = np.geomspace(10.0, 300.0, 12)
 KNOWN: Branches = ((0.1, 1e-2), (0.1, 2e-3), (0.1, 4e-4), (0.1, 8e-5))

@@ -10,7 +10,7 @@ import pytest
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.checks import panels
 from orchestrator.preflight.cost import predicted_parts_s
-from tests.case.cases import loaded
+from tests.cases import loaded
 
 SHEET = 'panel.solver="sheet"'
 

@@ -13,7 +13,7 @@ from orchestrator.case.solver_plans import frames_plan, material_numbers, panel_
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
-from tests.case.cases import loaded
+from tests.cases import loaded
 
 NO_POINTS = np.zeros((0, 3))
 TURNED = "screen.inclination_deg=30"

@@ -7,13 +7,12 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.file.errors import RENAMED, CaseError
-from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, written
+from tests.cases import CASE, load_case
 
 
 def complaints(folder: Path, text: str) -> list[str]:
     with pytest.raises(CaseError) as refused:
-        load_judged(written(folder, text))
+        load_case(folder, text)
     return [str(problem) for problem in refused.value.problems]
 
 

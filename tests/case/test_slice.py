@@ -12,7 +12,7 @@ from orchestrator.case.file.slice import cut_triangles, share
 from orchestrator.case.solver_plans import panel_plans, particles_plan
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import BLOCK, FEED, loaded, only_complaint
+from tests.cases import BLOCK, FEED, loaded, only_complaint
 
 # the test case's deck is 0.2 m wide, from y = 0; its ball is at y = 0.1
 SLICE = ("slice.width_m=0.1", "particles.solver=liggghts")
@@ -121,10 +121,10 @@ def test_the_whole_case_is_what_is_written(tmp_path: Path) -> None:
 
 
 def test_a_level_says_that_it_leaves_out_width(tmp_path: Path) -> None:
-    from tests.case.cases import CASE, written
+    from tests.cases import CASE, case_folder
 
     narrow = 'without = ["full-width"]\n[slice]\nwidth_m = 0.1\n'
-    assert load_judged(written(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
+    assert load_judged(case_folder(tmp_path, CASE, narrow=narrow), "narrow").left_out.keys() == {"full-width"}
 
 
 @pytest.mark.parametrize(

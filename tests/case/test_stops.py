@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.solver_plans import panel_plans
-from tests.case.cases import complaints, loaded, only_complaint
+from tests.cases import complaints, loaded, only_complaint
 
 FLANGE = "screen.panels.deck.stops.flange={from_m=0.0, to_m=0.04, gap_m=0.003}"
 FAR = "screen.panels.deck.stops.flange={from_m=0.26, to_m=0.3, gap_m=0.003}"

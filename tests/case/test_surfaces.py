@@ -13,7 +13,7 @@ from meshes.side_walls import side_walls
 from orchestrator.case.deck.panels import walls
 from orchestrator.case.deck.stl import Facets, UnreadableStl, read
 from orchestrator.preflight.checks.surfaces import faults
-from tests.case.cases import complaints, loaded
+from tests.cases import complaints, loaded
 
 CASES = Path(__file__).parents[2] / "cases"
 CUBE_M = np.array([(x, y, z) for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)])

@@ -6,18 +6,17 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import tomli_w
 
 from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
 from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.points import Point, point
+from tests.cases import case_folder
 from tests.runs.outside import ROOT
 
 
 def done_point(folder: Path, stored: dict[str, Any]) -> Point:
     """A point of the empty machine whose folder holds a finished run of ``stored``."""
-    folder.mkdir()
-    (folder / "case.toml").write_text(tomli_w.dumps(stored))
+    case_folder(folder, stored)
     write_summary(folder, {"status": "done"})
     return point(ROOT / "cases/empty-machine", "draft", [], "draft", folder)
 

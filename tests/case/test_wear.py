@@ -11,7 +11,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan
 from orchestrator.preflight.judgement.catalogue import find_left_out
-from tests.case.cases import loaded, only_complaint
+from tests.cases import loaded, only_complaint
 
 WEARS = "contacts.0.specific_wear_m3_per_N_m=2e-12"
 

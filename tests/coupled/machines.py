@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 
 from orchestrator.coupling.build import build
 from orchestrator.coupling.ledger import Ledger
@@ -15,7 +14,7 @@ from orchestrator.coupling.schemes import scheme as coupling
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import ParticleSnapshot
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.preflight.judge import JudgedCase
 
 
 @dataclass
@@ -53,13 +52,6 @@ class Coupled:
     def energy_J(self, book: str = "") -> dict[str, float]:
         """The ledger's terms, or those of one ``book`` ("stored", "lost", "created" ...)."""
         return {name: value for name, value in self.ledger.energy_J().items() if name.startswith(book)}
-
-
-def written(folder: Path, case: str, overrides: Sequence[str] = ()) -> JudgedCase:
-    """The case of the text ``case`` with some keys changed, loaded but not checked."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "case.toml").write_text(case)
-    return load_judged(folder, None, overrides)
 
 
 @contextmanager

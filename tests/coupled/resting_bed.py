@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from orchestrator.ports import Array
-from tests.case_parts import contact, grains, polyurethane
+from tests.cases import contact, grains, polyurethane
 
 LENGTH_M, WIDTH_M, DIAMETER_M, DENSITY_KG_PER_M3 = 0.15, 0.06, 0.0095, 7850.0
 ROWS, ABREAST, PITCH_M = 13, 5, 0.0115

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tests.case_parts import contact, grains, polyurethane
+from tests.cases import contact, grains, polyurethane
 
 MACHINE = (
     """

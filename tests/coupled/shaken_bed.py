@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-from tests.case_parts import contact, grains, polyurethane
+from tests.cases import contact, grains, polyurethane
 
 SPEED_RAD_S, AMPLITUDE_M = 78.5, 0.0035  # throw intensity 2.2
 LENGTH_M, WIDTH_M, HEIGHT_M = 0.15, 0.10, 0.25

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tests.case_parts import contact, grains, polyurethane
+from tests.cases import contact, grains, polyurethane
 
 RADIUS_M, DENSITY_KG_PER_M3, GRAVITY_M_PER_S2 = 0.01, 2500.0, 9.81
 MASS_KG = 4 / 3 * math.pi * RADIUS_M**3 * DENSITY_KG_PER_M3

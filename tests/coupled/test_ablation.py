@@ -13,7 +13,8 @@ from orchestrator.case.solver_plans import frames_plan, particles_plan
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import CASE, EMPTY
 
 pytestmark = pytest.mark.solver
@@ -21,7 +22,7 @@ INTERVALS = 200
 
 
 def end(folder: Path, case: str, *settings: str) -> State:
-    with opened(written(folder, case, settings)) as run:
+    with opened(load_case(folder, case, settings)) as run:
         return run.advance(INTERVALS)
 
 
@@ -55,7 +56,7 @@ def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full:
     """As the same frames by themselves, to rounding (the two masses, whose solver is tested
     against closed forms); panels and particles still move with them."""
     settings = ("frames.solver=two-mass", "exchange.panel_reaction=false")
-    loaded = written(tmp_path, CASE, settings)
+    loaded = load_case(tmp_path, CASE, settings)
     with opened(loaded) as run:
         points_m = run.state.clamps.position_m
         carrier = run.machine.members.panel.mount.frame
@@ -72,7 +73,7 @@ def test_without_panel_reaction_the_frames_move_as_if_bare(tmp_path: Path, full:
 
 def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
     """Exactly; the frames still move, the panels only as their resting shape is exact (1e-7)."""
-    with opened(written(tmp_path, EMPTY, ["exchange.frame_motion=false"])) as run:
+    with opened(load_case(tmp_path, EMPTY, ["exchange.frame_motion=false"])) as run:
         start = run.state
         still = run.advance(INTERVALS)
         clamped = [panel.surface for panel in run.machine.panels]
@@ -88,7 +89,7 @@ def test_without_frame_motion_the_clamps_stand_still(tmp_path: Path) -> None:
 def test_without_panel_motion_particles_see_a_still_surface(tmp_path: Path) -> None:
     """As LIGGGHTS by itself on the surface of t = 0, bit for bit; the panels still move, and
     feel the particles."""
-    loaded = written(tmp_path, CASE, ["exchange.panel_motion=false"])
+    loaded = load_case(tmp_path, CASE, ["exchange.panel_motion=false"])
     with opened(loaded) as run:
         surface = run.machine.surface
         off = run.advance(INTERVALS)

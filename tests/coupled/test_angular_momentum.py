@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from adapters.particles.spheres.triangle_spin import TriangleSpin
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import MACHINE
 
 BALLS = [
@@ -34,7 +35,7 @@ def residual(folder: Path, solver: str, law: str, sync_interval_s: float) -> dic
         f"particles.rolling={law}",
         f"coupling.sync_interval_s={sync_interval_s}",
     ]
-    with opened(written(folder, MACHINE, [*BALLS, *ROLLING, *settings])) as run:
+    with opened(load_case(folder, MACHINE, [*BALLS, *ROLLING, *settings])) as run:
         run.advance(round(0.02 / sync_interval_s))
         return run.angular_momentum_residual()
 

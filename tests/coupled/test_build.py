@@ -11,7 +11,7 @@ from orchestrator.case import solvers
 from orchestrator.coupling.build import build
 from orchestrator.coupling.metered import Stopwatch
 from orchestrator.ports.plans import SolverFailed
-from tests.coupled.machines import written
+from tests.cases import load_case
 from tests.coupled.screen import CASE
 
 CHEAP = ("panel.solver=rigid", "frames.solver=two-mass", "particles.solver=spheres")
@@ -29,7 +29,7 @@ def test_a_solver_that_fails_closes_those_before(tmp_path: Path, monkeypatch: py
         return made
 
     monkeypatch.setattr(solvers, "opened", opened)
-    loaded = written(tmp_path, CASE, CHEAP)
+    loaded = load_case(tmp_path, CASE, CHEAP)
     with pytest.raises(SolverFailed, match="no frames"):
         build(loaded, loaded.folder, None, Stopwatch())
     assert closed[0] == "particles"  # the last one opened

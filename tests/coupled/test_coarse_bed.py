@@ -9,7 +9,8 @@ import pytest
 
 from orchestrator.ports import Array
 from orchestrator.preflight.scene.effect import TENTH
-from tests.coupled.machines import Coupled, opened, written
+from tests.cases import load_case
+from tests.coupled.machines import Coupled, opened
 from tests.coupled.shaken_bed import CASE, SPEED_RAD_S, write_walls
 
 pytestmark = [pytest.mark.solver, pytest.mark.slow]
@@ -23,7 +24,7 @@ def statistics(folder: Path, coarse_graining: float) -> tuple[int, Array]:
     its middle, height of the bed's centre of mass over the frame, mean square speed, loss."""
     folder.mkdir()
     write_walls(folder / "walls.stl")
-    loaded = written(folder, CASE, [f"particles.coarse_graining={coarse_graining}"])
+    loaded = load_case(folder, CASE, [f"particles.coarse_graining={coarse_graining}"])
     with opened(loaded) as machine:
         rows = [pair(machine) for _ in range(SETTLING + PAIRS)]
         return len(machine.particles().id), np.array(rows[SETTLING:])

@@ -8,7 +8,8 @@ import pytest
 
 from orchestrator.ports.state import as_arrays
 from orchestrator.preflight.check import find_problems
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import BED, EXCITER, MACHINE
 from tests.saved_states import differences
 
@@ -33,7 +34,7 @@ def run(folder: Path, frames: str, panel: str, particles: str, intervals: int) -
     if particles != "none":
         case += BED
         settings.append(f"particles.solver={particles}")
-    loaded = written(folder, case, settings)
+    loaded = load_case(folder, case, settings)
     found = [str(mistake) for mistake in find_problems(loaded)]
     assert found == [], found
     with opened(loaded) as machine:
@@ -61,7 +62,7 @@ def test_robin_on_rigid_panels_is_particles_first(tmp_path: Path) -> None:
     ends = []
     for scheme in ("robin", "particles-first"):
         settings = ["panel.solver=rigid", f"coupling.scheme={scheme}"]
-        with opened(written(tmp_path, MACHINE + EXCITER + BED, settings)) as machine:
+        with opened(load_case(tmp_path, MACHINE + EXCITER + BED, settings)) as machine:
             ends.append(as_arrays(machine.advance(60)))
     assert ends[0]["load"]["force_N"].any()
     assert differences(*ends) == []

@@ -9,7 +9,8 @@ import pytest
 
 from orchestrator.output.records.series import rotations
 from orchestrator.preflight.check import find_problems
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import BED, MACHINE
 
 pytestmark = pytest.mark.solver
@@ -23,7 +24,7 @@ ROCKING = (
 def test_books_close_and_the_drive_is_exact(tmp_path: Path, scheme: str) -> None:
     """10 ms under a bed.  Momentum to rounding: 1e-12 of what should balance.  The drive's work
     leaves a defect of second order in the frames' step of 5e-5 s; measured 4e-9 of it."""
-    loaded = written(tmp_path, MACHINE + BED, [ROCKING, f"coupling.scheme={scheme}"])
+    loaded = load_case(tmp_path, MACHINE + BED, [ROCKING, f"coupling.scheme={scheme}"])
     assert find_problems(loaded) == []
     with opened(loaded) as run:
         run.advance(200)

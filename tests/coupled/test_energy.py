@@ -12,14 +12,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import BED, CASE, MACHINE, SMOOTH_AND_ELASTIC
 
 pytestmark = pytest.mark.solver
 
 
 def books_J(folder: Path, case: str, settings: Sequence[str], until_s: float) -> dict[str, float]:
-    with opened(written(folder, case, settings)) as run:
+    with opened(load_case(folder, case, settings)) as run:
         run.advance(round(until_s / run.interval_s))
         return run.energy_J()
 
@@ -101,7 +102,7 @@ def test_energy_of_a_run_without_losses(tmp_path: Path, scheme: str, drift: floa
     """Smooth, elastic particles fall on undamped panels between undamped frames that drop onto
     their springs: the sum of all that is stored stays the same."""
     settings = [*SMOOTH_AND_ELASTIC, "screen.drawn_at_rest=false", f"coupling.scheme={scheme}"]
-    with opened(written(tmp_path, MACHINE + BED, settings)) as run:
+    with opened(load_case(tmp_path, MACHINE + BED, settings)) as run:
         bed = run.particles()
         mass_kg = np.pi / 6 * bed.diameter_m**3 * bed.density_kg_per_m3
         bed_J = 0.5 * float(mass_kg @ (bed.velocity_m_per_s**2).sum(axis=1))

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import CASE
 from tests.coupled.test_timoshenko import COARSE
 from tests.coupled.timoshenko import Outcome, run
@@ -39,7 +40,7 @@ def test_a_bed_on_panels_that_push_frames(tmp_path: Path, scheme: str) -> None:
     Measured: -3e-8 and 5e-8 J created between particles and panels (particles-first -5.8e-3 J),
     four runs an interval, momentum to 8e-15."""
     settings = [f"coupling.scheme={scheme}", "coupling.sync_interval_s=2e-4"]
-    with opened(written(tmp_path, CASE, [*settings, "particles.step_s=2.5e-5"])) as machine:
+    with opened(load_case(tmp_path, CASE, [*settings, "particles.step_s=2.5e-5"])) as machine:
         machine.advance(100)
         created_J = machine.energy_J("created")["created.particles-panel"]
         assert abs(created_J) < 1e-5 * 0.042

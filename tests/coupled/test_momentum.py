@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import CASE
 
 pytestmark = pytest.mark.solver
@@ -20,7 +21,7 @@ pytestmark = pytest.mark.solver
 @pytest.mark.parametrize("integrator", ["explicit", "implicit"])
 def test_momentum_to_rounding(tmp_path: Path, scheme: str, integrator: str) -> None:
     settings = [f"coupling.scheme={scheme}", f"panel.integrator={integrator}"]
-    with opened(written(tmp_path, CASE, settings)) as run:
+    with opened(load_case(tmp_path, CASE, settings)) as run:
         run.advance(400)
         residuals = run.momentum_residual()
         assert set(residuals) == {"frames", "panel", "particles", "panel-frames", "particles-panel"}

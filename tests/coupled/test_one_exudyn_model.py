@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.one_exudyn_model import solved
 from tests.coupled.screen import EMPTY
 
@@ -69,7 +70,7 @@ def amplitudes(time_s: Array, frames_m: dict[str, Array], middles_m: list[Array]
 @pytest.fixture(scope="module")
 def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[Amplitudes, Amplitudes]:
     """Of the coupled run, and of the one system."""
-    loaded = written(tmp_path_factory.mktemp("one"), EMPTY, SETTINGS)
+    loaded = load_case(tmp_path_factory.mktemp("one"), EMPTY, SETTINGS)
     one = solved(loaded.case, COUNT * INTERVAL_s, INTERVAL_s)
     with opened(loaded) as run:
         centres = run.machine.centres

@@ -10,7 +10,8 @@ from orchestrator.case.deck.panels import axes
 from orchestrator.ports import Array
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import JudgedCase
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import CASE
 
 pytestmark = pytest.mark.solver
@@ -40,7 +41,7 @@ def over_the_deck_m(loaded: JudgedCase, position_m: Array) -> Array:
 def test_fines_fall_through_a_shaken_screen_and_the_books_close(tmp_path: Path, panel: str) -> None:
     """60 ms: of 150 fines some come out under the panels, through openings of 7 mm and past the
     large ones, of those of 8-11 mm none; momentum is handed over to rounding."""
-    loaded = written(tmp_path, CASE + OPENINGS, [f"panel.solver={panel}"])
+    loaded = load_case(tmp_path, CASE + OPENINGS, [f"panel.solver={panel}"])
     assert find_problems(loaded) == []
     with opened(loaded) as machine:
         state = machine.advance(1200)

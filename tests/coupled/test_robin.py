@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.resting_bed import BED, CASE, DIAMETER_M, lowered_m
 
 pytestmark = [pytest.mark.solver, pytest.mark.slow]
@@ -44,7 +45,7 @@ def outcome(
         f"coupling.sync_interval_s={interval_s!r}",
         f"materials.steel.density_kg_per_m3={DENSITY_KG_PER_M3}",
     ]
-    with opened(written(folder, CASE + bed, settings)) as run:
+    with opened(load_case(folder, CASE + bed, settings)) as run:
         empty_m = lowered_m(run.state.panel.surface.position_m)
         sag_m = [
             lowered_m(run.advance(1).panel.surface.position_m) - empty_m

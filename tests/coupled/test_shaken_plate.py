@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 from orchestrator.coupling.schemes import SCHEMES
-from tests.coupled.machines import Coupled, opened, written
+from tests.cases import load_case
+from tests.coupled.machines import Coupled, opened
 from tests.coupled.shaken_plate import CONVEYING, FRICTION, RADIUS_M, Ridden, Shaking, case, ridden
 
 PERIOD_S, INTERVALS = 0.1, 128
@@ -47,7 +48,7 @@ def test_conveying(tmp_path: Path, solver: str, shaking: Shaking, step_s: float,
     """Mean velocity over three cycles; measured, in every scheme alike, -0.84 % (spheres, whose
     step is the longer; +0.07 % with half of it in LIGGGHTS) and +0.26 %."""
     settings = solved_by(solver, scheme, step_s)
-    with opened(written(tmp_path, case(shaking, FRICTION), settings)) as run:
+    with opened(load_case(tmp_path, case(shaking, FRICTION), settings)) as run:
         run.advance(2 * INTERVALS)
         first_m = run.particles().position_m[0, 0]
         run.advance(3 * INTERVALS)
@@ -71,7 +72,9 @@ def test_overlap_of_a_sticky_sphere_on_a_plate_that_slows_down(
     shaking = Shaking(PERIOD_S, 0.0, 4e-3, 0.0, PERIOD_S)
     periods = (1.0, 1.25, 1.5, 1.75)
     found = []
-    with opened(written(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), solved_by(solver, scheme, 1e-4))) as run:
+    with opened(
+        load_case(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), solved_by(solver, scheme, 1e-4))
+    ) as run:
         for n in periods:
             run.advance(round(n * INTERVALS) - run.done)
             found.append(overlap_m(run, shaking))
@@ -88,7 +91,7 @@ def test_pull_off(tmp_path: Path, amplitude_m: float, holds: bool, scheme: str) 
     (wanted,) = reference(shaking, (1.5,), 0.0, WORK_J_PER_M2)
     assert (wanted.overlap_m > 0) is holds
     settings = solved_by("spheres", scheme, 1e-4)
-    with opened(written(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), settings)) as run:
+    with opened(load_case(tmp_path, case(shaking, 0.0, WORK_J_PER_M2), settings)) as run:
         run.advance(3 * INTERVALS // 2)
         assert (overlap_m(run, shaking) > 0) is holds
 
@@ -98,7 +101,7 @@ def test_the_path_of_what_is_driven_has_no_jumps(tmp_path: Path, scheme: str) ->
     """Each begins, bit for bit, where and as fast as the last one ended, and ends where the frames
     then are."""
     settings = solved_by("spheres", scheme, 2e-4)
-    with opened(written(tmp_path, case(CONVEYING, FRICTION), settings)) as run:
+    with opened(load_case(tmp_path, case(CONVEYING, FRICTION), settings)) as run:
         particles, panel = run.machine.members.particles, run.machine.members.panel
         assert particles is not None
         run.advance(30)

@@ -10,7 +10,8 @@ import pytest
 
 from orchestrator.ports import Array, ParticleSnapshot
 from orchestrator.preflight.check import find_problems
-from tests.coupled.machines import Coupled, opened, written
+from tests.cases import load_case
+from tests.coupled.machines import Coupled, opened
 from tests.coupled.screen import EMPTY
 
 pytestmark = pytest.mark.solver
@@ -23,7 +24,7 @@ def centres_m(machine: Coupled) -> Array:
 
 
 def moved_m(folder: Path, settings: Sequence[str]) -> Array:
-    with opened(written(folder, EMPTY, settings)) as machine:
+    with opened(load_case(folder, EMPTY, settings)) as machine:
         start_m = centres_m(machine)
         machine.advance(400)
         return centres_m(machine) - start_m
@@ -63,7 +64,7 @@ def bed(twins: bool) -> list[str]:
 
 def run(folder: Path, settings: Sequence[str]) -> tuple[Array, Array, ParticleSnapshot]:
     """Frames' places, the load of each interval on the panels, and the particles at the end."""
-    loaded = written(folder, EMPTY, [*settings, *LAWS, "particles.solver=liggghts"])
+    loaded = load_case(folder, EMPTY, [*settings, *LAWS, "particles.solver=liggghts"])
     found = [str(mistake) for mistake in find_problems(loaded)]
     assert found == [], found
     loads = []

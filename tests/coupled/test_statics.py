@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.resting_bed import ABREAST, BED, CASE, ROWS, SPAN_M, WEIGHT_N, X_M, lowered_m
 
 pytestmark = pytest.mark.solver
@@ -21,7 +22,7 @@ def test_bed_at_rest(tmp_path: Path) -> None:
     bending stiffness takes  8 E I / (T L^2) = 0.8 %  off it.
     """
     string_N_m = WEIGHT_N * ABREAST * np.minimum(X_M, SPAN_M - X_M).sum() / 2
-    with opened(written(tmp_path, CASE + BED)) as run:
+    with opened(load_case(tmp_path, CASE + BED)) as run:
         empty_m = lowered_m(run.state.panel.surface.position_m)
         run.advance(3000)
         wall_N, ratio = np.zeros((2, 3000))

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
+from tests.cases import case_folder
 from tests.coupled.screen import BED, CASE, MACHINE
 from tests.coupled.test_driven_frame import ROCKING
 from tests.runs.outside import flipflow, left_usable, needs_mpirun, run_words
@@ -49,8 +50,7 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
     each one's largest value: measured 2e-12 at most, and rounding for the first 15 ms; the sums
     over ranks are taken in another order, which colliding particles then enlarge.
     """
-    (tmp_path / "case").mkdir()
-    (tmp_path / "case" / "case.toml").write_text(CASE)
+    case_folder(tmp_path / "case", CASE)
     with (
         ran(tmp_path / "case", tmp_path / "one", scheme, 1) as one,
         ran(tmp_path / "case", tmp_path / "two", scheme, 2) as two,
@@ -66,8 +66,7 @@ def test_two_ranks_give_the_run_of_one(tmp_path: Path, scheme: str) -> None:
 @needs_mpirun
 def test_two_ranks_know_what_is_driven_as_one_does(tmp_path: Path) -> None:
     """5 ms on a frame that a drive rocks; rigid panels, one end of which is free."""
-    (tmp_path / "case").mkdir()
-    (tmp_path / "case" / "case.toml").write_text(MACHINE + BED)
+    case_folder(tmp_path / "case", MACHINE + BED)
     driven = (ROCKING, "duration_s=5e-3", "panel.solver=rigid")
     with (
         ran(tmp_path / "case", tmp_path / "one", "particles-first", 1, *driven) as one,

@@ -18,8 +18,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from orchestrator.ports import Array
-from tests.case_parts import contact
-from tests.coupled.machines import opened, written
+from tests.cases import contact, load_case
+from tests.coupled.machines import opened
 
 CASE = (
     """
@@ -160,7 +160,7 @@ class Outcome:
 
 def run(folder: Path, overrides: Sequence[str] = (), until_s: float = 3.52e-4) -> Outcome:
     """The case is not checked; that a panel is of steel would be a warning."""
-    with opened(written(folder, CASE, overrides)) as machine:
+    with opened(load_case(folder, CASE, overrides)) as machine:
         intervals = round(until_s / machine.interval_s)
         force_N, deflection_m, ball_m_per_s = np.zeros((3, intervals))
         (middle,) = (p.index for p in machine.machine.probes if p.name == "middle")

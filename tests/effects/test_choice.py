@@ -15,7 +15,7 @@ from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect, with_dependents
-from tests.case.cases import BLOCK, CASE, FEED, LEVEL, complaints, only_complaint, written
+from tests.cases import BLOCK, CASE, FEED, LEVEL, case_folder, complaints, load_case, only_complaint
 from tests.effects.verdicts import APERTURES, BARE, DRIVEN_CASE, EXITS
 
 STICKY = "rolling_friction = 0.05\nwork_of_adhesion_J_per_m2 = 1.0"
@@ -58,7 +58,7 @@ CAN_GO = [
 
 def full(folder: Path, *effects: str) -> JudgedCase:
     """A case with all effects that can be left out, and ``effects`` a list of names."""
-    return load_judged(written(folder, FULL), None, [*MORE, f"effects={list(effects)}"])
+    return load_case(folder, FULL, [*MORE, f"effects={list(effects)}"])
 
 
 def has(case: JudgedCase) -> set[str]:
@@ -66,7 +66,7 @@ def has(case: JudgedCase) -> set[str]:
 
 
 def test_the_full_case_has_these_effects_that_can_be_left_out(tmp_path: Path) -> None:
-    found = load_judged(written(tmp_path, FULL), None, MORE)
+    found = load_case(tmp_path, FULL, MORE)
     assert find_problems(found) == []
     assert set(CAN_GO) <= {name for name in has(found) if EFFECTS[name].overlay(found.case)}
 
@@ -74,7 +74,7 @@ def test_the_full_case_has_these_effects_that_can_be_left_out(tmp_path: Path) ->
 @pytest.mark.parametrize("name", CAN_GO)
 def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: str) -> None:
     """With what needs it."""
-    before = has(load_judged(written(tmp_path, FULL), None, MORE))
+    before = has(load_case(tmp_path, FULL, MORE))
     with_it = before & set(with_dependents([name], ""))
     found = full(tmp_path, *(before - with_it))
     assert find_problems(found) == []
@@ -83,7 +83,7 @@ def test_what_is_not_named_is_left_out_and_nothing_else(tmp_path: Path, name: st
 
 
 def test_naming_all_changes_nothing(tmp_path: Path) -> None:
-    plain = load_judged(written(tmp_path, FULL), None, MORE)
+    plain = load_case(tmp_path, FULL, MORE)
     found = full(tmp_path, *has(plain))
     assert found.case == plain.case
     assert found.left_out == {}
@@ -128,11 +128,11 @@ def test_a_named_effect_that_the_solver_lacks_is_a_mistake(tmp_path: Path) -> No
 
 def test_a_level_may_leave_out_what_is_named_if_it_says_so(tmp_path: Path) -> None:
     named = 'effects = ["panel-deformation", "variation-across"]\n'
-    folder = written(tmp_path, named + CASE, draft=LEVEL)
+    folder = case_folder(tmp_path, named + CASE, draft=LEVEL)
     assert find_problems(load_judged(folder, "draft")) == []
     assert "variation-across" in load_judged(folder, "draft").left_out
     assert "variation-across" in load_judged(folder, "draft", ["effects=auto"]).left_out
-    bare = written(tmp_path / "bare", named + CASE)
+    bare = case_folder(tmp_path / "bare", named + CASE)
     found = find_problems(load_judged(bare, None, ["panel.solver=strip"]))
     assert [str(one).split(":")[0] for one in found] == ["case.toml effects"]
 
@@ -148,14 +148,14 @@ def test_a_law_is_chosen_by_its_name(tmp_path: Path) -> None:
     assert full(tmp_path, "sjkr").case.particles.adhesion == "sjkr"
     assert full(tmp_path, "cdt").case.particles.rolling == "cdt"
     given = [*MORE, 'effects=["sjkr"]', "particles.adhesion=jkr"]
-    found = find_problems(load_judged(written(tmp_path, FULL), None, given))
+    found = find_problems(load_case(tmp_path, FULL, given))
     assert "\"sjkr\" is named, and particles.adhesion is 'jkr'" in str(found[0])
 
 
 def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None:
     """A level frame on bushings does not turn: its exciter is at its centre of mass."""
     centre = "screen.frames.driving.center_of_mass_m=[0.0, 0.1, 0.0]"
-    found = load_judged(written(tmp_path), None, ["effects=auto", centre])
+    found = load_case(tmp_path, overrides=["effects=auto", centre])
     assert found.case.frames.solver == "two-mass"
     (line,) = (one for one in at_start(account(found.described, found.left_out)) if "frame-rotation: " in one)
     assert line == (
@@ -167,7 +167,7 @@ def test_auto_leaves_out_what_may_be_and_says_the_number(tmp_path: Path) -> None
 
 def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> None:
     tilted = ["effects=auto", "screen.inclination_deg=20", "panel.solver=rigid"]
-    found = load_judged(written(tmp_path), None, tilted)
+    found = load_case(tmp_path, overrides=tilted)
     said = [line for line in warnings(found) if "matters, and the case does not have it" in line]
     lacking = {line.split()[0] for line in said}
     of_panels = {"panel-deformation", "large-deflection", "panel-inertia", "particle-load"}
@@ -177,15 +177,15 @@ def test_auto_warns_of_what_is_lacking_and_invents_nothing(tmp_path: Path) -> No
 
 def test_auto_keeps_a_feed_that_is_all_there_is(tmp_path: Path) -> None:
     given = ["effects=auto", FEED, "duration_s=0.005", "screen.inclination_deg=20"]
-    assert load_judged(written(tmp_path, BARE), None, given).case.bed.feeds
-    assert load_judged(written(tmp_path), None, given).case.bed.feeds, "any result may be asked for"
-    with_ball = load_judged(written(tmp_path), None, [*given, 'effects_for=["stroke"]'])
+    assert load_case(tmp_path, BARE, given).case.bed.feeds
+    assert load_case(tmp_path, overrides=given).case.bed.feeds, "any result may be asked for"
+    with_ball = load_case(tmp_path, overrides=[*given, 'effects_for=["stroke"]'])
     assert not with_ball.case.bed.feeds
     assert "feed" in with_ball.left_out
 
 
 def test_frames_that_no_force_moves_are_prescribed(tmp_path: Path) -> None:
-    folder = written(tmp_path, DRIVEN_CASE)
+    folder = case_folder(tmp_path, DRIVEN_CASE)
     assert load_judged(folder).case.frames.solver == "exudyn"
     for effects in ("auto", '["panel-deformation"]'):
         found = load_judged(folder, None, [f"effects={effects}"])
@@ -200,25 +200,25 @@ def test_auto_leaves_wrong_cases_to_the_checks(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("effects", ["auto", '["panel-deformation", "frame-dynamics"]'])
 def test_the_resolved_case_is_the_same_without_the_key(tmp_path: Path, effects: str) -> None:
-    found = load_judged(written(tmp_path / "a", FULL), None, [*MORE, f"effects={effects}"])
+    found = load_case(tmp_path / "a", FULL, [*MORE, f"effects={effects}"])
     table = resolved_case(found)
     assert "effects" not in table
-    again = load_judged(written(tmp_path / "b", tomli_w.dumps(table)))
+    again = load_judged(case_folder(tmp_path / "b", tomli_w.dumps(table)))
     assert again.case == found.case.model_copy(update={"default_level": ""})
 
 
 def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
-    folder = written(tmp_path, CASE, fine='effects = ["panel-deformation"]\n')
+    folder = case_folder(tmp_path, CASE, fine='effects = ["panel-deformation"]\n')
     assert load_judged(folder, "fine").case.frames.solver == "prescribed"
     assert load_judged(folder, "fine", ["effects=auto"]).case.frames.solver != "prescribed"
     with pytest.raises(CaseError) as caught:
-        load_judged(written(tmp_path, CASE, fine='effects = ["wind"]\nduration_s = true\n'), "fine")
+        load_judged(case_folder(tmp_path, CASE, fine='effects = ["wind"]\nduration_s = true\n'), "fine")
     assert "levels/fine.toml effects: no effect 'wind'" in str(caught.value)
 
 
 def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: Path) -> None:
     """Openings that effects leave out are still asked about."""
-    plain = load_judged(written(tmp_path, FULL), None, MORE)
+    plain = load_case(tmp_path, FULL, MORE)
     before = {one.effect: one for rows in judge_effects(plain).values() for one in rows}
     after = {one.effect: one for rows in judge_effects(full(tmp_path)).values() for one in rows}
     assert after["apertures"].verdict == before["apertures"].verdict
@@ -228,7 +228,7 @@ def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: 
 @pytest.mark.parametrize("effects", ["auto", '["frame-dynamics", "panel-deformation"]', "[]"])
 def test_what_a_case_leaves_out_already_does_not_come_back(tmp_path: Path, effects: str) -> None:
     """Flat panels do not become strips, and translating frames not planar."""
-    folder = written(tmp_path, CASE, coarse=COARSE)
+    folder = case_folder(tmp_path, CASE, coarse=COARSE)
     found = load_judged(folder, "coarse", [f"effects={effects}"])
     assert found.case.panel.solver == "rigid"
     assert found.case.frames.solver in ("two-mass", "prescribed")

@@ -19,7 +19,7 @@ from orchestrator.preflight.check import find_table_problems
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, find_dispensable, judge_effects
 from orchestrator.preflight.judgement.weighing import weigh_effects
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder, load_case
 from tests.effects.verdicts import STILL_CASE
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -86,9 +86,7 @@ def test_parts_that_are_not_there_are_said_to_be_absent() -> None:
 
 
 def test_a_scene_that_nothing_shakes_is_explained(tmp_path: Path) -> None:
-    found = {
-        one.effect: one for one in judge_effects(load_judged(written(tmp_path, STILL_CASE)).case)["frames"]
-    }
+    found = {one.effect: one for one in judge_effects(load_case(tmp_path, STILL_CASE).case)["frames"]}
     assert found["panel-reaction"].verdict.why == "nothing shakes the frames"
     assert found["bushing-damping"].verdict.value is None
     assert set(found) == {"frame-dynamics", "frame-motion", "panel-reaction", "bushing-damping"}
@@ -105,14 +103,14 @@ material = "PU"
 """
     ball = CASE[CASE.index("[bed.particles") : CASE.index("[probes.middle]")]
     case = CASE[: CASE.index("[screen.panels.deck]")] + plate + ball
-    done = CALL.invoke(app, ["explain", str(written(tmp_path, case))])
+    done = CALL.invoke(app, ["explain", str(case_folder(tmp_path, case))])
     assert done.exit_code == 0, done.output
     assert "no panels: nothing to decide" in done.output
     assert "infinite" in done.output
 
 
 def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
-    parts = judge_effects(load_judged(written(tmp_path)).case)
+    parts = judge_effects(load_case(tmp_path).case)
     assert len(effects_table(parts, COLUMNS).columns) == 8
     console = Console(width=100, record=True, file=StringIO())
     console.print(effects_table(parts, COLUMNS[:-1]))
@@ -122,11 +120,11 @@ def test_narrow_terminals_get_fewer_columns(tmp_path: Path) -> None:
 
 
 def test_a_case_with_mistakes_is_refused(tmp_path: Path) -> None:
-    done = CALL.invoke(app, ["explain", str(written(tmp_path)), "--set", "duration_s=2e4"])
+    done = CALL.invoke(app, ["explain", str(case_folder(tmp_path)), "--set", "duration_s=2e4"])
     assert done.exit_code == 2
     assert "looks like ms" in done.stderr
     without = CASE.replace("[materials.PU]", "[materials.PI]")
-    done = CALL.invoke(app, ["explain", str(written(tmp_path, without))])
+    done = CALL.invoke(app, ["explain", str(case_folder(tmp_path, without))])
     assert done.exit_code == 2
     assert "Traceback" not in done.output
 

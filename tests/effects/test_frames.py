@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder, load_case
 from tests.effects.verdicts import by_name, of_driven, verdict
 
 
@@ -63,7 +63,7 @@ def test_rotation_of_a_body_on_its_own_by_hand(tmp_path: Path) -> None:
     centre = "screen.frames.driving.center_of_mass_m=[-0.3, 0.1, 0.0]"
     free = by_name(
         load_judged(
-            written(tmp_path, CASE.replace('["driving", "ground"]', '["ground", "ground"]')),
+            case_folder(tmp_path, CASE.replace('["driving", "ground"]', '["ground", "ground"]')),
             None,
             [soft, above, centre],
         )
@@ -93,7 +93,7 @@ def test_a_shaft_along_the_deck_moves_a_frame_across(tmp_path: Path) -> None:
 
 def test_rotation_needs_moments_of_inertia(tmp_path: Path) -> None:
     without = CASE.replace("inertia_kg_m2 = [2.0, 6.0, 6.0]", "")
-    found = by_name(load_judged(written(tmp_path, without), None, ["frames.solver=two-mass"]))
+    found = by_name(load_case(tmp_path, without, ["frames.solver=two-mass"]))
     assert found["frame-rotation"].verdict.matters is None
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.case.cases import loaded
+from tests.cases import loaded
 from tests.effects.verdicts import EXITS, TILTED, by_name, verdict
 
 

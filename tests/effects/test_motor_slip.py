@@ -14,7 +14,7 @@ from orchestrator.output.results.observed import angle_rad
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from orchestrator.preflight.scene.observed import Observed, Turned
 from orchestrator.preflight.scene.scene import scene
-from tests.case.cases import loaded, only_complaint
+from tests.cases import loaded, only_complaint
 from tests.effects.verdicts import verdict
 
 MOTOR = (

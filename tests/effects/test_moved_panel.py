@@ -22,7 +22,7 @@ from orchestrator.preflight.scene.moved_panel import (
     stiffness_share,
 )
 from orchestrator.preflight.scene.scene import scene
-from tests.case.cases import loaded
+from tests.cases import loaded
 
 LAW = HyperelasticPlan(1150.0, 0.7e6, 2.8e6, 2e9)
 

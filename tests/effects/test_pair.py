@@ -18,7 +18,7 @@ from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, compute_change, key_of, recall, remember, share_pairs
 from orchestrator.studies import pairs
 from orchestrator.studies.pairs import tried
-from tests.case.cases import CASE, loaded, written
+from tests.cases import CASE, case_folder, load_case, loaded
 
 SHORT = "duration_s=0.02"
 
@@ -76,7 +76,7 @@ def test_the_stroke_is_of_two_frames_or_of_the_only_one() -> None:
 
 
 def test_a_pair_is_remembered_by_what_the_case_was_read_from(tmp_path: Path) -> None:
-    folder = written(tmp_path / "case", CASE)
+    folder = case_folder(tmp_path / "case", CASE)
     read = load_judged(folder).origin.read()
     assert recall(key_of(read, "adhesion")) is None
     remember(key_of(read, "adhesion"), Pair("adhesion", "draft", ("a=1",), "", 2.0))
@@ -152,7 +152,7 @@ def test_a_trial_of_a_rank_is_a_program_of_one_process(monkeypatch: pytest.Monke
 def test_ranks_agree_on_what_the_first_one_remembers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What another rank has in its own memory does not count."""
     monkeypatch.setattr(pair, "_AGREED", {})
-    read = load_judged(written(tmp_path / "agreed", CASE)).origin.read()
+    read = load_case(tmp_path / "agreed", CASE).origin.read()
     mine, agreed = key_of(read, "wear"), key_of(read, "adhesion")
     remember(mine, Pair("wear"))
     share_pairs({mine: None, agreed: Pair("adhesion")})
@@ -171,7 +171,7 @@ def test_explain_for_a_result_gives_its_change(tmp_path: Path, monkeypatch: pyte
         return summary(velocity_m_per_s=0.5 if without else 0.4)
 
     monkeypatch.setattr(pairs, "_run", run)
-    words = ["explain", str(written(tmp_path / "case", CASE)), "--for", "velocity"]
+    words = ["explain", str(case_folder(tmp_path / "case", CASE)), "--for", "velocity"]
     done = CliRunner().invoke(app, [*words, "--set", SHORT])
     assert done.exit_code == 0, done.output
     friction = next(line for line in done.output.splitlines() if line.startswith(" sliding-"))

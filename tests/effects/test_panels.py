@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.case.cases import BLOCK
+from tests.cases import BLOCK
 from tests.effects.verdicts import APERTURES, of_driven, verdict
 
 

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.case.bed.contact_times import hertz_overlap_m
-from orchestrator.preflight.judge import load_judged
-from tests.case.cases import BLOCK, FEED, written
+from tests.cases import BLOCK, FEED, load_case
 from tests.effects.verdicts import (
     APERTURES,
     BARE,
@@ -33,7 +32,7 @@ def test_friction_against_the_slope(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("friction", "matters"), [(0.09, True), (0.03, False)])
 def test_rolling_friction_against_the_slope(tmp_path: Path, friction: float, matters: bool) -> None:
     row = set_contact(f"sliding_friction=0.47, rolling_friction={friction}")
-    found = by_name(load_judged(written(tmp_path, STILL_CASE), None, [TILTED, row]))["rolling-friction"]
+    found = by_name(load_case(tmp_path, STILL_CASE, [TILTED, row]))["rolling-friction"]
     assert found.verdict.value == pytest.approx(friction / 0.363970, rel=1e-5)
     assert (found.present, found.verdict.matters, found.spare) == (True, matters, not matters)
 
@@ -50,14 +49,14 @@ def test_what_is_thrown_hardly_rolls(tmp_path: Path) -> None:
 def test_rolling_friction_left_out_by_its_law_is_lacking(tmp_path: Path) -> None:
     row = set_contact("sliding_friction=0.47, rolling_friction=0.09")
     given = [TILTED, row, "particles.rolling=none"]
-    assert by_name(load_judged(written(tmp_path, STILL_CASE), None, given))["rolling-friction"].lacking
+    assert by_name(load_case(tmp_path, STILL_CASE, given))["rolling-friction"].lacking
 
 
 def test_bond_number_by_hand(tmp_path: Path) -> None:
     """20 mm on the panel: 1.5 pi * 7.75 * 0.01 / (1430 * 4/3 pi * 1e-6 * 9.81) = 6.215 weights;
     nothing shakes."""
     row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
-    found = by_name(load_judged(written(tmp_path, STILL_CASE), None, [row]))["adhesion"]
+    found = by_name(load_case(tmp_path, STILL_CASE, [row]))["adhesion"]
     assert found.verdict.value == pytest.approx(6.215, rel=1e-3)
     assert (found.present, found.verdict.matters) == (True, True)
 
@@ -79,8 +78,8 @@ def test_dry_material_needs_no_adhesion(tmp_path: Path) -> None:
 def test_coarse_particles_do_not_change_the_bond_number(tmp_path: Path) -> None:
     row = set_contact("sliding_friction=0.47, rolling_friction=0, work_of_adhesion_J_per_m2=7.75")
     given = [FEED, row]
-    fine = by_name(load_judged(written(tmp_path, BARE), None, given))
-    coarse = by_name(load_judged(written(tmp_path, BARE), None, [*given, "particles.coarse_graining=2"]))
+    fine = by_name(load_case(tmp_path, BARE, given))
+    coarse = by_name(load_case(tmp_path, BARE, [*given, "particles.coarse_graining=2"]))
     bond = fine["adhesion"].verdict.value
     assert coarse["adhesion"].verdict.value == pytest.approx(bond, rel=1e-9)
     assert "single-particles" not in fine
@@ -91,10 +90,10 @@ def test_layers_of_coarse_particles_by_hand(tmp_path: Path) -> None:
     """0.1 kg of feed on 0.0604 m2 is 1.656 kg/m2, less than one layer of 40 mm (29.95 kg/m2),
     as which it counts: one layer."""
     given = [FEED, "particles.coarse_graining=2"]
-    found = by_name(load_judged(written(tmp_path, BARE), None, given))["single-particles"]
+    found = by_name(load_case(tmp_path, BARE, given))["single-particles"]
     assert found.verdict.value == pytest.approx(1.0, rel=1e-9)
     assert found.lacking
-    long = by_name(load_judged(written(tmp_path, BARE), None, [*given, "duration_s=20"]))
+    long = by_name(load_case(tmp_path, BARE, [*given, "duration_s=20"]))
     assert long["single-particles"].verdict.value == pytest.approx(20 / 0.0604 / 29.95, rel=1e-3)
     assert long["single-particles"].verdict.matters is False
 

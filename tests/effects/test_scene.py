@@ -13,14 +13,14 @@ from orchestrator.case.tables.case import Probe
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import Scene, scene
 from orchestrator.preflight.scene.shaking import Shaking, solve_shakings
-from tests.case.cases import BLOCK, FEED, loaded, written
+from tests.cases import BLOCK, FEED, load_case, loaded
 from tests.effects.verdicts import DRIVEN_CASE
 
 CASES = Path(__file__).parents[2] / "cases"
 
 
 def driven(folder: Path, *overrides: str) -> Scene:
-    return scene(load_judged(written(folder, DRIVEN_CASE), None, overrides).case)
+    return scene(load_case(folder, DRIVEN_CASE, overrides).case)
 
 
 def test_a_driven_panel_by_hand(tmp_path: Path) -> None:

@@ -27,7 +27,7 @@ from orchestrator.preflight.scene.moved_panel import stiffness_share
 from orchestrator.preflight.scene.observed import Observed
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.studies.pairs import Pairs
-from tests.case.cases import loaded, only_complaint, written
+from tests.cases import load_case, loaded, only_complaint
 from tests.effects.verdicts import APERTURES, DRIVEN_CASE, TILTED
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -77,7 +77,7 @@ def test_openings_that_soften_the_mats_are_not_left_out() -> None:
 @pytest.mark.parametrize("speed_share", [1.0, 0.9, 0.5])
 def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share: float) -> None:
     """Brute force at resonance: 1.5 mm without panel-deformation instead of 11.8."""
-    case = load_judged(written(tmp_path, DRIVEN_CASE), None, ONE_MAT).case
+    case = load_case(tmp_path, DRIVEN_CASE, ONE_MAT).case
     mat = {one.effect: one for rows in judge_effects(case).values() for one in rows}["panel-inertia"]
     assert mat.verdict.value is not None
     own_rad_per_s = 80.0 / mat.verdict.value**0.5

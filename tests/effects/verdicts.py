@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from orchestrator.preflight.judge import JudgedCase, load_judged
+from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, judge_effects
-from tests.case.cases import CASE, loaded, written
+from tests.cases import CASE, load_case, loaded
 
 APERTURES = (
     "screen.panels.deck.apertures={length_m=0.02, width_m=0.012, pitch_along_m=0.025, pitch_across_m=0.02}"
@@ -39,7 +39,7 @@ def verdict(folder: Path, effect: str, *overrides: str) -> Judged:
 
 
 def of_driven(folder: Path, effect: str, *overrides: str) -> Judged:
-    return by_name(load_judged(written(folder, DRIVEN_CASE), None, overrides))[effect]
+    return by_name(load_case(folder, DRIVEN_CASE, overrides))[effect]
 
 
 def set_contact(row: str) -> str:

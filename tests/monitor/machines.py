@@ -24,7 +24,7 @@ from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.penetration import Penetrations
 from orchestrator.run.monitor.monitor import Monitor
-from tests.case.cases import loaded
+from tests.cases import loaded
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 
 NOBODY = np.empty(0, dtype=np.int64)

@@ -17,7 +17,8 @@ from orchestrator.run.monitor.interface_work import (
     ExchangedEnergy,
     interface_data,
 )
-from tests.coupled.machines import opened, written
+from tests.cases import load_case
+from tests.coupled.machines import opened
 from tests.coupled.screen import CASE
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.monitor.machines import on_a_line
@@ -87,7 +88,7 @@ CHEAP = ["panel.solver=strip", "panel.cells=[8,1]", "frames.solver=two-mass"]
 def test_it_is_what_the_ledger_says(tmp_path: Path, scheme: str) -> None:
     """A bed on two panels between frames; the ledger asks the solvers."""
     sets: Sequence[str] = [*CHEAP, "particles.solver=spheres", f"coupling.scheme={scheme}"]
-    with opened(written(tmp_path, CASE, sets)) as run:
+    with opened(load_case(tmp_path, CASE, sets)) as run:
         contacts, clamps = ContactWork(run.state, ALL), ClampWork(run.state, ALL)
         for _ in range(200):
             run.advance(1)

@@ -1,6 +1,6 @@
 """A real run, small and quick: two sizes of spheres, fed onto two rigid panels with a gap."""
 
-from tests.case_parts import contact, grains, polyurethane
+from tests.cases import contact, grains, polyurethane
 
 CASE = (
     """

@@ -17,7 +17,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-import tomli_w
 
 from orchestrator.case.deck.panels import axes, single_panels
 from orchestrator.case.tables.case import Case
@@ -28,6 +27,7 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.output.records.wear_record import PATCHES
 from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.preflight.judge import load_judged
+from tests.cases import case_folder
 
 ROOT = Path(__file__).parents[2]
 CYCLE_S = 2 * np.pi / 78.5
@@ -49,10 +49,9 @@ MASS_KG = np.pi / 6 * SIZES_M**3 * DENSITY
 
 def folder_of(place: Path, particles: bool = True, cycles: int = CYCLES) -> Path:
     """Writes the folder; without ``particles`` it is an empty machine's."""
-    place.mkdir()
     case = _case(particles, max(cycles, 2) * CYCLE_S)
     table = case.model_dump(mode="json", exclude_none=True)
-    (place / "case.toml").write_text(tomli_w.dumps(table | {"default_level": ""}))
+    case_folder(place, table | {"default_level": ""})
     history = History(place / "history.h5")
     _machine(history, case, cycles)
     _cycles(history, case, cycles)

@@ -11,7 +11,7 @@ import pytest
 from orchestrator.output.records.panel_lines import FoldMonitor, find_fold_m
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.judge import load_judged
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder
 
 
 def hairpin(gap_m: float) -> np.ndarray:
@@ -52,7 +52,7 @@ def test_a_sagging_panel_does_not(sag_m: float) -> None:
 def test_a_folded_panel_stops_the_run_or_is_said_once(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    case = written(tmp_path / "case", CASE)
+    case = case_folder(tmp_path / "case", CASE)
     with pytest.raises(SolverFailed, match=r"panel deck has folded into itself at t = 0\.5 s"):
         FoldMonitor(load_judged(case, None, []).case).look(0.5, "deck", hairpin(0.003))
     watch = FoldMonitor(load_judged(case, None, ["monitor.folded_panels=warn"]).case)

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
+from tests.cases import case_folder
 from tests.results.small_screen import CASE
 from tests.runs.outside import flipflow, run_words, summary
 
@@ -18,8 +19,7 @@ DURATION_S = 1.5  # 30 cycles, some 30 particles
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("screen")
-    (place / "case").mkdir()
-    (place / "case/case.toml").write_text(CASE)
+    case_folder(place / "case", CASE)
     words = run_words(str(place / "case"), place / "run", [f"duration_s={DURATION_S}"])
     done = flipflow(*words)
     assert done.returncode == 0, done.stderr

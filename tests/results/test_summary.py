@@ -11,7 +11,7 @@ import pytest
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import iteration_lines, monitor_lines
-from tests.case.cases import loaded
+from tests.cases import loaded
 
 
 @pytest.mark.parametrize(("created_J", "doubtful"), [(-0.05, False), (0.2, True), (-0.2, True)])

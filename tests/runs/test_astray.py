@@ -8,7 +8,7 @@ import h5py
 import pytest
 
 from orchestrator.output.records import trust
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder
 from tests.runs.outside import flipflow, run_words, summary
 
 SOLVERS = """
@@ -94,7 +94,7 @@ jam_s = 0.1
 
 def run(folder: Path, extra: str, *sets: str) -> tuple[int, str, Path]:
     text = CASE.replace("duration_s = 0.1", "duration_s = 0.6") + extra + SOLVERS
-    case = written(folder / "case", text)
+    case = case_folder(folder / "case", text)
     done = flipflow(*run_words(str(case), folder / "run", sets))
     return done.returncode, done.stderr, folder / "run"
 

@@ -15,7 +15,7 @@ import tomli_w
 
 from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder
 from tests.results.synthetic import folder_of
 from tests.runs.outside import HANG_S, ROOT, left_usable
 
@@ -66,7 +66,7 @@ def evil_case(folder: Path) -> Path:
     """A good case in a bad folder: its names are LIGGGHTS's commands, and files lie in wait."""
     text = CASE.replace("duration_s = 0.1", "duration_s = 0.004").replace("coal", "shell")
     text = text.replace("[screen.panels.deck]", "[screen.panels.jump]").replace('"deck"', '"jump"')
-    case = written(folder / EVIL_NAME.replace("/", "-"), text + SOLVERS)
+    case = case_folder(folder / EVIL_NAME.replace("/", "-"), text + SOLVERS)
     for module in MODULES:
         (case / f"{module}.py").write_text(PYTHON)
     for name, content in FILES.items():
@@ -107,7 +107,7 @@ def test_words_of_a_case_are_only_words_in_a_report(tmp_path: Path) -> None:
 
 def test_markup_of_the_console_is_text(tmp_path: Path) -> None:
     """``[/red]`` would be a mistake, ``[red]`` a colour."""
-    folder = written(tmp_path / "[red]x", CASE.replace("a test", "[/red] [link=x]y[/link]"))
+    folder = case_folder(tmp_path / "[red]x", CASE.replace("a test", "[/red] [link=x]y[/link]"))
     (folder / "levels/[bold].toml").write_text("[panel]\nsolver = 'rigid'\nsurface_cells = [2, 2]")
     level = folder / "levels/[bold].toml"
     level.write_text('without = ["panel-deformation"]\n' + level.read_text())

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-from tests.case.cases import CASE, written
+from tests.cases import CASE, case_folder
 from tests.runs.outside import flipflow, run_words, summary
 
 # three block particles on the panel; a chute that pours beside it, one half into an exit, the other
@@ -51,7 +51,7 @@ pictures = false
 
 def case(folder: Path) -> Path:
     text = CASE.replace("[[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]]", "[[-1.0, -0.5, -0.4], [1.0, 0.5, 0.5]]")
-    return written(folder, text.replace("duration_s = 0.1", "duration_s = 0.2") + BED)
+    return case_folder(folder, text.replace("duration_s = 0.1", "duration_s = 0.2") + BED)
 
 
 def checked(folder: Path) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.case.cases import written
+from tests.cases import case_folder
 from tests.runs.outside import QUICK, flipflow, run_words, said_plainly
 
 
@@ -49,7 +49,7 @@ def test_a_disk_without_room_for_the_case(tmp_path: Path) -> None:
 @pytest.mark.solver
 def test_what_a_solver_refuses_when_it_is_opened(tmp_path: Path) -> None:
     """The check before asks each panel's solver for its limit; here it does not tell."""
-    case = written(tmp_path / "case")
+    case = case_folder(tmp_path / "case")
     before = (
         "from adapters.panel.strip import panel as strip\n"
         "def build(plan):\n"

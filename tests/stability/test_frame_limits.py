@@ -18,7 +18,7 @@ from orchestrator.preflight.stability.limits import (
     late_reaction_s,
 )
 from orchestrator.preflight.stability.modes import frame_matrices
-from tests.case.cases import written
+from tests.cases import case_folder
 from tests.coupled.machines import opened
 from tests.coupling.line import FreeFrame, HungPlate, Sphere
 from tests.effects.verdicts import BARE
@@ -77,7 +77,7 @@ def test_a_rigid_panel_that_is_too_heavy(tmp_path: Path, scheme: str, interval_s
     """The mass ratio is the limit, whatever the interval: bisected to 2 %.  The
     ratios themselves are 1/3 and 1: measured 0.342 to 0.347, and 0.99 to 1.02 (in 400 intervals a
     frame that is a little too light does not swing up yet)."""
-    written(tmp_path, BARE)
+    case_folder(tmp_path, BARE)
     case = load_judged(tmp_path, None, [*RIGID, "screen.frames.driving.mass_kg=1.0"])
     frames = frame_matrices(scene(case.case))
     assert frames is not None

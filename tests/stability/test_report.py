@@ -17,8 +17,8 @@ from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.bounds import Bound
 from orchestrator.preflight.stability.modes import lightest_point_kg
 from orchestrator.preflight.stability.report import StabilityReport, stability_report
-from tests.case.cases import BLOCK, CASE, loaded
-from tests.effects.verdicts import BARE, written
+from tests.cases import BLOCK, CASE, load_case, loaded
+from tests.effects.verdicts import BARE
 
 CASES = Path("cases")
 # finite elements and triangles share their corners, and the ball lands on one of them
@@ -120,7 +120,7 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 
 
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
-    bare = load_judged(written(tmp_path, BARE), None, STRIP)
+    bare = load_case(tmp_path, BARE, STRIP)
     assert set(by_name(stability_report(bare.case))) == {"carried mass", "extrapolated clamps"}
     assert not list(formatting.warnings(stability_report(bare.case)))
 
@@ -199,7 +199,7 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 
     def bounds(*sets: str) -> dict[str, Bound]:
         every = [*sets, "frames.solver=prescribed"]
-        return by_name(stability_report(load_judged(written(tmp_path, DRIVEN), None, every).case))
+        return by_name(stability_report(load_case(tmp_path, DRIVEN, every).case))
 
     found = bounds(*RIGID)
     assert set(found) == {"driven surface"}

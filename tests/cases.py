@@ -1,9 +1,16 @@
-"""A small valid case for the tests, as a folder that they may spoil."""
+"""How a test writes a case: TOML text, of parts where it is long, in a folder that the test may spoil.
+
+``CASE`` is a small valid case; ``case_folder`` writes it or another one, ``load_case`` reads it as
+a user's case is read, and ``complaints`` are what a user would be told.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
+
+import tomli_w
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.check import find_problems
@@ -87,18 +94,28 @@ FEED = (
 )
 
 
-def written(folder: Path, case: str = CASE, **levels: str) -> Path:
-    """The case's folder, with its levels."""
+def case_folder(folder: Path, case: str | Mapping[str, Any] = CASE, **levels: str) -> Path:
+    """Write a case, a text or a table, and its levels into a folder; returns the folder."""
     (folder / "levels").mkdir(parents=True, exist_ok=True)
-    (folder / "case.toml").write_text(case)
+    (folder / "case.toml").write_text(case if isinstance(case, str) else tomli_w.dumps(case))
     for name, text in levels.items():
         (folder / "levels" / f"{name}.toml").write_text(text)
     return folder
 
 
+def load_case(
+    folder: Path,
+    case: str | Mapping[str, Any] = CASE,
+    overrides: Sequence[str] = (),
+    level: str | None = None,
+) -> JudgedCase:
+    """Write a case and load it with some keys changed; it is judged, but not checked."""
+    return load_judged(case_folder(folder, case), level, overrides)
+
+
 def loaded(folder: Path, overrides: Sequence[str] = (), level: str | None = None) -> JudgedCase:
     """The test case with some keys changed."""
-    return load_judged(written(folder), level, overrides)
+    return load_case(folder, CASE, overrides, level)
 
 
 def complaints(folder: Path, *overrides: str) -> list[str]:
@@ -114,3 +131,38 @@ def only_complaint(folder: Path, *overrides: str) -> str:
     found = complaints(folder, *overrides)
     assert len(found) == 1, found
     return found[0]
+
+
+def polyurethane(*branches: tuple[float, float]) -> str:
+    """The panels' material "PU"; damped by ``branches`` of (ratio, relaxation time in s)."""
+    rows = ", ".join(f"{{ ratio = {ratio}, relaxation_s = {time_s} }}" for ratio, time_s in branches)
+    return f"""
+[materials.PU]
+density_kg_per_m3 = 1150.0
+[materials.PU.hyperelastic]
+c10_Pa = 0.7e6
+c01_Pa = 2.8e6
+bulk_modulus_Pa = 2.0e9
+maxwell = [{rows}]
+"""
+
+
+def grains(name: str, density_kg_per_m3: float, youngs_modulus_Pa: float) -> str:
+    """A material of particles, with Poisson's ratio 0.3."""
+    return f"""
+[materials.{name}]
+density_kg_per_m3 = {density_kg_per_m3}
+youngs_modulus_Pa = {youngs_modulus_Pa}
+poisson_ratio = 0.3
+"""
+
+
+def contact(one: str, other: str, restitution: float, sliding: float, rolling: float = 0.0) -> str:
+    """Between two materials; ``sliding`` and ``rolling`` friction."""
+    return f"""
+[[contacts]]
+between = ["{one}", "{other}"]
+restitution = {restitution}
+sliding_friction = {sliding}
+rolling_friction = {rolling}
+"""
