@@ -170,7 +170,7 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
 
 
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: Study, out: Path) -> None:
-    """How well times are kept is no test, but a command: tests/plan_series.py."""
+    """How well times are kept is no test, but a command: tools/plan_series.py."""
     tables.write(study, rows(study), out)
     found = stored(load_judged(BALL, "draft"), out / "accuracy.json")
     assert found is not None

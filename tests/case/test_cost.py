@@ -22,8 +22,8 @@ from orchestrator.preflight.cost import (
 )
 from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, load_case
-from tests.cost_series import IN_THE_SUITE, compared
 from tests.runs.outside import ROOT
+from tools.cost_series import IN_THE_SUITE, compared
 
 FEED = """
 [screen.exits.under]

@@ -9,8 +9,8 @@ import pytest
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.judge import load_judged
-from tests.bench.coupling import BLOCK, Runner, bench
 from tests.runs.outside import ROOT
+from tools.bench.coupling import BLOCK, Runner, bench
 
 CASE = ROOT / "cases/ball-on-panel"
 

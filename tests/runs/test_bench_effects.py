@@ -14,9 +14,9 @@ from orchestrator.case.solver_plans import particles_plan
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
-from tests.bench.effects import Asked, Timed, bench, ratio, sets
-from tests.bench.loaded import loaded_by
 from tests.runs.outside import ROOT
+from tools.bench.effects import Asked, Timed, bench, ratio, sets
+from tools.bench.loaded import loaded_by
 
 BALL = ROOT / "cases/ball-on-panel"
 COAL = ROOT / "cases/ffs0827-slice"

@@ -1,4 +1,4 @@
-"""How well ``flipflow plan`` predicts: ``python -m tests.plan_series CASE LEVEL STUDY``.
+"""How well ``flipflow plan`` predicts: ``python -m tools.plan_series CASE LEVEL STUDY``.
 
 For the case as it was in the study and for what the study would take for 20, 10, 5 and 2 %, at
 half, once and one and a half times the study's duration: a short run as ``plan`` makes it, and then

@@ -1,4 +1,4 @@
 """Benchmarks of the program itself: what the coupling costs, and each effect of a case.
 
-``python -m tests.bench CASE`` in a clone of the repository.
+``python -m tools.bench CASE`` in a clone of the repository.
 """

@@ -1,8 +1,8 @@
-"""What a long run holds: ``python -m tests.endurance OUT [--set KEY=VALUE …]`` runs the
+"""What a long run holds: ``python -m tools.endurance OUT [--set KEY=VALUE …]`` runs the
 quickstart's level "hour" into OUT and samples its process and its folder; OUT.csv has a row every
 ten seconds, OUT.log what the run said.
 
-``python -m tests.endurance --table OUT`` says how each of them grew, and what the machine's energy
+``python -m tools.endurance --table OUT`` says how each of them grew, and what the machine's energy
 did.  Measured figures: docs/reliability.md, "Long runs".
 """
 

@@ -23,7 +23,7 @@ from orchestrator.preflight.judgement.pair import Change, compute_change
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
 from orchestrator.preflight.scene.effect import Verdict, describe_verdict
 from orchestrator.studies.points import is_random
-from tests.effect_bank.trials import Trial, Tried
+from tools.effect_bank.trials import Trial, Tried
 
 CONFIDENCE = 0.95
 CHANGED, UNCHANGED = "changed", "not changed"

@@ -18,8 +18,8 @@ from rich.table import Table
 
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
-from tests.bench.coupling import Runner
-from tests.bench.loaded import loaded_by
+from tools.bench.coupling import Runner
+from tools.bench.loaded import loaded_by
 
 BLOCK = 20
 PARTS = ("particles", "panel", "frames", "mapping")

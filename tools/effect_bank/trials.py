@@ -19,7 +19,7 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from orchestrator.studies import points as sweep
 from orchestrator.studies.points import sample_s, seeded
-from tests.effect_bank.bank import Scene
+from tools.effect_bank.bank import Scene
 
 AS_IT_IS = ""
 """Stands for the name of the effect that is left out where none is."""

@@ -1,4 +1,4 @@
-"""``python -m tests.effect_bank``: verdicts against runs with and without each effect."""
+"""``python -m tools.effect_bank``: verdicts against runs with and without each effect."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ from orchestrator.preflight.judgement.catalogue import Judged
 from orchestrator.preflight.judgement.pair import Change
 from orchestrator.preflight.scene.effect import Part, Verdict
 from orchestrator.studies import points as sweep
-from tests.effect_bank import bank as banks
-from tests.effect_bank import confusion, tables
-from tests.effect_bank.__main__ import app
-from tests.effect_bank.confusion import (
+from tests.runs.outside import ROOT
+from tools.effect_bank import bank as banks
+from tools.effect_bank import confusion, tables
+from tools.effect_bank.__main__ import app
+from tools.effect_bank.confusion import (
     BY_CHANCE,
     CANNOT_SAY,
     CHANGED,
@@ -36,8 +37,7 @@ from tests.effect_bank.confusion import (
     change,
     outcome,
 )
-from tests.effect_bank.trials import Countdown
-from tests.runs.outside import ROOT
+from tools.effect_bank.trials import Countdown
 
 CALL = CliRunner()
 CASES = ROOT / "cases"
@@ -166,7 +166,7 @@ def test_the_shipped_bank_has_every_shipped_case() -> None:
 
 def test_without_an_effect_the_others_stay(tmp_path: Path) -> None:
     """The runs differ in what the effect is made of, and in nothing else."""
-    from tests.effect_bank.trials import tried
+    from tools.effect_bank.trials import tried
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
     scene = scene.model_copy(update={"effects": ()})
@@ -251,10 +251,10 @@ def test_time_left_is_scaled_by_what_the_runs_took() -> None:
 
 def test_json_of_runs_is_read_where_they_came_to_an_end(tmp_path: Path) -> None:
     """A run that failed gives no summary to compare; one that is doubtful does."""
-    from tests.effect_bank.trials import Trial
+    from tools.effect_bank.trials import Trial
 
     scene = banks.read(tiny_bank(tmp_path))["high"]
-    from tests.effect_bank.trials import tried
+    from tools.effect_bank.trials import tried
 
     runs = tried("high", scene, tmp_path, tmp_path / "out").trials[0].runs
     trial = Trial("high", "", runs)

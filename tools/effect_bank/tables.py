@@ -11,7 +11,7 @@ from rich.table import Table
 
 from orchestrator.output.records.run_folder import write_text
 from orchestrator.preflight.judgement.pair import Change
-from tests.effect_bank.confusion import MAY_GO, MOST_FALSE_ALARMS, OUTCOMES, PREDICTIONS, Confusion, Row
+from tools.effect_bank.confusion import MAY_GO, MOST_FALSE_ALARMS, OUTCOMES, PREDICTIONS, Confusion, Row
 
 HEAD = ("scene", "effect", "number", "value", "threshold", "verdict", "outcome", "changes")
 CSV_HEAD = (

@@ -1,6 +1,6 @@
 """Which solvers and large packages a case loads: to be run in a process of its own.
 
-python -m tests.bench.loaded CASE LEVEL [KEY=VALUE ...]
+python -m tools.bench.loaded CASE LEVEL [KEY=VALUE ...]
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LARGE = ("dolfinx", "petsc4py", "ufl", "exudyn", "mpi4py", "gmsh", "pyvista", "m
 
 def loaded_by(case: Path, level: str, overrides: Sequence[str]) -> frozenset[str]:
     """Adapters and large packages that are in memory after the first sync interval."""
-    words = [sys.executable, "-m", "tests.bench.loaded", str(case), level, *overrides]
+    words = [sys.executable, "-m", "tools.bench.loaded", str(case), level, *overrides]
     said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
     return frozenset(said.splitlines()[-1].split())
 

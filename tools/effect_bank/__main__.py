@@ -1,4 +1,4 @@
-"""``python -m tests.effect_bank``: try out the verdicts of ``flipflow explain`` on a bank of scenes."""
+"""``python -m tools.effect_bank``: try out the verdicts of ``flipflow explain`` on a bank of scenes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 
 if TYPE_CHECKING:
-    from tests.effect_bank.trials import Tried
+    from tools.effect_bank.trials import Tried
 
 WIDE = 150
 
@@ -39,10 +39,10 @@ def effects(
     from orchestrator.output.records.run_folder import study_folder
     from orchestrator.studies.points import run_points
     from orchestrator.studies.workers import Crew, workers_that_fit
-    from tests.effect_bank import bank as banks
-    from tests.effect_bank import tables
-    from tests.effect_bank.confusion import confusion
-    from tests.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
+    from tools.effect_bank import bank as banks
+    from tools.effect_bank import tables
+    from tools.effect_bank.confusion import confusion
+    from tools.effect_bank.trials import Countdown, all_tried, every_run, still_to_run
 
     with reported_errors():
         wanted = banks.chosen(banks.read(bank), scene or [])
@@ -69,7 +69,7 @@ def effects(
 
 def _list(scenes: list[Tried]) -> None:
     """What would be run, with predictions."""
-    from tests.effect_bank.trials import in_time, still_to_run
+    from tools.effect_bank.trials import in_time, still_to_run
 
     for one in scenes:
         CONSOLE.print(f"{one.name}: {one.scene.why}")

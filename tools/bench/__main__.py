@@ -1,7 +1,7 @@
 """Times a case in one process.
 
-python -m tests.bench CASE             against its particles alone on a rigid, still surface
-python -m tests.bench CASE --effects   without each effect that can be left out, part by part
+python -m tools.bench CASE             against its particles alone on a rigid, still surface
+python -m tools.bench CASE --effects   without each effect that can be left out, part by part
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from rich.console import Console
 
 from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.judge import load_judged
-from tests.bench import coupling, effects
+from tools.bench import coupling, effects
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser("python -m tests.bench", description="Time a case in one process.")
+    parser = argparse.ArgumentParser("python -m tools.bench", description="Time a case in one process.")
     parser.add_argument("case", type=Path)
     parser.add_argument("--level")
     parser.add_argument("--intervals", type=int, default=2000, help="sync intervals to time")

@@ -1,4 +1,4 @@
-"""How well ``flipflow check`` predicts: ``python -m tests.cost_series [CASE ...]``.
+"""How well ``flipflow check`` predicts: ``python -m tools.cost_series [CASE ...]``.
 
 Shipped cases are run for a short time, and the processor time that they took is compared with what
 was predicted, part by part.  Processor time hardly depends on what else the machine does; another
