@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.drive import DrivenPoints
-from orchestrator.ports import Account, Known, Load, Motion, Saved, check_point_count
+from orchestrator.ports import Account, Known, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
@@ -76,8 +75,8 @@ def _check(plan: FramesPlan) -> None:
             f"prescribed frames move by drives only, but the plan has {len(plan.exciters)} "
             f"exciters and {len(plan.bushings)} bushings: leave them out or take another solver"
         )
-    linear.numbers(plan, plan.carrier)
-    linear.driven(plan)
+    linear_frames.numbers(plan, plan.carrier)
+    linear_frames.driven(plan)
 
 
 def cost(work: FramesWork) -> Cost:

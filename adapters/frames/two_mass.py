@@ -19,7 +19,7 @@ from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Collocation
 from adapters.frames.common.exciter import Unbalance
 from adapters.frames.common.ledger import BodySums, FramesLedger
-from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count
+from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
@@ -48,12 +48,12 @@ class TwoMassFrames:
 
     def __init__(self, plan: FramesPlan) -> None:
         self._plan = plan
-        self._carrier = linear.numbers(plan, plan.carrier)
-        excited = linear.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
+        self._carrier = linear_frames.numbers(plan, plan.carrier)
+        excited = linear_frames.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
         unbalances = [Unbalance(exciter) for exciter in plan.exciters]
         self._exciters = list(zip(excited, unbalances, strict=True))
         self._onto_bodies = linear.onto_bodies(plan, self._carrier)
-        self._machine = machine = linear.linearised(plan, linear.TRANSLATIONS)
+        self._machine = machine = linear_frames.linearise(plan, linear_frames.TRANSLATIONS)
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._weight_N = np.outer(self._mass_kg, plan.gravity_m_per_s2)
         load = linear.resting_load(plan)[:, :3].ravel()
@@ -67,7 +67,7 @@ class TwoMassFrames:
         ground = np.repeat(np.array(to_ground, dtype=bool), 3)
         self._ground_stiffness = _by_bushings(machine.stretch, machine.stiffness_N_per_m * ground)
         self._ground_damping = _by_bushings(machine.stretch, machine.damping_N_s_per_m * ground)
-        self._ledger = FramesLedger(self._sums(), linear.driven(plan))
+        self._ledger = FramesLedger(self._sums(), linear_frames.driven(plan))
 
     def initial(self) -> Motion:
         return self._carried()

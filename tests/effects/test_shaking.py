@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.frames.common import linear
+from orchestrator.ports import linear_frames
 from orchestrator.ports.plans import DrivePlan
 from orchestrator.preflight.scene.shaking import PanelSpring, solve_shakings
 from tests.frames.machines import bushing, exciter, steady_amplitudes_m, two_bodies
@@ -53,12 +53,12 @@ def test_a_loss_factor_takes_the_place_of_the_bushings_damping() -> None:
 
 
 def test_rotations_solve_the_adapters_linearised_machine() -> None:
-    """Six freedoms, an exciter off the centre: K, C, M of adapters/frames/common/linear.py."""
+    """Six freedoms, an exciter off the centre: K, C, M of ports/linear_frames.py."""
     plan = two_bodies((exciter(position_m=np.array([0.3, 0.05, 0.226])),))
-    machine = linear.linearised(plan, linear.SPACE)
+    machine = linear_frames.linearise(plan, linear_frames.SPACE)
     force_N = 3.5 * 78.5**2 * np.array([-1j, 0.0, 1.0])  # start up, turning from z to x
     load = np.zeros(12, dtype=complex)
-    load[:6] = linear.displacement(plan.bodies[0], plan.exciters[0].position_m).T @ force_N
+    load[:6] = linear_frames.displacement(plan.bodies[0], plan.exciters[0].position_m).T @ force_N
     dynamic = machine.stiffness + 78.5j * machine.damping - 78.5**2 * machine.mass
     wanted = np.linalg.solve(dynamic, load)
     (found,) = solve_shakings(plan, freedoms=6)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames.common import linear
-from orchestrator.ports import Array
+from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import BodyPlan, BushingPlan, ExciterPlan, FramesPlan
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
@@ -74,12 +73,12 @@ def two_bodies(
 def steady_amplitudes_m(plan: FramesPlan, speed_rad_per_s: float) -> Array:
     """Complex amplitudes X (bodies, 3) of translations in the steady state at any constant speed of all
     exciters:  x(t) = Re(X exp(i speed t)), with every exciter at its ``phase_rad`` at t = 0."""
-    machine = linear.linearised(plan, linear.TRANSLATIONS)
+    machine = linear_frames.linearise(plan, linear_frames.TRANSLATIONS)
     force_N = np.zeros((len(plan.bodies), 3), dtype=complex)
     for exciter in plan.exciters:
         turning = exciter.start - 1j * np.cross(exciter.axis, exciter.start)
         size_N = exciter.mass_moment_kg_m * speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
-        force_N[linear.numbers(plan, (exciter.body,))[0]] += size_N * turning
+        force_N[linear_frames.numbers(plan, (exciter.body,))[0]] += size_N * turning
     dynamic = machine.stiffness + 1j * speed_rad_per_s * machine.damping
     dynamic = dynamic - speed_rad_per_s**2 * machine.mass
     return np.asarray(np.linalg.solve(dynamic, force_N.ravel()).reshape(-1, 3))

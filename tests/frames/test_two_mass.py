@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from adapters.frames.common import linear
 from adapters.frames.two_mass import build
-from orchestrator.ports import Array, Load
+from orchestrator.ports import Array, Load, linear_frames
 from orchestrator.ports.clock import Interval, intervals
 from orchestrator.ports.plans import FramesPlan
 from tests.frames.machines import ALONG, GRAVITY, POINTS_M, body, exciter, steady_amplitudes_m, two_bodies
@@ -64,7 +63,7 @@ def test_screen_amplitudes_are_those_of_table_4() -> None:
 def reference(plan: FramesPlan, reaction_N: Array, time_s: float) -> tuple[Array, Array]:
     """Displacement and velocity from rest in the drawn position by one matrix exponential: the
     exciter's cosine and sine and the constant 1 are further states."""
-    machine = linear.linearised(plan, linear.TRANSLATIONS)
+    machine = linear_frames.linearise(plan, linear_frames.TRANSLATIONS)
     n = len(machine.mass)
     (turning,) = plan.exciters
     w, size = turning.speed_rad_per_s, turning.mass_moment_kg_m * turning.speed_rad_per_s**2

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames.common.linear import LinearMachine
 from orchestrator.ports import Array
+from orchestrator.ports.linear_frames import LinearMachine
 
 STAGES = 6
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from adapters.frames.common.linear import skew
 from orchestrator.ports import Array, Known, Motion
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.linear_frames import skew
 from orchestrator.ports.plans import DrivePlan, FramesPlan
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from adapters.frames.common import linear
 from adapters.frames.common.exciter import Unbalance
 from adapters.frames.common.ledger import BodySums, FramesLedger
 from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
-from orchestrator.ports import Array
+from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import FramesPlan
 
 
@@ -46,7 +46,9 @@ class SpatialForces:
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
-        first, second = (linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1))
+        first, second = (
+            linear_frames.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
+        )
         self.bodies = first, second
         self._ends = Attached.at(place_m, first, drawn_m), Attached.at(place_m, second, drawn_m)
         self._axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
@@ -55,7 +57,7 @@ class SpatialForces:
         self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in plan.bushings]).reshape(-1, 3)
         self._onto_first = linear.onto_bodies(plan, first)
         self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
-        excited = linear.numbers(plan, tuple(e.body for e in plan.exciters))
+        excited = linear_frames.numbers(plan, tuple(e.body for e in plan.exciters))
         exciter_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
         self._unbalance = Attached.at(exciter_m, excited, drawn_m)
 
@@ -104,7 +106,7 @@ class SpatialLedger(FramesLedger):
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in plan.bodies])
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        driven, free = linear.driven(plan), linear.free(plan)
+        driven, free = linear_frames.driven(plan), linear_frames.free(plan)
         super().__init__(self.sums(start), driven)
         self._free_weight_N = self._mass_kg[free].sum() * plan.gravity_m_per_s2
         first, second = forces.bodies

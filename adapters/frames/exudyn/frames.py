@@ -26,7 +26,7 @@ from adapters.frames.exudyn import LARGEST_TILT_RAD
 from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger
 from adapters.frames.exudyn.poses import Attached, Poses, cross
 from adapters.frames.exudyn.shaft import shafts
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count
+from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
 from orchestrator.ports.state import restore_attributes, save_attributes
@@ -57,21 +57,21 @@ class ExudynFrames:
         self._plan = plan
         self._driven = tuple(
             exudyn_system.Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
-            for number, drive in zip(linear.driven(plan), plan.drives, strict=True)
+            for number, drive in zip(linear_frames.driven(plan), plan.drives, strict=True)
         )
         self._driven_points = DrivenPoints(plan)
-        self._free = linear.free(plan)
+        self._free = linear_frames.free(plan)
         free = [plan.bodies[number] for number in self._free]
         self._mass_kg = np.array([body.mass_kg for body in free])
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        machine = linear.linearised(plan, linear.SPACE)
+        machine = linear_frames.linearise(plan, linear_frames.SPACE)
         self._largest_step_s = exudyn_system.largest_step_s(plan, machine)
         sag = np.zeros(6 * len(self._free))
         if plan.drawn_at_rest:
             sag = machine.sag(linear.resting_load(plan).ravel(), linear.in_play_N(plan))
         sag_m = (machine.stretch @ sag).reshape(-1, 3)
-        self._carried = Attached.at(plan.points_m, linear.numbers(plan, plan.carrier), self._drawn_m)
+        self._carried = Attached.at(plan.points_m, linear_frames.numbers(plan, plan.carrier), self._drawn_m)
         self._onto_bodies = linear.onto_bodies(plan, self._carried.body)
         self._shafts = shafts(plan, self._drawn_m)
         steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)

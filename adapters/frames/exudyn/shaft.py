@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.exudyn.poses import Attached, Poses
-from orchestrator.ports import Array
+from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
 
 MOST_ROUNDS = 50
@@ -37,7 +36,7 @@ class SpatialShaft(Shaft):
 
     def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan, drawn_m: Array) -> None:
         super().__init__(exciter, motor, plan)
-        numbers = linear.numbers(plan, (exciter.body,))
+        numbers = linear_frames.numbers(plan, (exciter.body,))
         self.body = int(numbers[0])
         self._at = Attached.at(exciter.position_m[None], numbers, drawn_m)
         self.wrench: Array = np.zeros(6)

@@ -10,11 +10,10 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.drive import driving
 from adapters.frames.common.exciter import Unbalance
 from adapters.frames.exudyn.poses import turning
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array, Saved, linear_frames
 from orchestrator.ports.plans import BodyPlan, BushingPlan, DrivePlan, FramesPlan, SolverFailed
 
 items: Any = exudyn.itemInterface
@@ -47,7 +46,7 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
     ground = system.AddObject(items.ObjectGround())
     nodes = [_node(system, body) for body in plan.bodies]
     bodies = [_body(system, node, body) for node, body in zip(nodes, plan.bodies, strict=True)]
-    for number in linear.driven(plan):
+    for number in linear_frames.driven(plan):
         system.AddObject(
             items.ObjectGenericODE2(nodeNumbers=[nodes[number]], massMatrix=HEAVY_kg * np.eye(6))
         )
@@ -61,13 +60,13 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
         return int(system.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=pose)))
 
     for bushing, stretched_m in zip(plan.bushings, sag_m, strict=True):
-        numbers = linear.numbers(plan, bushing.bodies)
+        numbers = linear_frames.numbers(plan, bushing.bodies)
         ends = [marker(n, bushing.position_m, bushing.axes) for n in numbers]
         _add_bushing(system, bushing, ends, stretched_m)
     for body, center in zip(plan.bodies, centers, strict=True):
         weight_N = body.mass_kg * plan.gravity_m_per_s2
         system.AddLoad(items.LoadForceVector(markerNumber=center, loadVector=weight_N))
-    excited = linear.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
+    excited = linear_frames.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
     multibody = Multibody(
         container,
         system,
@@ -171,7 +170,7 @@ def restore_system(system: Any, solver: Any, saved: Saved) -> None:
     data.SetTime(time_s)
 
 
-def largest_step_s(plan: FramesPlan, machine: linear.LinearMachine) -> float:
+def largest_step_s(plan: FramesPlan, machine: linear_frames.LinearMachine) -> float:
     """Return ``plan.step_s`` or, without, 0.05 over the fastest rate, and no longer than the interval."""
     speeds = [exciter.speed_rad_per_s for exciter in plan.exciters]
     speeds += [drive.speed_rad_per_s for drive in plan.drives]

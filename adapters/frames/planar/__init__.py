@@ -35,7 +35,7 @@ from adapters.frames.planar.plane import (
     power,
     wrench,
 )
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count
+from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter, Objection
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
@@ -75,17 +75,17 @@ class PlanarFrames:
     def __init__(self, plan: FramesPlan) -> None:
         self._plan = plan = linear.free_first(plan)
         self._drives, self._driven_points = planar_drives(plan), DrivenPoints(plan)
-        self._free = slice(0, len(linear.free(plan)))
-        machine = linear.linearised(plan, linear.PLANE)
+        self._free = slice(0, len(linear_frames.free(plan)))
+        machine = linear_frames.linearise(plan, linear_frames.PLANE)
         self._damping, self._stiffness = machine.damping, machine.stiffness
         self._largest_step_s = linear.largest_step_s(plan, machine, LARGEST_STEP_RAD)
         self._collocation, self._rounds = Collocation(machine), Rounds(TOLERANCE)
         sag = np.zeros(len(machine.mass))
         if plan.drawn_at_rest:
-            load = linear.resting_load(plan)[:, linear.PLANE].ravel()
+            load = linear.resting_load(plan)[:, linear_frames.PLANE].ravel()
             sag = machine.sag(load, linear.in_play_N(plan))
         drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        carrier = linear.numbers(plan, plan.carrier)
+        carrier = linear_frames.numbers(plan, plan.carrier)
         self._carried = carrying(carrier, plan.points_m, drawn_m)
         self._bushings = Bushings(plan, drawn_m, (machine.stretch @ sag).reshape(-1, 3))
         self._shafts = [PlanarShaft(e, e.motor, plan, drawn_m) for e in plan.exciters if e.motor is not None]
@@ -99,8 +99,8 @@ class PlanarFrames:
         self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._spun_kg_m2 = np.array([body.inertia_kg_m2[1, 1] for body in plan.bodies])
         self._into_outside = np.ones((len(carrier), 3))
-        self._into_outside[np.isin(carrier, linear.free(plan))] = [0.0, 1.0, 0.0]
-        self._ledger = FramesLedger(self._sums(), linear.driven(plan))
+        self._into_outside[np.isin(carrier, linear_frames.free(plan))] = [0.0, 1.0, 0.0]
+        self._ledger = FramesLedger(self._sums(), linear_frames.driven(plan))
 
     def initial(self) -> Motion:
         return self._moved()

@@ -10,7 +10,7 @@ from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Collocation
 from adapters.frames.common.exciter import Shaft, Unbalance
 from adapters.frames.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
-from orchestrator.ports import Array
+from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 
 
@@ -36,7 +36,9 @@ class Bushings:
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
         axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
-        first, second = (linear.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1))
+        first, second = (
+            linear_frames.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
+        )
         self._stretching = carrying(second, place_m, drawn_m) - carrying(first, place_m, drawn_m)
         self._first = linear.onto_bodies(plan, first)
         self._on_ground = np.asarray(first < 0, dtype=np.float64)
@@ -88,7 +90,7 @@ class OutsideForces:
     def __init__(self, plan: FramesPlan, drawn_m: Array, carried: Complex) -> None:
         exciters = [exciter for exciter in plan.exciters if exciter.motor is None]
         self._unbalances = [Unbalance(exciter) for exciter in exciters]
-        excited = linear.numbers(plan, tuple(e.body for e in exciters))
+        excited = linear_frames.numbers(plan, tuple(e.body for e in exciters))
         place_m = np.array([e.position_m for e in exciters]).reshape(-1, 3)
         self._excited = carrying(excited, place_m, drawn_m)
         mass_kg = np.array([body.mass_kg for body in plan.bodies])
@@ -128,7 +130,7 @@ class PlanarShaft(Shaft):
         if abs(exciter.axis[1]) < 1 - 1e-12:
             raise ValueError("a motor's shaft must lie across, along y, where frames are planar")
         super().__init__(exciter, motor, plan)
-        body = linear.numbers(plan, (exciter.body,))
+        body = linear_frames.numbers(plan, (exciter.body,))
         self._at = carrying(body, exciter.position_m[None], drawn_m)[:, 0]  # per natural coordinate
         self._felt_m_per_s2, self._growth_rad_per_s2 = np.zeros((STAGES, 3)), np.zeros(STAGES)
 

@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adapters.frames.common import linear
 from adapters.frames.common.drive import shifted, turned
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array, Indices, linear_frames
 from orchestrator.ports.plans import BodyPlan, DrivePlan, FramesPlan
 
 Complex = npt.NDArray[np.complex128]
@@ -118,7 +117,7 @@ def wrench(force: Complex, turn: Complex) -> Array:
 
 def planar_drives(plan: FramesPlan) -> list[PlanarDrive]:
     """Return the drives of a plan.  Raises ValueError for those that make no sense or leave the plane."""
-    numbered = zip(linear.driven(plan), plan.drives, strict=True)
+    numbered = zip(linear_frames.driven(plan), plan.drives, strict=True)
     return [PlanarDrive(int(n), plan.bodies[n], drive) for n, drive in numbered]
 
 

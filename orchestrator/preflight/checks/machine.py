@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import product
 from typing import Any
 
 import numpy as np
 
 from orchestrator.case import solvers
-from orchestrator.case.deck.panels import axes, single_panels
+from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.solver_plans import frames_plan, panel_plans
 from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter, Motor
 from orchestrator.case.tables.quantities import GROUND
+from orchestrator.ports import linear_frames
 
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
@@ -57,22 +57,13 @@ def possible_inertia(case: Case) -> Iterator[CaseProblem]:
 def held_frames(case: Case) -> Iterator[CaseProblem]:
     """Frames drawn at rest need bushings that can hold their weight, to the ground or to driven
     frames: the static equations K u = weight, translations only, must have a solution."""
-    from scipy.spatial.transform import Rotation
-
     if not (solvers.frames(case).moved_by_forces and case.screen.drawn_at_rest):
         return
-    free = {name: frame for name, frame in case.screen.frames.items() if frame.drive is None}
-    names = [*free]
-    stiffness = np.zeros((3 * len(names), 3 * len(names)))
-    for row in case.screen.bushings.values():
-        turn = Rotation.from_euler("xyz", row.rotation_deg, degrees=True).as_matrix()
-        spring = len(row.positions_m) * (turn * row.stiffness_N_per_m) @ turn.T
-        ends = [(sign, names.index(n)) for sign, n in zip((1, -1), row.between, strict=True) if n in names]
-        for (one, i), (two, j) in product(ends, ends):
-            stiffness[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] += one * two * spring
-    gravity = np.array(case.gravity_m_per_s2) @ axes(case)
-    weight = np.array([(f.mass_kg or 0.0) * gravity for f in free.values()]).ravel()
-    unmet = weight - stiffness @ np.linalg.lstsq(stiffness, weight, rcond=1e-12)[0]
+    plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
+    free = [plan.bodies[number] for number in linear_frames.free(plan)]
+    weight = np.array([body.mass_kg * plan.gravity_m_per_s2 for body in free]).ravel()
+    _, unmet = linear_frames.linearise(plan, linear_frames.TRANSLATIONS).hold(weight)
+    names = [body.name for body in free]
     for name, left_N in zip(names, unmet.reshape(-1, 3), strict=True):
         if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():
             what = "no bushing holds its weight"

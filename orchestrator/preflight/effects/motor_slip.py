@@ -14,7 +14,7 @@ from orchestrator.ports.plans import ExciterPlan
 from orchestrator.preflight.scene.clamp_motion import largest_stroke_m
 from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import Shaking, solve_shakings
+from orchestrator.preflight.scene.shaking import Shaking, exciter_N, solve_shakings
 
 COST = "half a millisecond per step of the frames"
 SPEEDS = 200  # at which a resonance on the way up is looked for
@@ -110,10 +110,8 @@ def _power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
     """Mean power of its force on the frame's motion, at its own speed."""
     if shaking.speed_rad_per_s != exciter.speed_rad_per_s:
         return 0.0
-    size_N = exciter.mass_moment_kg_m * exciter.speed_rad_per_s**2 * np.exp(1j * exciter.phase_rad)
-    force_N = size_N * (exciter.start - 1j * np.cross(exciter.axis, exciter.start))
     velocity_m_per_s = 1j * exciter.speed_rad_per_s * shaking.amplitude_m[exciter.body]
-    return float((force_N.conj() @ velocity_m_per_s).real / 2)
+    return float((exciter_N(exciter).conj() @ velocity_m_per_s).real / 2)
 
 
 def described(case: Case) -> bool:

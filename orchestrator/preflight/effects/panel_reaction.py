@@ -9,7 +9,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.clamp_motion import change_of_stroke, moved_by_forces
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import bushing_N_per_m, free_frames, solve_shakings
+from orchestrator.preflight.scene.shaking import free_frames, solve_shakings
 
 
 def judge(scene: Scene) -> Verdict | None:
@@ -42,7 +42,7 @@ def _panels_share(scene: Scene) -> float:
         springs = [one for one in scene.springs if frozenset(one.frames) == pair]
         along = springs[0].along
         joints = [one for one in scene.plan.bushings if frozenset(one.bodies) == pair]
-        bushings_N_per_m = sum(along @ bushing_N_per_m(one, 0.0, None).real @ along for one in joints)
+        bushings_N_per_m = sum(one.stiffness_N_per_m @ (one.axes @ along) ** 2 for one in joints)
         panels_N_per_m = sum(spring.stiffness_N_per_m for spring in springs)
         found.append(float(panels_N_per_m / bushings_N_per_m) if bushings_N_per_m else math.inf)
     return max(found)

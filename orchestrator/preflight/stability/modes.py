@@ -3,30 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import block_diag, eigh
+from scipy.linalg import eigh
 
 from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.screen import PanelTable
-from orchestrator.ports import Array
+from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.geometry import AperturePattern
-from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
+from orchestrator.ports.plans import BushingPlan, SolverFailed, SolverMissing
 from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.scene.shaking import (
-    Joint,
-    assemble_stiffness,
-    bushing_N_per_m,
-    frame_numbers,
-    free_frames,
-    mass_matrix,
-    panel_joints,
-)
+from orchestrator.preflight.scene.shaking import free_frames
 
 
 @dataclass(frozen=True)
@@ -59,40 +50,28 @@ def frame_matrices(scene: Scene) -> FrameMatrices | None:
     solver = solvers.frames(case)
     if not (solver.moved_by_forces and free_frames(plan)):
         return None
-    freedoms = 6 if solver.rotates else 3
-    springs = [
-        replace(spring, stiffness_N_per_m=panel.taut_stiffness_N_per_m * panel.stiffening)
-        for spring, panel in zip(scene.springs, scene.panels, strict=True)
-    ]
-    if not solvers.panel(case).yields:  # no springs
-        springs = []
-    bodies = {body.name: body for body in plan.bodies}
-    masses = [mass_matrix(bodies[name])[:freedoms, :freedoms] for name in free_frames(plan)]
-    halves = [
-        Joint(("ground", name), (end_m, end_m), panel.whole_mass_kg / 2 * np.eye(3))
-        for spring, panel in zip(scene.springs, scene.panels, strict=True)
-        for name, end_m in zip(spring.frames, spring.ends_m, strict=True)
-    ]
-    joints = [(one, (one.position_m, one.position_m)) for one in plan.bushings]
-    static = [Joint(b.bodies, places, bushing_N_per_m(b, 0.0, None)) for b, places in joints]
-    at_one = [Joint(b.bodies, places, bushing_N_per_m(b, 1.0, None)) for b, places in joints]
+    coordinates = linear_frames.SPACE if solver.rotates else linear_frames.TRANSLATIONS
+    machine = linear_frames.linearise(plan, coordinates)
+    yields = solvers.panel(case).yields
+    springs, halves = [], []
+    for spring, panel in zip(scene.springs, scene.panels, strict=True):
+        stiffest_N_per_m = panel.taut_stiffness_N_per_m * panel.stiffening if yields else 0.0
+        springs.append(replace(spring, stiffness_N_per_m=stiffest_N_per_m).bushing())
+        half_kg = panel.whole_mass_kg / 2 * np.ones(3)
+        for name, end_m in zip(spring.frames, spring.ends_m, strict=True):
+            halves.append(BushingPlan("", ("ground", name), end_m, np.eye(3), half_kg, np.zeros(3)))
+
+    def assemble(bushings: list[BushingPlan]) -> Array:
+        return linear_frames.linearise(replace(plan, bushings=tuple(bushings)), coordinates).stiffness
+
     return FrameMatrices(
-        mass=np.asarray(block_diag(*masses)),
-        carried=_free(plan, halves, freedoms).real,
-        panels_N_per_m=_free(plan, panel_joints(springs), freedoms).real,
-        bushings_N_per_m=_free(plan, static, freedoms).real,
-        damping_N_s_per_m=_free(plan, at_one, freedoms).imag,
-        freedoms=freedoms,
+        mass=machine.mass,
+        carried=assemble(halves),
+        panels_N_per_m=assemble(springs),
+        bushings_N_per_m=machine.stiffness,
+        damping_N_s_per_m=machine.damping,
+        freedoms=len(coordinates),
     )
-
-
-def _free(plan: FramesPlan, joints: Iterable[Joint], freedoms: int) -> Array:
-    """Assembled over the free frames' coordinates, one after the other."""
-    numbers = frame_numbers(plan)
-    free = [numbers[name] for name in free_frames(plan)]
-    every, size = range(freedoms), freedoms * len(free)
-    whole = assemble_stiffness(plan, joints, freedoms)[np.ix_(free, every, free, every)]
-    return np.asarray(whole.reshape(size, size))
 
 
 STEPPED = 2 * math.sqrt(2) / math.pi
