@@ -58,7 +58,7 @@ def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
     problems = find_problems(loaded)
     if loaded.case.monitor.items:
-        from orchestrator.run.monitor.discovery import unknown_items
+        from orchestrator.run.monitor.items import unknown_items
 
         problems += unknown_items(loaded.case)
     return problems

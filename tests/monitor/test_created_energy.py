@@ -10,6 +10,7 @@ import pytest
 
 from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.state import as_arrays, like
 from orchestrator.run.monitor.interface_work import (
     Balance,
     ClampWork,
@@ -108,15 +109,15 @@ def test_a_share_of_what_went_through() -> None:
     for _ in range(200):
         balance.add(0.2, 1.0)
     recent = (1 - (19 / 20) ** 200) * 20  # intervals
-    assert balance.recently() == pytest.approx((0.2 * recent - 1) / recent)
+    assert balance.recent_share() == pytest.approx((0.2 * recent - 1) / recent)
     for _ in range(50):
         balance.add(-0.5, 1.0)
-    assert balance.recently() > 0.3  # destroyed is as bad as created
+    assert balance.recent_share() > 0.3  # destroyed is as bad as created
     balance.begin_anew()
-    assert balance.recently() == 0.0
+    assert balance.recent_share() == 0.0
     balance.begin_anew(0.3)
     balance.add(-0.3, 0.01)  # taken back
-    assert balance.recently() == 0.0
+    assert balance.recent_share() == 0.0
 
 
 def test_what_went_through_is_the_range_of_the_work() -> None:
@@ -131,8 +132,7 @@ def test_what_went_through_is_the_range_of_the_work() -> None:
     assert given.scale_J == pytest.approx(50.0)
     assert back.scale_J == pytest.approx(2.0)
     assert rest.scale_J == pytest.approx(7.0 * 1e-3 * 1e-4)
-    saved = ExchangedEnergy()
-    saved.restore(back.save())
+    saved = like(ExchangedEnergy(), as_arrays(back))
     saved.add(-3.0, 0.0 * still_N, 1e-4)
     assert saved.scale_J == pytest.approx(5.0)
 
@@ -156,6 +156,6 @@ def test_what_comes_back_in_the_next_interval_was_not_created() -> None:
     """The first touch of an impact takes all its work back in the next intervals."""
     balance = Balance()
     balance.add(-0.5, 1.0)
-    assert balance.recently() == 0.0
+    assert balance.recent_share() == 0.0
     balance.add(0.45, 1.0)
-    assert balance.recently() == 0.0
+    assert balance.recent_share() == 0.0

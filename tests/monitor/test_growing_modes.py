@@ -12,7 +12,7 @@ from orchestrator.coupling.schemes.scheme import initial_state
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
 from orchestrator.preflight.stability.limits import light_point_s
-from orchestrator.run.monitor.items.growing_modes import Alternation
+from orchestrator.run.monitor.items import Alternation
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.stability.growth import CONTACT, Line, limit_s
 

@@ -17,11 +17,9 @@ from orchestrator.ports import Load, Motion, PanelState, ParticleSnapshot
 from orchestrator.ports.geometry import Edges
 from orchestrator.ports.particle_records import Overlaps
 from orchestrator.ports.penetration import Penetrations
-from orchestrator.run.monitor.discovery import all_items, item_limit
-from orchestrator.run.monitor.interface_work import InterfaceWork
+from orchestrator.run.monitor import items
 from orchestrator.run.monitor.item import OutputTime, Subject
-from orchestrator.run.monitor.items import long_steps
-from orchestrator.run.monitor.items.stretched_panels import largest_stretch
+from orchestrator.run.monitor.items import all_items, item_limit, largest_stretch
 from orchestrator.run.monitor.monitor import Watched
 
 STEP_s = 1e-5
@@ -51,9 +49,9 @@ OUTPUT_ITEMS = ("stretched_panels", "penetrated_surfaces", "deep_overlaps", "lon
 
 
 def alarms(now: State, balls: ParticleSnapshot, overlap: float, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    monkeypatch.setattr(long_steps, "particle_step_s", lambda case: STEP_s)
+    monkeypatch.setattr(items, "particle_step_s", lambda case: STEP_s)
     machine = SimpleNamespace(panels=[PANEL], penetrations=UNTOUCHED)
-    subject = Subject(cast(Case, None), cast(Machine, machine), now, cast(InterfaceWork, None))
+    subject = Subject(cast(Case, None), cast(Machine, machine), now, {})
     output = OutputTime(now, {}, (balls, Overlaps(0.0, 0.0, 0.001, overlap / 2)))
     said = []
     for name in OUTPUT_ITEMS:

@@ -27,18 +27,11 @@ from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import MeteredSolvers
 from orchestrator.coupling.schemes.scheme import State
-from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState
+from orchestrator.ports.state import SavedAttributes
 
 SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
-
-_SUMS = ("created_J", "through_J", "_recent_created_J", "_recent_through_J", "_newest_J")
-_EXCHANGED = ("_given_J", "_least_J", "_most_J", "_slow_J")
-
-
-PARTICLES, FRAMES = "particles and panels", "panels and frames"
-LEDGER_NAMES = {PARTICLES: "particles-panel", FRAMES: "panel-frames"}
 
 
 class InterfaceData(NamedTuple):
@@ -58,75 +51,69 @@ def interface_data(members: MeteredSolvers, length_s: float) -> InterfaceData:
     return InterfaceData(length_s, members.frames.last, members.panel.last, particles)
 
 
+@dataclass
 class ExchangedEnergy:
     """The energy that went through an interface since t = 0: the scale for what was created there.
 
-    The work that one side has done on the other since t = 0 rises where it gives and falls where it
-    gets back.  Its range is what was exchanged, whether it was given for good (a bed that is thrown
-    and takes all of it) or came back (a ball that bounces).  An interface at rest exchanges
-    nothing, and what rounding creates there is not to be measured by nothing: what the largest load
-    so far does in a sync interval on points that move at ``SLOW_M_S`` is added.
+    The work that one side has done on the other since t = 0 (``given_J``) rises where it gives and
+    falls where it gets back.  Its range is what was exchanged, whether it was given for good (a bed
+    that is thrown and takes all of it) or came back (a ball that bounces).  An interface at rest
+    exchanges nothing, and what rounding creates there is not to be measured by nothing: ``slow_J``,
+    what the largest load so far does in a sync interval on points that move at ``SLOW_M_S``, is added.
     """
 
-    def __init__(self) -> None:
-        self._given_J = self._least_J = self._most_J = self._slow_J = 0.0
+    given_J: float = 0.0
+    least_J: float = 0.0
+    most_J: float = 0.0
+    slow_J: float = 0.0
 
     def add(self, work_J: float, force_N: Array, length_s: float) -> None:
         """Adds an interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
-        self._given_J += work_J
-        self._least_J = min(self._least_J, self._given_J)
-        self._most_J = max(self._most_J, self._given_J)
-        self._slow_J = max(self._slow_J, SLOW_M_S * length_s * float(np.abs(force_N).sum()))
+        self.given_J += work_J
+        self.least_J = min(self.least_J, self.given_J)
+        self.most_J = max(self.most_J, self.given_J)
+        self.slow_J = max(self.slow_J, SLOW_M_S * length_s * float(np.abs(force_N).sum()))
 
     @property
     def scale_J(self) -> float:
-        return self._most_J - self._least_J + self._slow_J
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_EXCHANGED)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_EXCHANGED)
+        return self.most_J - self.least_J + self.slow_J
 
 
+@dataclass
 class Balance:
     """The energy created at an interface, against what went through it.
 
     ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
     slower than ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
-    destroyed.
+    destroyed.  The recent ones fade with each interval; the newest is of the last interval alone.
     """
 
-    def __init__(self) -> None:
-        self.created_J = self.through_J = 0.0
-        self._recent_created_J = self._recent_through_J = self._newest_J = 0.0
+    created_J: float = 0.0
+    through_J: float = 0.0
+    recent_created_J: float = 0.0
+    recent_through_J: float = 0.0
+    newest_J: float = 0.0
 
     def add(self, created_J: float, through_J: float) -> None:
         """Adds an interval."""
         self.created_J += created_J
         self.through_J += through_J
-        self._recent_created_J = FADE * self._recent_created_J + created_J
-        self._recent_through_J = FADE * self._recent_through_J + through_J
-        self._newest_J = through_J
+        self.recent_created_J = FADE * self.recent_created_J + created_J
+        self.recent_through_J = FADE * self.recent_through_J + through_J
+        self.newest_J = through_J
 
-    def recently(self) -> float:
+    def recent_share(self) -> float:
         """Returns the share created of what went through in the last twenty intervals or so.  What went
         through in the newest does not count as created: it may come back in the next."""
-        beyond_J = abs(self._recent_created_J) - self._newest_J
-        if beyond_J <= 0 or self._recent_through_J <= 0:
+        beyond_J = abs(self.recent_created_J) - self.newest_J
+        if beyond_J <= 0 or self.recent_through_J <= 0:
             return 0.0
-        return beyond_J / self._recent_through_J
+        return beyond_J / self.recent_through_J
 
     def begin_anew(self, in_transit_J: float = 0.0) -> None:
         """Forgets what is recent but what the next interval takes back."""
-        self._recent_created_J = in_transit_J / FADE  # whole in the next interval
-        self._recent_through_J = self._newest_J = 0.0
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_SUMS)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_SUMS)
+        self.recent_created_J = in_transit_J / FADE  # whole in the next interval
+        self.recent_through_J = self.newest_J = 0.0
 
 
 @dataclass(frozen=True)
@@ -155,14 +142,12 @@ def acting(load: Load, points: slice) -> Acting:
     return Acting(where, force_N.take(where))
 
 
-_OF_CONTACTS = ("_whole_m", "_path_end_m", "_load", "_load_before")
+class ContactWork(SavedAttributes):
+    """The work between particles and panels; ``exchange`` is with all that particles touch,
+    walls included."""
 
-
-class ContactWork:
-    """The work between particles and panels.
-
-    ``exchange`` is with all that particles touch, walls included.
-    """
+    STATE = ("balance", "exchange", "_whole_m", "_path_end_m", "_load", "_load_before")
+    LEDGER_NAME = "particles-panel"
 
     def __init__(self, start: State, points: slice) -> None:
         """``points`` are those of the surface that count."""
@@ -172,6 +157,7 @@ class ContactWork:
         self._load = self._load_before = acting(start.load, points)
 
     def add(self, data: InterfaceData) -> None:
+        """Books an interval."""
         assert data.particles is not None
         path, load = data.particles
         _, given, state = data.panel
@@ -183,7 +169,7 @@ class ContactWork:
         if given is not load:
             given_J = acting(given, self._points).work_J(before_m, surface_m)
         new_J, before_J, twice_before_J = (
-            one.work_J(self._path_end_m, start_m) for one in (newest, self._load, self._load_before)
+            acted.work_J(self._path_end_m, start_m) for acted in (newest, self._load, self._load_before)
         )
         jump_J = (2 * new_J + 5 * before_J - twice_before_J) / 6
         particles_J = newest.work_J(start_m, end_m) + jump_J
@@ -200,24 +186,12 @@ class ContactWork:
         surface_m = self._whole_m[self._points]
         self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
 
-    def save(self) -> Saved:
-        sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
-        return save_attributes(self, *_OF_CONTACTS) | sums
 
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_OF_CONTACTS)
-        self.balance.restore(saved["balance"])
-        self.exchange.restore(saved["exchange"])
+class ClampWork(SavedAttributes):
+    """The work between panels and frames; ``exchange`` is with all that frames carry, walls included."""
 
-
-_OF_CLAMPS = ("_clamps_m", "_missed_m", "_at_end_J")
-
-
-class ClampWork:
-    """The work between panels and frames.
-
-    ``exchange`` is with all that frames carry, walls included.
-    """
+    STATE = ("balance", "exchange", "_clamps_m", "_missed_m", "_at_end_J")
+    LEDGER_NAME = "panel-frames"
 
     def __init__(self, start: State, points: slice) -> None:
         """``points`` are those of the clamps that count."""
@@ -227,17 +201,18 @@ class ClampWork:
         self._at_end_J = 0.0  # R.e of the last interval
 
     def add(self, data: InterfaceData) -> None:
+        """Books an interval."""
         reaction, clamps = data.frames
         told, _, state = data.panel
         all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
         moved_m, force_N = all_moved_m[self._points], all_N[self._points]
         missed_m = (clamps.position_m - told.position_m)[self._points]
-        at_end_J = dot(force_N, missed_m)
-        created_J = at_end_J - dot(force_N, self._missed_m)
+        at_end_J = float(np.vdot(force_N, missed_m))
+        created_J = at_end_J - float(np.vdot(force_N, self._missed_m))
         if reaction is not state.reaction:
-            created_J += dot(reaction.force_N[self._points] - force_N, moved_m)
+            created_J += float(np.vdot(reaction.force_N[self._points] - force_N, moved_m))
         self.balance.add(created_J, through_J(force_N, moved_m, data.length_s))
-        self.exchange.add(dot(all_N, all_moved_m), all_N, data.length_s)
+        self.exchange.add(float(np.vdot(all_N, all_moved_m)), all_N, data.length_s)
         self._clamps_m, self._missed_m = clamps.position_m, missed_m
         self._at_end_J = at_end_J
 
@@ -245,62 +220,31 @@ class ClampWork:
         """Forgets what is recent: intervals are of another length from now on."""
         self.balance.begin_anew(self._at_end_J)
 
-    def save(self) -> Saved:
-        sums = {"balance": self.balance.save(), "exchange": self.exchange.save()}
-        return save_attributes(self, *_OF_CLAMPS) | sums
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_OF_CLAMPS)
-        self.balance.restore(saved["balance"])
-        self.exchange.restore(saved["exchange"])
-
-
-def dot(one: Array, other: Array) -> float:
-    """Returns the sum of products over all points and axes."""
-    return float(np.vdot(one, other))
-
 
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
-    """Returns the sizes of the work along each axis at each point, added up.
-
-    Force and motion over ``length_s`` have the same shape.
-    """
-    return dot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s)
+    """Returns the sizes of the work along each axis at each point, added up, of a force and a motion over
+    ``length_s`` of the same shape."""
+    return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s))
 
 
-class InterfaceWork:
-    """The work at both interfaces of the panels, which come before all else of the surface.
+Works = dict[str, ContactWork | ClampWork]
+
+
+def interface_works(case: Case, machine: Machine, start: State) -> Works:
+    """Returns the work at both interfaces of the panels, whose points come before all else of the surface.
 
     An interface where a hand-over is turned off has none: its energy does not close.
     """
+    surface = slice(0, max((panel.surface.stop for panel in machine.panels), default=None))
+    clamps = slice(0, max((panel.clamps.stop for panel in machine.panels), default=None))
+    exchange, works = case.exchange, Works()
+    if machine.members.particles is not None and exchange.panel_motion and exchange.particle_load:
+        works["particles and panels"] = ContactWork(start, surface)
+    if exchange.frame_motion and exchange.panel_reaction:
+        works["panels and frames"] = ClampWork(start, clamps)
+    return works
 
-    def __init__(self, case: Case, machine: Machine, start: State) -> None:
-        surface = slice(0, max((panel.surface.stop for panel in machine.panels), default=None))
-        clamps = slice(0, max((panel.clamps.stop for panel in machine.panels), default=None))
-        exchange = case.exchange
-        self.works: dict[str, ContactWork | ClampWork] = {}
-        if machine.members.particles is not None and exchange.panel_motion and exchange.particle_load:
-            self.works[PARTICLES] = ContactWork(start, surface)
-        if exchange.frame_motion and exchange.panel_reaction:
-            self.works[FRAMES] = ClampWork(start, clamps)
 
-    def add(self, data: InterfaceData) -> None:
-        """Books an interval."""
-        for work in self.works.values():
-            work.add(data)
-
-    def exchanged_J(self) -> dict[str, float]:
-        """Returns by interface, as the ledger names it, the scale for energy created there."""
-        return {LEDGER_NAMES[where]: work.exchange.scale_J for where, work in self.works.items()}
-
-    def begin_anew(self) -> None:
-        """Forgets what is recent: intervals are of another length from now on."""
-        for work in self.works.values():
-            work.begin_anew()
-
-    def save(self) -> Saved:
-        return {where: work.save() for where, work in self.works.items()}
-
-    def restore(self, saved: Saved) -> None:
-        for where, work in self.works.items():
-            work.restore(saved[where])
+def exchanged_J(works: Works) -> dict[str, float]:
+    """Returns for each interface, as the ledger names it, the scale for energy created there."""
+    return {work.LEDGER_NAME: work.exchange.scale_J for work in works.values()}

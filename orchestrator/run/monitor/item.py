@@ -11,7 +11,7 @@ from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Saved
 from orchestrator.ports.particle_records import Bed
-from orchestrator.run.monitor.interface_work import InterfaceData, InterfaceWork
+from orchestrator.run.monitor.interface_work import InterfaceData, Works
 
 
 class Observation(NamedTuple):
@@ -29,7 +29,7 @@ class Subject:
     case: Case
     machine: Machine
     start: State
-    work: InterfaceWork
+    works: Works
 
 
 class OutputTime(NamedTuple):

@@ -21,9 +21,14 @@ from orchestrator.ports.clock import Interval, steps_in
 from orchestrator.ports.particle_records import Bed
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.ports.state import restore_attributes, save_attributes
-from orchestrator.run.monitor.discovery import ItemLimit, all_items, item_limit, unknown_items
-from orchestrator.run.monitor.interface_work import InterfaceData, InterfaceWork, interface_data
+from orchestrator.run.monitor.interface_work import (
+    InterfaceData,
+    exchanged_J,
+    interface_data,
+    interface_works,
+)
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
+from orchestrator.run.monitor.items import ItemLimit, all_items, item_limit, unknown_items
 from orchestrator.run.monitor.pace import Pace
 
 LOG = logging.getLogger("flipflow")
@@ -96,8 +101,8 @@ class Monitor:
         self._machine, self._world, self._console = machine, world, console
         self._interval_s = case.coupling.sync_interval_s
         self.pace = Pace(self._interval_s, MOST_PARTS, calm_intervals(case))
-        self._work = InterfaceWork(case, machine, start)
-        subject = Subject(case, machine, start, self._work)
+        self._works = interface_works(case, machine, start)
+        subject = Subject(case, machine, start, self._works)
         self._watched = {
             name: Watched(kind(subject), limit)
             for name, kind in all_items().items()
@@ -153,18 +158,20 @@ class Monitor:
         """Returns the energy that went through each interface since t = 0, which the first rank knows.
         An interface whose hand-over is turned off has none."""
         self._catch_up()
-        return self._work.exchanged_J()
+        return exchanged_J(self._works)
 
     def save(self) -> Saved:
         self._catch_up()
         items = {name: watched.save() for name, watched in self._watched.items()}
-        books = {"pace": self.pace.save(), "work": self._work.save(), "items": items}
+        works = {name: work.save() for name, work in self._works.items()}
+        books = {"pace": self.pace.save(), "work": works, "items": items}
         return books | save_attributes(self, "_judged", "_at_once")
 
     def restore(self, saved: Saved) -> None:
         """Takes back what ``save`` returned; an item that the case did not have then begins now."""
         self.pace.restore(saved["pace"])
-        self._work.restore(saved.get("work", {}))
+        for name, work in self._works.items():
+            work.restore(saved["work"][name])
         for name, watched in self._watched.items():
             if name in saved["items"]:
                 watched.restore(saved["items"][name])
@@ -180,7 +187,8 @@ class Monitor:
 
     def _add_pending(self) -> None:
         for data in self._pending:
-            self._work.add(data)
+            for work in self._works.values():
+                work.add(data)
             for watched in self._watched.values():
                 watched.item.add_interval(data)
         self._pending.clear()
@@ -208,7 +216,8 @@ class Monitor:
 
     def _begin_anew(self, why: str) -> None:
         """Intervals are of another length from now on."""
-        self._work.begin_anew()
+        for work in self._works.values():
+            work.begin_anew()
         for watched in self._watched.values():
             watched.item.begin_anew()
         if is_first(self._world):

@@ -13,16 +13,14 @@ from dataclasses import replace
 import numpy as np
 
 from orchestrator.coupling.schemes.scheme import Scheme, Solvers, State
-from orchestrator.ports import Load, Saved
+from orchestrator.ports import Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.state import restore_attributes, save_attributes
-
-_STATE = ("parts", "last_s", "trusted", "divided", "finest", "_quiet", "_patience", "_eased")
+from orchestrator.ports.state import SavedAttributes
 
 Look = Callable[[Interval], None]
 
 
-class Pace:
+class Pace(SavedAttributes):
     """Halves intervals while something is amiss, and makes them longer when all is calm again.
 
     ``parts`` are those of the next interval, ``last_s`` is the length of the last part; ``trusted`` where
@@ -30,6 +28,8 @@ class Pace:
 
     ``divided`` counts intervals that were run in parts, ``finest`` is the largest number of them.
     """
+
+    STATE = ("parts", "last_s", "trusted", "divided", "finest", "_quiet", "_patience", "_eased")
 
     def __init__(self, length_s: float, most: int, calm: int) -> None:
         """After ``calm`` intervals without trouble parts become twice as long.  Where that was too early,
@@ -85,12 +85,6 @@ class Pace:
         reaction = Load(share * state.panel.reaction.force_N)
         panel = replace(state.panel, reaction=reaction)
         return replace(state, load=Load(share * state.load.force_N), panel=panel)
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
 
 
 def mean_of(ends: list[State]) -> State:

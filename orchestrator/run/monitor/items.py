@@ -1,0 +1,315 @@
+"""The items of the monitor that flipflow brings, and how items are found.
+
+Each class here is an item: a quantity that a run observes.  Installed packages bring more by an entry
+point of the group ``flipflow.monitor``.  Nothing else names an item: a case gives its limit in
+``[monitor.items.<name>]``, and those that every case has (with a ``limit_key``) are keys of
+``[monitor]`` itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib.metadata import entry_points
+from inspect import isclass
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from orchestrator.case.file.errors import CaseProblem, did_you_mean
+from orchestrator.case.solver_plans import particle_step_s
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.numerics import MonitorSettings, Then
+from orchestrator.coupling.ledger import created_shares
+from orchestrator.coupling.machine import PanelPoints
+from orchestrator.ports import Array, Indices, Saved
+from orchestrator.ports.state import SavedAttributes
+from orchestrator.run.monitor.interface_work import SLOW_M_S, InterfaceData, exchanged_J
+from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
+
+
+class CreatedEnergy(MonitorItem):
+    """The share created of what went through each interface in some twenty intervals."""
+
+    name = "created_energy"
+    limit_key = "largest_created_share"
+    message = (
+        "the coupling creates or destroys energy between {where}: {value:.2g} of what went through "
+        "in the last intervals"
+    )
+
+    def observe(self) -> Iterator[Observation]:
+        for where, work in self.subject.works.items():
+            yield Observation(work.balance.recent_share(), where)
+
+
+class CreatedInTotal(MonitorItem):
+    """The share created of what went through each interface since t = 0 or was lost there."""
+
+    name = "created_in_total"
+    limit_key = "largest_created_in_total"
+    message = (
+        "the coupling has created or destroyed energy ({where}): {value:.2g} of all that went "
+        "through or was lost there"
+    )
+
+    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
+        shares = created_shares(output.terms_J, exchanged_J(self.subject.works))
+        for interface, share in shares.items():
+            yield Observation(abs(share), interface)
+
+
+class CrossedSurface(MonitorItem):
+    """How often a particle went through the surface elsewhere than through an opening."""
+
+    name = "crossed_surface"
+    limit_key = "most_crossings"
+    message = (
+        "{value:.0f} times a particle went through the surface, its centre to the other side, the "
+        "first time {where}: contacts too soft (particles.largest_youngs_modulus_Pa) or steps too "
+        "long"
+    )
+
+    def observe(self) -> Iterator[Observation]:
+        particles = self.subject.machine.solvers.particles
+        if particles is not None and (crossings := particles.crossings()).number:
+            yield Observation(crossings.number, crossings.first_in_words())
+
+
+class DeepOverlaps(MonitorItem):
+    """The deepest overlap, of the smaller radius."""
+
+    name = "deep_overlaps"
+    limit_key = "largest_overlap"
+    message = "particles overlap by {value:.2g} of a radius: contacts too soft or steps too long"
+
+    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
+        if output.bed is not None and len(output.bed[0].id):
+            overlaps = output.bed[1]
+            yield Observation(2 * max(overlaps.between_per_diameter, overlaps.surface_per_diameter))
+
+
+TURNS = 8  # as often in succession
+ROUND = 0.8  # of the way at least, as a cosine
+GROWTH = 2.0  # as large after so many turns
+
+
+class Alternation(SavedAttributes):
+    """Finds points of the surface whose velocity (points, 3) alternates between sync points, and grows.
+
+    A coupling that is unstable on a light point leaves the unit circle at -1
+    (docs/theory/stability.md): the point's velocity changes its sign with every interval, and grows.
+    The second difference of three velocities is four times as large as what alternates, and small,
+    (w H)^2 of it, of what moves smoothly.  A point whose second differences turn round again and again,
+    each time larger than before, is taken for such a mode: what rings decays between two blows.
+    Points are looked at one by one only where one alternates with the share ``least`` of the
+    surface's speed.
+    """
+
+    STATE = (
+        "_before_m_per_s",
+        "_step_m_per_s",
+        "_change_m_per_s",
+        "_first",
+        "_turns",
+        "_quick_m_per_s",
+        "_growing_m_per_s",
+    )
+
+    def __init__(self, velocity_m_per_s: Array, least: float) -> None:
+        self._least = least
+        self._quick_m_per_s, self._growing_m_per_s = SLOW_M_S, 0.0
+        self._begin(velocity_m_per_s)
+
+    def _begin(self, velocity_m_per_s: Array) -> None:
+        self._before_m_per_s = velocity_m_per_s
+        self._step_m_per_s, self._change_m_per_s = np.zeros((2, *velocity_m_per_s.shape))
+        # making room anew takes longer than filling it
+        self._room: tuple[Array, Array] = (np.empty_like(velocity_m_per_s), np.empty_like(velocity_m_per_s))
+        self._first: Array = np.zeros(len(velocity_m_per_s))
+        self._turns: Indices = np.zeros(len(velocity_m_per_s), dtype=np.int64)
+
+    def add(self, velocity_m_per_s: Array) -> None:
+        step_m_per_s, change_m_per_s = self._room
+        np.subtract(velocity_m_per_s, self._before_m_per_s, out=step_m_per_s)
+        np.subtract(step_m_per_s, self._step_m_per_s, out=change_m_per_s)
+        if points := len(velocity_m_per_s):
+            quick_m_per_s = sqrt(np.vdot(velocity_m_per_s, velocity_m_per_s) / points)
+            self._quick_m_per_s = max(self._quick_m_per_s, quick_m_per_s)
+            self._count(change_m_per_s, self._loud(change_m_per_s))
+        self._before_m_per_s, self._room = (velocity_m_per_s, (self._step_m_per_s, self._change_m_per_s))
+        self._step_m_per_s, self._change_m_per_s = step_m_per_s, change_m_per_s
+
+    def _loud(self, change_m_per_s: Array) -> bool:
+        """Returns whether a point may alternate fast enough to count.  The norm, no smaller than any of
+        its parts, is the quickest to find."""
+        least_m_per_s = 4 * self._least * self._quick_m_per_s
+        if np.vdot(change_m_per_s, change_m_per_s) < least_m_per_s**2:
+            return False
+        return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
+
+    def _count(self, change_m_per_s: Array, loud: bool) -> None:
+        """Counts how often each point has turned round in succession."""
+        self._growing_m_per_s = 0.0
+        if not loud:
+            if self._turns.any():
+                self._turns = np.zeros_like(self._turns)
+            return
+        square, before, along = (
+            np.einsum("ij,ij->i", *pair)
+            for pair in (
+                (change_m_per_s, change_m_per_s),
+                (self._change_m_per_s, self._change_m_per_s),
+                (change_m_per_s, self._change_m_per_s),
+            )
+        )
+        turned = (along < -ROUND * np.sqrt(square * before)) & (square > before)
+        self._turns = (self._turns + 1) * turned
+        self._first = np.where(self._turns > 1, self._first, square)
+        grows = (self._turns >= TURNS) & (square > GROWTH**2 * self._first)
+        if grows.any():
+            self._growing_m_per_s = float(np.sqrt(square[grows].max())) / 4
+
+    def share(self) -> float:
+        """Returns the speed of the fastest point that alternates and grows, of the surface's largest speed
+        so far (the root mean square of all points')."""
+        return self._growing_m_per_s / self._quick_m_per_s
+
+    def begin_anew(self) -> None:
+        """Forgets what alternates: intervals are of another length from now on."""
+        self._growing_m_per_s = 0.0
+        self._begin(self._before_m_per_s)
+
+
+class GrowingModes(MonitorItem):
+    """The largest speed of a point that alternates and grows, of the largest speed of the panels so far."""
+
+    name = "growing_modes"
+    limit_key = "largest_growing_share"
+    message = (
+        "a mode of the interface grows: a point alternates from interval to interval with "
+        "{value:.2g} of the surface's largest speed so far"
+    )
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        self._panels = slice(0, max((panel.surface.stop for panel in subject.machine.panels), default=None))
+        velocity_m_per_s = subject.start.panel.surface.velocity_m_per_s[self._panels]
+        self._modes = Alternation(velocity_m_per_s, subject.case.monitor.largest_growing_share)
+
+    def add_interval(self, data: InterfaceData) -> None:
+        self._modes.add(data.panel[2].surface.velocity_m_per_s[self._panels])
+
+    def observe(self) -> Iterator[Observation]:
+        yield Observation(self._modes.share())
+
+    def begin_anew(self) -> None:
+        self._modes.begin_anew()
+
+    def save(self) -> Saved:
+        return self._modes.save()
+
+    def restore(self, saved: Saved) -> None:
+        self._modes.restore(saved)
+
+
+class LongSteps(MonitorItem):
+    """The longest motion in a particle step: of particles in their own radii, of the surface in the
+    smallest one."""
+
+    name = "long_steps"
+    limit_key = "largest_step_share"
+    message = "{where} moves in a particle step by {value:.2g} of a radius"
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__(subject)
+        self._step_s = particle_step_s(subject.case)
+
+    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
+        if output.bed is None or not len(output.bed[0].id):
+            return
+        particles, surface = output.bed[0], output.state.panel.surface
+        radius_m = particles.diameter_m / 2
+        share = self._step_s * np.linalg.norm(particles.velocity_m_per_s, axis=1) / radius_m
+        farthest = int(np.argmax(share))
+        yield Observation(float(share[farthest]), f"particle {particles.id[farthest]}")
+        fastest_m_per_s = np.linalg.norm(surface.velocity_m_per_s, axis=1).max(initial=0.0)
+        yield Observation(float(self._step_s * fastest_m_per_s / radius_m.min()), "the surface")
+
+
+class PenetratedSurfaces(MonitorItem):
+    """The deepest penetration, in thicknesses of the panel."""
+
+    name = "penetrated_surfaces"
+    limit_key = "largest_penetration"
+    message = (
+        "panel {where} by {value:.3g} of its thickness, and nothing holds it there: tighten it, "
+        "move one of them, or give the panel a stop"
+    )
+
+    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
+        through = self.subject.machine.penetrations.deepest(output.state.panel.surface.position_m)
+        if through is not None:
+            yield Observation(through.thicknesses, f"{through.panel} has gone through {through.surface}")
+
+
+class StretchedPanels(MonitorItem):
+    """The largest stretch of each panel along an edge of its triangles."""
+
+    name = "stretched_panels"
+    limit_key = "largest_stretch"
+    message = "panel {where} is stretched by {value:.2g} of its length"
+
+    def observe_output(self, output: OutputTime) -> Iterator[Observation]:
+        surface_m = output.state.panel.surface.position_m
+        for panel in self.subject.machine.panels:
+            yield Observation(largest_stretch(panel, surface_m), panel.name)
+
+
+def largest_stretch(panel: PanelPoints, surface_m: Array) -> float:
+    """Returns the largest strain of an edge of the panel's triangles, over its stress-free length."""
+    ends_m = surface_m[panel.edges]
+    length_m = np.linalg.norm(ends_m[:, 1] - ends_m[:, 0], axis=1)
+    return float((length_m / panel.edge_length_m).max()) - 1.0
+
+
+class ItemLimit(NamedTuple):
+    """What a case wants of an item: the limit, its key in the case, and what to do beyond it."""
+
+    then: Then
+    limit: float
+    key: str
+
+
+def all_items() -> dict[str, type[MonitorItem]]:
+    """Returns every item by its name: those of this file, then those of installed packages."""
+    classes = [kind for kind in globals().values() if isclass(kind) and issubclass(kind, MonitorItem)]
+    classes += [point.load() for point in entry_points(group="flipflow.monitor")]
+    return {kind.name: kind for kind in classes if kind is not MonitorItem}
+
+
+def item_limit(settings: MonitorSettings, kind: type[MonitorItem]) -> ItemLimit | None:
+    """Returns what ``[monitor]`` wants of an item, or None for one that the case does not name."""
+    if kind.limit_key:
+        limit = getattr(settings, kind.limit_key)
+        return ItemLimit(getattr(settings, kind.name), limit, f"monitor.{kind.limit_key}")
+    wanted = settings.items.get(kind.name)
+    if wanted is None:
+        return None
+    return ItemLimit(wanted.then, wanted.limit, f"monitor.items.{kind.name}.limit")
+
+
+def unknown_items(case: Case) -> list[CaseProblem]:
+    """Returns a problem for each table ``[monitor.items.<name>]`` whose item is nowhere to be found."""
+    if not case.monitor.items:
+        return []
+    names = [name for name, kind in all_items().items() if not kind.limit_key]
+    return [
+        CaseProblem(
+            ("monitor", "items", name),
+            f'there is no item "{name}" of the monitor',
+            did_you_mean(name, names) if names else "docs/how-to/add-a-monitor-item.md adds one",
+        )
+        for name in case.monitor.items
+        if name not in names
+    ]

@@ -1,1 +1,0 @@
-"""What the monitor observes: one item in each module, found by its being here."""
