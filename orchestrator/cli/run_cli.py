@@ -55,7 +55,7 @@ def report(run: RunPath) -> None:
 
     Exit code 0: made; 2: the folder is no run, or has not ended.
     """
-    from orchestrator.output.report.command import report as made
+    from orchestrator.output.report.page import report as made
 
     with reported_errors():
         CONSOLE.print(made(run))

@@ -20,7 +20,7 @@ from itertools import islice
 from pathlib import Path
 
 from orchestrator.cli import main as cli
-from orchestrator.output.report import command
+from orchestrator.output.report import page
 from orchestrator.output.report.page import Film
 from orchestrator.run import ending, run
 
@@ -79,7 +79,7 @@ def _main(words: Sequence[str]) -> int:
     intervals = run.intervals
     run.intervals = lambda *times: islice(intervals(*times), INTERVALS)
     ending._draw = lambda folder: None
-    command.make_film = lambda *_: Film(b"", reason="not drawn")
+    page.make_film = lambda *_: Film(b"", reason="not drawn")
     sys.argv = ["flipflow", *words]
     try:
         cli.main()

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.run_folder import OF_A_RUN, FolderUnusable, lock
-from orchestrator.output.report.command import report
+from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
-from orchestrator.output.report.tables import left_out_rows
+from orchestrator.output.report.page import report
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly
@@ -146,7 +146,7 @@ def test_a_file_that_crashes_its_library(tmp_path: Path, monkeypatch: pytest.Mon
     """As HDF5 does on some damaged files, which the fuzzer finds; which, hangs on its version."""
     folder = folder_of(tmp_path / "run", cycles=15)
     crash = lambda _: os.kill(os.getpid(), signal.SIGKILL)  # noqa: E731
-    monkeypatch.setattr("orchestrator.output.report.command.compute_results", crash)
+    monkeypatch.setattr("orchestrator.output.report.page.compute_results", crash)
     with pytest.raises(FolderUnusable, match=r"reading history\.h5 crashed"):
         report(folder)
 
@@ -187,7 +187,7 @@ def test_what_was_left_out_is_said_with_its_number() -> None:
         "left_out": {"frame-rotation": "frames.solver two-mass", "adhesion": "auto"},
         "effects": {"frame-rotation": {"before": ROTATION, "after": ROTATION | {"matters": True}}},
     }
-    assert list(left_out_rows(summary)) == [
+    assert list(left_out_facts(summary)) == [
         ("frame-rotation", "frames.solver two-mass"),
         ("before the run", "may be left out: rotation 0.0512, threshold 0.1"),
         ("after the run", "matters: rotation 0.0512, threshold 0.1"),

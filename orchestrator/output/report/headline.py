@@ -9,6 +9,13 @@ from typing import Any
 from orchestrator.output.report.formatting import NONE, interval, number
 
 NOT_STEADY = "not steady yet"
+SCREENING = {  # words, unit, and which particles that left are counted
+    "efficiency_percent": ("screening efficiency η", "%", "particles"),
+    "fine_placement_percent": ("undersize recovery", "%", "fine particles"),
+    "recovered_percent": ("fines recovered, of what came in", "%", "fine particles"),
+    "oversize_yield_percent": ("oversize yield", "%", "particles"),
+    "feed_kg_per_s": ("feed", "kg/s", ""),
+}
 
 
 @dataclass(frozen=True)
@@ -24,85 +31,57 @@ class Tile:
     unsteady: bool
 
     @property
-    def basis(self) -> str:
-        """What it was taken from, and whether it will last."""
-        return f"over {self.over}" + (f"; {NOT_STEADY}" if self.unsteady else "")
-
-    @property
     def line(self) -> str:
         """All of it in one line, for a terminal."""
         width = f" ± {self.interval}" if self.interval else ""
-        return f"{self.name}: {self.value}{width} {self.unit} ({self.basis})"
+        basis = f"over {self.over}" + (f"; {NOT_STEADY}" if self.unsteady else "")
+        return f"{self.name}: {self.value}{width} {self.unit} ({basis})"
 
 
 def headline(results: dict[str, Any]) -> list[Tile]:
     """Returns a tile for each figure for which the results of a run have a value."""
-    tiles = [*_screening(results), *_bed(results), *_motion(results)]
+    tiles = [*_material_tiles(results), *_motion_tiles(results)] if results else []
     return [tile for tile in tiles if tile.value != NONE]
 
 
-def _screening(results: dict[str, Any]) -> Iterator[Tile]:
-    screening = results.get("screening", {})
-    kinds = {
-        "efficiency_percent": ("screening efficiency η", "%", "particles"),
-        "fine_placement_percent": ("undersize recovery", "%", "fine_particles"),
-        "recovered_percent": ("fines recovered, of what came in", "%", "fine_particles"),
-        "oversize_yield_percent": ("oversize yield", "%", "particles"),
-        "feed_kg_per_s": ("feed", "kg/s", ""),
-    }
-    for key, (name, unit, counted) in kinds.items():
+def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
+    """Yields figures of screening and bed, masses of the full width."""
+    whole, state = 1.0 / float(results["share_of_width"]), results.get("steady")
+    lasting, unsteady = (_lasting(state), not state["is_steady"]) if state else ("the whole run", True)
+    screening, bed = results.get("screening", {}), results.get("bed")
+    for key, (name, unit, kind) in SCREENING.items():
         if key in screening:
-            scale = _whole(results) if unit == "kg/s" else 1.0
-            kind = "fine particles" if counted == "fine_particles" else "particles"
-            left = f"{screening[counted]} {kind} that left, " if counted else ""
-            yield _tile(name, screening[key], unit, *_balanced(results, left), scale)
+            left = f"{screening[kind.replace(' ', '_')]} {kind} that left, " if kind else ""
+            scale = whole if unit == "kg/s" else 1.0
+            yield _tile(name, screening[key], unit, left + lasting, unsteady, scale)
+    if bed:
+        over = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, {lasting}"
+        yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", over, unsteady)
+        yield _tile("mass on the deck", bed["on_deck_kg"], "kg", over, unsteady, whole)
+        yield _tile("largest bed depth", bed["largest_depth_m"], "mm", over, unsteady, 1e3)
 
 
-def _bed(results: dict[str, Any]) -> Iterator[Tile]:
-    if "bed" not in results:
-        return
-    bed = results["bed"]
-    there = f"{bed['particles']:.3g} particles at {bed['output_times']} output times, "
-    basis = _balanced(results, there)
-    yield _tile("material velocity", bed["velocity_m_per_s"], "m/s", *basis)
-    yield _tile("mass on the deck", bed["on_deck_kg"], "kg", *basis, _whole(results))
-    yield _tile("largest bed depth", bed["largest_depth_m"], "mm", *basis, 1e3)
-
-
-def _motion(results: dict[str, Any]) -> Iterator[Tile]:
+def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
     motion = results.get("motion")
     if motion is None:
         return
-    over = _lasting(motion["cycles"], motion["end_s"] - motion["start_s"])
-    basis = over, not motion["is_settled"]
+    over, unsteady = _lasting(motion), not motion["is_settled"]
     for name, orbit in motion["relative"].items():
-        yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", *basis, 1e3)
-    peaks = [point["peak_g"] for point in motion["panel_points"].values()]
-    if peaks:
-        yield Tile("peak panel acceleration", number(max(peaks)), "", "g", *basis)
-    stretches = [panel["stretch_largest_percent"] for panel in motion["panels"].values()]
-    if stretches:
-        yield Tile("largest panel stretch", number(max(stretches)), "", "%", *basis)
+        yield _tile(f"relative amplitude {name}, along", orbit["along_m"], "mm", over, unsteady, 1e3)
+    largest = (
+        ("peak panel acceleration", "panel_points", "peak_g", "g"),
+        ("largest panel stretch", "panels", "stretch_largest_percent", "%"),
+    )
+    for name, table, key, unit in largest:
+        value = max((entry[key] for entry in motion[table].values()), default=None)
+        yield Tile(name, number(value), "", unit, over, unsteady)
 
 
-def _balanced(results: dict[str, Any], counted: str) -> tuple[str, bool]:
-    """What a figure of the bed was taken from, and whether it was not steady."""
-    state = results.get("steady")
-    if state is None:
-        return f"{counted}the whole run", True
-    lasting = _lasting(state["cycles"], state["end_s"] - state["start_s"])
-    return counted + lasting, not state["is_steady"]
-
-
-def _lasting(cycles: int, seconds: float) -> str:
-    """ "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
+def _lasting(window: dict[str, Any]) -> str:
+    """Returns such as "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
+    cycles, lasting_s = window["cycles"], window["end_s"] - window["start_s"]
     counted = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""
-    return f"{counted}{number(seconds)} s"
-
-
-def _whole(results: dict[str, Any]) -> float:
-    """Full width over that of the slice."""
-    return 1.0 / float(results["share_of_width"])
+    return f"{counted}{number(lasting_s)} s"
 
 
 def _tile(

@@ -1,26 +1,92 @@
-"""The page: gathers words, tables and figures of a run, and fills the template."""
+"""``flipflow report``: from the folder of a run to its page, or to words about what is wrong."""
 
 from __future__ import annotations
 
 import json
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from itertools import chain
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from orchestrator.output.report import tables
+from jinja2 import UndefinedError
+
+from orchestrator.case.file.errors import CaseError
+from orchestrator.output import checkpoints
+from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
+from orchestrator.output.report import facts
 from orchestrator.output.report.drawing import data_uri, embedded, fill_template
-from orchestrator.output.report.formatting import duration, interval, number
+from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
-from orchestrator.output.report.quality import collect_warnings, quality_rows
+from orchestrator.output.results.compute import compute_results
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 
 NAME = "report.html"
 FILM_CYCLES = 3
+NEEDED = ("case.toml", SUMMARY, "provenance.json", HISTORY)
+DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, UndefinedError)
+
+
+def report(folder: Path) -> Path:
+    """Writes the page of a run and returns its path.
+
+    Raises FolderUnusable where ``folder`` is no run, or is a run from which nothing can be read.
+    """
+    missing = [name for name in NEEDED if not (folder / name).is_file()]
+    if not folder.is_dir():
+        raise FolderUnusable(f"{folder}: no such folder")
+    if missing == [SUMMARY]:
+        raise FolderUnusable(f"{folder}: {_why_open(folder)}")
+    if missing:
+        raise FolderUnusable(f"{folder}: no run, or a damaged one: it has no {', '.join(missing)}")
+    with ProcessPoolExecutor(1, get_context("fork")) as apart:  # HDF5 crashes on some damaged files
+        try:
+            return apart.submit(_write_page, folder).result()
+        except BrokenProcessPool:
+            raise FolderUnusable(
+                f"{folder}: reading history.h5 crashed: it is damaged, or memory ran out"
+            ) from None
+
+
+def _why_open(folder: Path) -> str:
+    """Returns why the run has no summary, and what can be done."""
+    if is_at_work(folder):
+        return "the run is still going on"
+    killed = "the run was killed before it could close its books"
+    save = checkpoints.newest(folder)
+    if save is None:
+        return f"{killed}, and nothing had been saved; run the case again"
+    return (
+        f"{killed}; `flipflow resume {folder}` goes on from t = {save.simulated_s:g} s, where it "
+        f"was saved, or closes them there with --set duration_s={save.simulated_s:.12g}"
+    )
+
+
+def _write_page(folder: Path) -> Path:
+    """Raises FolderUnusable where something in the files cannot be used."""
+    try:
+        write_text(folder / NAME, page(folder, compute_results(folder), make_film))
+    except CaseError as error:
+        raise FolderUnusable(f"{folder}: its case cannot be read\n{error}") from None
+    except KeyError as error:
+        raise FolderUnusable(
+            f"{folder}: there is no {error} in its files: the run was made by another version of "
+            "flipflow; run the case again"
+        ) from error
+    except DAMAGED as error:
+        raise FolderUnusable(
+            f"{folder}: something in its files is damaged, or of another version of flipflow "
+            f"({type(error).__name__}: {error})"
+        ) from error
+    except OSError as error:
+        raise FolderUnusable(f"{folder}: {error}") from None
+    return folder / NAME
 
 
 @dataclass(frozen=True)
@@ -50,53 +116,33 @@ def make_film(folder: Path, lasting_s: float) -> Film:
 def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
     """Returns the HTML of a run's report.  ``results`` are its results, ``film`` makes the animation."""
     with RunReader(folder) as run:
-        summary, provenance = run.summary, run.provenance
+        summary = run.summary
         shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
-        drawings = chain(
-            [("cost", draw_cost(summary["wall_by_part_s"]))], draw_results(results), draw_machine(run)
-        )
+        cost = ("cost", draw_cost(summary["wall_by_part_s"]))
+        drawings = chain([cost], draw_results(results), draw_machine(run))
         return fill_template(
             "output/report/template.html",
             case=run.case,
             summary=summary,
-            provenance=provenance,
+            provenance=run.provenance,
             results=results,
+            whole=1.0 / results["share_of_width"],
             facts={
-                "machine": list(tables.machine_facts(run)),
-                "bed": list(tables.bed_facts(run.case)),
-                "how it was computed": list(tables.solver_facts(run.case, summary["stability"]["scheme"])),
+                "machine": list(facts.machine_facts(run)),
+                "bed": list(facts.bed_facts(run.case)),
+                "how it was computed": list(facts.solver_facts(run.case, summary["stability"]["scheme"])),
             },
             headline=headline(results),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
-            warnings=collect_warnings(folder, summary, results),
-            sheets=_sheets(results),
+            warnings=facts.collect_warnings(folder, summary, results),
             pictures={name: embedded(drawn) for name, drawn in drawings},
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
-            left_out=list(tables.left_out_rows(summary)),
-            quality=quality_rows(summary),
+            left_out=list(facts.left_out_facts(summary)),
+            quality=list(facts.quality_facts(summary)),
             duration=duration,
             interval=interval,
             number=number,
+            whole_number=whole_number,
         )
-
-
-def _sheets(results: dict[str, Any]) -> dict[str, tables.Sheet]:
-    sheets, whole = {}, 1.0 / results["share_of_width"]
-    if "screening" in results:
-        sheets["screening"] = tables.screening_sheet(results["screening"], whole)
-        if results["screening"]["sections"]:
-            sheets["sections"] = tables.sections_sheet(results["screening"])
-    if "bed" in results:
-        sheets["bed"] = tables.bed_sheet(results, whole)
-    if "wear" in results:
-        sheets["wear"] = tables.wear_sheet(results["wear"])
-    motion = results.get("motion", {})
-    if motion.get("frames"):
-        sheets["frames"] = tables.frames_sheet(motion)
-    if motion.get("panels"):
-        sheets["panels"] = tables.panels_sheet(motion, whole)
-    if motion.get("panel_points"):
-        sheets["accelerations"] = tables.accelerations_sheet(motion)
-    return sheets

@@ -19,12 +19,12 @@ from scipy.integrate import trapezoid
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.report.drawing import FEED, HALF, HELD, OVER, UNDER, WIDE, figure, save
-from orchestrator.output.report.tables import MM_IN_1000_H
 from orchestrator.output.results.run_reader import RunReader
 
 COLUMNS = 4  # panels or bushings side by side
 LOWEST = 3.8  # inches high: a single row of panels is legible
 MOMENTS = 8  # of a cycle
+MM_IN_1000_H = 1e6  # 1 m/h
 MOST_POINTS = 4000  # of a line
 FEWEST_SECTIONS = 3  # that look well side by side
 SMALLEST_SHARE = 1e-3  # of the largest term of a picture: smaller ones are left out
