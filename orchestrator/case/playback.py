@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from orchestrator.case import recording_file, solvers
+from orchestrator.case import recording_file
 from orchestrator.case.deck.panels import SinglePanel, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.recording import Playback
@@ -60,7 +60,7 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
 
     Raises NoMatch, and recording_file.UnreadableRecording.
     """
-    if not solvers.panel(case).plays_back:
+    if not case.panel.adapter.plays_back:
         return {}
     machine = turning(case)
     if machine is None or case.panel.recording is None:

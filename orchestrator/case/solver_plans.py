@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
 from orchestrator.case.bed.sources import combined_feed, initial_particles, largest_diameter_m
@@ -79,7 +78,7 @@ def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_
 
     Frames that forces do not move get drives only: no bushings, no exciters.
     """
-    forces = solvers.frames(case).moved_by_forces
+    forces = case.frames.adapter.moved_by_forces
     frames = case.screen.frames
     return FramesPlan(
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
@@ -130,7 +129,7 @@ def bushings(case: Case) -> list[BushingPlan]:
 
 def _exciters(case: Case) -> list[ExciterPlan]:
     """One by one, in world axes; solvers that know no motors turn their shafts at full speed."""
-    motors = solvers.frames(case).motors
+    motors = case.frames.adapter.motors
     return [
         ExciterPlan(
             body=exciter.frame,
@@ -215,13 +214,13 @@ UNKNOWNS = 3  # of a node
 def mesh_sizes(case: Case) -> dict[str, MeshSize]:
     """By panel; empty for solvers whose meshes are small.  ValueError for openings that the solver
     cannot resolve."""
-    size = solvers.panel(case).mesh_size
+    size = case.panel.adapter.mesh_size
     return {} if size is None else {plan.name: size(plan) for plan in panel_plans(case)}
 
 
 def memory_GiB(case: Case) -> float:
     """What the meshes of all panels need together, good to a factor of two."""
-    each_GiB = solvers.panel(case).memory_GiB
+    each_GiB = case.panel.adapter.memory_GiB
     return 0.0 if each_GiB is None else sum(each_GiB(plan) for plan in panel_plans(case))
 
 

@@ -23,8 +23,7 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.failures import SolverMissing, solver_failure_context
 
 if TYPE_CHECKING:
-    from orchestrator.case.tables.case import Case
-    from orchestrator.ports.adapters import Adapter, FramesAdapter, PanelAdapter, ParticlesAdapter
+    from orchestrator.ports.adapters import Adapter
 
 Port = Literal["panel", "frames", "particles"]
 NONE = "none"
@@ -75,31 +74,6 @@ def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
                 ) from error
     door = import_module(f"adapters.{port}.{solver.replace('-', '_')}")
     return cast("Adapter[Any, Any, Any]", door.ADAPTER)
-
-
-def panel(case: Case) -> PanelAdapter:
-    """The adapter of the case's panel solver."""
-    return cast("PanelAdapter", adapter("panel", case.panel.solver))
-
-
-def frames(case: Case) -> FramesAdapter:
-    """The adapter of the case's frames solver."""
-    return cast("FramesAdapter", adapter("frames", case.frames.solver))
-
-
-def particles(case: Case) -> ParticlesAdapter | None:
-    """The adapter of the case's particle solver; None for a machine that runs empty."""
-    if case.particles.solver == NONE:
-        return None
-    return cast("ParticlesAdapter", adapter("particles", case.particles.solver))
-
-
-def in_use(case: Case) -> dict[Port, Adapter[Any, Any, Any]]:
-    """The adapters of the case, by port."""
-    found: dict[Port, Adapter[Any, Any, Any]] = {"panel": panel(case), "frames": frames(case)}
-    if (of_particles := particles(case)) is not None:
-        found["particles"] = of_particles
-    return found
 
 
 def those(port: Port, can: Callable[[Any], bool]) -> str:

@@ -21,7 +21,7 @@ from typing import IO, Any, cast
 
 from rich.console import Console
 
-from orchestrator.case import provenance, solvers
+from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.console import TOO_LARGE, find_all_problems
 from orchestrator.coupling import mpi
@@ -87,7 +87,7 @@ def require_runnable(loaded: JudgedCase) -> None:
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_all_problems(loaded):
         raise CaseError(problems)
-    solvers.panel(loaded.case).load()
+    loaded.case.panel.adapter.load()
 
 
 def report_refusal(world: Any, error: Exception) -> int:

@@ -11,7 +11,6 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
 
@@ -24,7 +23,7 @@ def cycle_s(case: Case) -> float:
     frames), or the whole run where there is none."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     speeds = [drive.speed_rad_per_s for drive in drives]
-    if solvers.frames(case).moved_by_forces:
+    if case.frames.adapter.moved_by_forces:
         speeds += [exciter.speed_rad_per_s for exciter in case.screen.exciters.values()]
     return 2 * math.pi / min(speeds) if speeds else case.duration_s
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import adhesion_law
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.size_distribution import mean_mass_kg
@@ -118,13 +117,13 @@ def predicted_parts_s(case: Case, at_start: int, bed: BedDensity = THICK) -> dic
     panels, particles = len(single_panels(case)), has_particles(case)
     tries = RUNS[case.coupling.scheme] if particles else RUNS["particles-first"]
     mean = bed_cost(case, at_start, bed).mean if particles else 0.0
-    of_particles = solvers.particles(case)
+    of_particles = case.particles.adapter
     costs = {
         "particles": of_particles.cost(_particles(case, mean, tries.particles))
         if of_particles is not None
         else Cost(0.0, 0.0),
-        "panel": solvers.panel(case).cost(_panels(case, tries.panel)),
-        "frames": solvers.frames(case).cost(_frames(case)),
+        "panel": case.panel.adapter.cost(_panels(case, tries.panel)),
+        "frames": case.frames.adapter.cost(_frames(case)),
     }
     triangles = _triangles(case) if particles else 0
     found = {"start": IMPORT_S + MESHED_S * triangles} | {

@@ -234,7 +234,7 @@ def _watched(case: Case) -> Iterator[str]:
 
 
 def _cheaper_panels(case: Case, effect: str) -> Iterator[str]:
-    if effect != ACROSS and solvers.panel(case).varies_across:
+    if effect != ACROSS and case.panel.adapter.varies_across:
         narrow = solvers.without("panel", ACROSS)
         cells = f"panel.cells=[{min(STRIP_CELLS, max(2, case.panel.cells[0]))}, 1]"
         yield from (f"panel.solver={narrow}", "panel.integrator=explicit", "panel.step_s=0.0", cells)

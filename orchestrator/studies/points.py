@@ -16,7 +16,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import changed
 from orchestrator.case.tables.case import Case
@@ -244,7 +243,7 @@ def seeded(case: Case, number: int) -> tuple[str, ...]:
 
 def is_random(case: Case) -> bool:
     """Returns whether seeds change anything."""
-    return bool(seeded(case, 1)) and solvers.particles(case) is not None
+    return bool(seeded(case, 1)) and case.particles.adapter is not None
 
 
 def sample_s(interval_s: float) -> Fraction:

@@ -219,6 +219,4 @@ def surface_grids(case: Case) -> dict[str, TriangleGrid]:
 def _grid(rectangle: Rectangle, apertures: AperturePattern | None, cells: tuple[int, int]) -> TriangleGrid:
     if apertures is None:
         return grid(rectangle, cells)
-    from orchestrator.case.deck.triangle_grid import perforated_grid
-
     return perforated_grid(rectangle, apertures, cells)

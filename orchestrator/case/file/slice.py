@@ -137,7 +137,7 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
     if case.slice.sides == "walls":
         return []
     found = []
-    particles = solvers.particles(case)
+    particles = case.particles.adapter
     if particles is not None and not particles.periodic and (case.bed.particles or case.bed.sources):
         others = solvers.those("particles", lambda able: able.periodic)
         what = f"particles.solver {case.particles.solver} has no periodic sides"

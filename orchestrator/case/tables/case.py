@@ -6,12 +6,12 @@ and merges them.  docs/case-format.md lists every key.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from annotated_types import Ge, Gt, Le, Lt
 from pydantic import Field, PrivateAttr, Strict
 
-from orchestrator.case.solvers import NONE
+from orchestrator.case.solvers import NONE, Port
 from orchestrator.case.tables.bed import Bed
 from orchestrator.case.tables.numerics import (
     CheckpointSettings,
@@ -35,6 +35,9 @@ from orchestrator.case.tables.quantities import (
     Vector,
 )
 from orchestrator.case.tables.screen import Screen
+
+if TYPE_CHECKING:
+    from orchestrator.ports.adapters import Adapter
 
 
 class Slice(Table):
@@ -184,6 +187,17 @@ class Case(Table):
 
     _whole: Case | None = PrivateAttr(default=None)
     _fine: Case | None = PrivateAttr(default=None)
+
+    @property
+    def adapters(self) -> dict[Port, Adapter[Any, Any, Any]]:
+        """The adapters of its solvers, by port; an empty machine has none for particles."""
+        adapters: dict[Port, Adapter[Any, Any, Any]] = {
+            "panel": self.panel.adapter,
+            "frames": self.frames.adapter,
+        }
+        if self.particles.adapter is not None:
+            adapters["particles"] = self.particles.adapter
+        return adapters
 
     @property
     def whole(self) -> Case:

@@ -5,13 +5,16 @@ These tables usually stand in a level (``levels/<level>.toml``).
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, cast
 
 from annotated_types import Ge, Gt, Le
 from pydantic import Field, Strict
 
-from orchestrator.case.solvers import SolverName
+from orchestrator.case.solvers import NONE, SolverName, adapter
 from orchestrator.case.tables.quantities import Cells, Name, NotNegative, Positive, Switch, Table
+
+if TYPE_CHECKING:
+    from orchestrator.ports.adapters import FramesAdapter, PanelAdapter, ParticlesAdapter
 
 
 class PanelSolver(Table):
@@ -32,6 +35,11 @@ class PanelSolver(Table):
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own limit with a margin."""
 
+    @property
+    def adapter(self) -> PanelAdapter:
+        """What the solver tells of itself."""
+        return cast("PanelAdapter", adapter("panel", self.solver))
+
 
 class FramesSolver(Table):
     """How the frames are solved."""
@@ -40,6 +48,11 @@ class FramesSolver(Table):
     """The solver."""
     step_s: NotNegative = 0.0
     """Largest time step; 0 takes the solver's own."""
+
+    @property
+    def adapter(self) -> FramesAdapter:
+        """What the solver tells of itself."""
+        return cast("FramesAdapter", adapter("frames", self.solver))
 
 
 class ParticlesSolver(Table):
@@ -71,6 +84,11 @@ class ParticlesSolver(Table):
     """Law of rolling friction, where contacts have some: constant torque, or elastic-plastic."""
     wear: Literal["none", "archard"] = "archard"
     """Law of wear, where contacts have a specific one."""
+
+    @property
+    def adapter(self) -> ParticlesAdapter | None:
+        """What the solver tells of itself; None for a machine that runs empty."""
+        return None if self.solver == NONE else cast("ParticlesAdapter", adapter("particles", self.solver))
 
 
 class Coupling(Table):

@@ -20,7 +20,7 @@ from orchestrator.ports import linear_frames
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
     """Masses for frames that forces move, and drives only for solvers that know them."""
-    solver, able = case.frames.solver, solvers.frames(case)
+    solver, able = case.frames.solver, case.frames.adapter
     if not able.moved_by_forces:
         return
     driving = solvers.those("frames", lambda frames: frames.drives and frames.moved_by_forces)
@@ -57,7 +57,7 @@ def possible_inertia(case: Case) -> Iterator[CaseProblem]:
 def held_frames(case: Case) -> Iterator[CaseProblem]:
     """Frames drawn at rest need bushings that can hold their weight, to the ground or to driven
     frames: the static equations K u = weight, translations only, must have a solution."""
-    if not (solvers.frames(case).moved_by_forces and case.screen.drawn_at_rest):
+    if not (case.frames.adapter.moved_by_forces and case.screen.drawn_at_rest):
         return
     plan = frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
     free = [plan.bodies[number] for number in linear_frames.free(plan)]
@@ -103,7 +103,7 @@ def solvers_objections(case: Case) -> Iterator[CaseProblem]:
         ("frames", [frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))]),
     ]
     for port, plans in asked:
-        objections = (o for plan in plans for o in solvers.in_use(case)[port].objections(plan))
+        objections = (o for plan in plans for o in case.adapters[port].objections(plan))
         for objection in dict.fromkeys(objections):
             yield CaseProblem(objection.key or (port, "solver"), objection.what, objection.hint)
 
@@ -127,7 +127,7 @@ def probes(case: Case) -> Iterator[CaseProblem]:
 
 def driven_frames(case: Case) -> Iterator[CaseProblem]:
     """Frames that a drive moves while forces move others: they have no exciter."""
-    solver = solvers.frames(case)
+    solver = case.frames.adapter
     if not (solver.drives and solver.moved_by_forces):
         return
     frames = case.screen.frames

@@ -51,7 +51,7 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:
     """An integrator that the panels' solver does not have."""
-    asked, able = case.panel.integrator, solvers.panel(case).integrators
+    asked, able = case.panel.integrator, case.panel.adapter.integrators
     if asked not in able:
         others = solvers.those("panel", lambda panel: asked in panel.integrators)
         hint = f'take "{able[0]}", or panel.solver = {others}'

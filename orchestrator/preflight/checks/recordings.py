@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from orchestrator.case import recording_file, solvers
+from orchestrator.case import recording_file
 from orchestrator.case.file.errors import CaseProblem
 from orchestrator.case.file.layers import is_outside
 from orchestrator.case.playback import NoMatch, playbacks, turning
@@ -17,7 +17,7 @@ OTHER_SPEED = 0.01
 
 def named_recording(case: Case) -> Iterator[CaseProblem]:
     """A solver that plays back needs a file, and a machine whose angle it can follow."""
-    if not solvers.panel(case).plays_back:
+    if not case.panel.adapter.plays_back:
         return
     if case.panel.recording is None:
         yield CaseProblem(KEY, "missing: what is to be played back?", "flipflow record makes a file")
@@ -27,7 +27,7 @@ def named_recording(case: Case) -> Iterator[CaseProblem]:
 
 def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem]:
     """A file of somebody else, named by a file of the case and not by the user: ``source``."""
-    if not solvers.panel(case).plays_back or case.panel.recording is None or source == "--set":
+    if not case.panel.adapter.plays_back or case.panel.recording is None or source == "--set":
         return
     file = folder / case.panel.recording
     if file.is_file() and is_outside(file, folder):
@@ -45,7 +45,7 @@ def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
 def other_speed(case: Case, folder: Path) -> Iterator[str]:
     """A recording made at another speed than it is played back at."""
     machine = turning(case)
-    if not solvers.panel(case).plays_back or case.panel.recording is None or machine is None:
+    if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
         return
     recorded = recording_file.read(folder / case.panel.recording).speed_rad_per_s
     if abs(machine.speed_rad_per_s / recorded - 1) > OTHER_SPEED:

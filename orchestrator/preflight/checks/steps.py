@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from orchestrator.case import solvers
 from orchestrator.case.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
 from orchestrator.case.file.errors import CaseProblem
@@ -45,7 +44,7 @@ def panel_step(case: Case) -> Iterator[CaseProblem]:
     resting shape: the run says so."""
     if case.panel.step_s == 0:
         return
-    limit = solvers.panel(case).largest_step_s
+    limit = case.panel.adapter.largest_step_s
     if limit is None:
         return
     try:
@@ -74,7 +73,7 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
 
 def missing_solvers(case: Case) -> Iterator[str]:
     """Solvers that the case wants and this installation lacks; takes as long as they load."""
-    for port, adapter in solvers.in_use(case).items():
+    for port, adapter in case.adapters.items():
         if port == "particles" and not has_particles(case):
             continue
         try:

@@ -10,7 +10,6 @@ from importlib.metadata import entry_points
 from pkgutil import iter_modules
 from typing import get_args
 
-from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case, absent, has_particles
 from orchestrator.preflight import effects
 from orchestrator.preflight.scene.effect import Effect, Part, Verdict
@@ -133,7 +132,7 @@ def why_left_out(case: Case, name: str) -> str:
     effect = EFFECTS[name]
     if why := effect.left_out(case):
         return why
-    for port, adapter in solvers.in_use(case).items():
+    for port, adapter in case.adapters.items():
         instead = adapter.leaves_out.get(name)
         if instead is not None and effect.described(case):
             return f"{port}.solver {getattr(case, port).solver}: {instead}"

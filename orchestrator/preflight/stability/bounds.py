@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.case.tables.screen import PanelTable
@@ -105,7 +104,7 @@ def contact_bounds(
     exchange, scheme = scene.case.exchange, scene.case.coupling.scheme
     if not (exchange.particle_load and exchange.panel_motion):
         return
-    if scheme == "robin" and not solvers.panel(scene.case).yields:
+    if scheme == "robin" and not scene.case.panel.adapter.yields:
         scheme = "particles-first"  # that is what it does on them
     seats = list(_seats(scene, modes_rad_per_s, frames))
     for name, (kind, limit_s) in CONTACT_LIMITS.get(scheme, {}).items() if seats else ():
@@ -135,7 +134,7 @@ def _mass_kg(
     scene: Scene, name: str, panel: PanelTable, touch: Touch, frames: FrameMatrices | None
 ) -> float | None:
     """None where nothing moves under a load."""
-    if solvers.panel(scene.case).yields:
+    if scene.case.panel.adapter.yields:
         alone_kg = lightest_point_kg(scene.case, name)
         crowded_kg = areal_kg_per_m2(scene.case, panel) * touch.area_m2
         return min(alone_kg, max(crowded_kg, alone_kg / touch.most))
@@ -199,8 +198,8 @@ def met(scene: Scene) -> list[Met]:
     """Every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
     middles or as the frames, whichever is more."""
     case, moves = scene.case, scene.case.exchange.frame_motion
-    yields = solvers.panel(case).yields
-    panels_throw = scene.throw if solvers.panel(case).deforms else scene.frames_throw
+    yields = case.panel.adapter.yields
+    panels_throw = scene.throw if case.panel.adapter.deforms else scene.frames_throw
     found = []
     for name, panel in case.screen.panels.items():
         known = not yields and (not moves or _known(scene, *panel.frames))
@@ -214,7 +213,7 @@ def met(scene: Scene) -> list[Met]:
 
 
 def _known(scene: Scene, *frames: str) -> bool:
-    forces = solvers.frames(scene.case).moved_by_forces
+    forces = scene.case.frames.adapter.moved_by_forces
     unmoved = not (forces and scene.case.exchange.panel_reaction)
     known = {drive.body for drive in scene.plan.drives} | {GROUND}
     return unmoved or known.issuperset(frames)

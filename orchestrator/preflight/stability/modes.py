@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import eigh
 
-from orchestrator.case import solvers
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.solver_plans import panel_plans
 from orchestrator.case.tables.case import Case
@@ -47,12 +46,12 @@ class FrameMatrices:
 def frame_matrices(scene: Scene) -> FrameMatrices | None:
     """None where no frame is free to be pushed."""
     case, plan = scene.case, scene.plan
-    solver = solvers.frames(case)
+    solver = case.frames.adapter
     if not (solver.moved_by_forces and free_frames(plan)):
         return None
     coordinates = linear_frames.SPACE if solver.rotates else linear_frames.TRANSLATIONS
     machine = linear_frames.linearise(plan, coordinates)
-    yields = solvers.panel(case).yields
+    yields = case.panel.adapter.yields
     springs, halves = [], []
     for spring, panel in zip(scene.springs, scene.panels, strict=True):
         stiffest_N_per_m = panel.taut_stiffness_N_per_m * panel.stiffening if yields else 0.0
@@ -82,7 +81,7 @@ period.  Steps of h turn w into (2 / h) arcsin(w h / 2)."""
 def largest_steps_s(case: Case) -> dict[str, float]:
     """Name of each row of panels -> largest step of its solver; empty where that is not limited by
     stability.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
-    limit = solvers.panel(case).largest_step_s
+    limit = case.panel.adapter.largest_step_s
     if limit is None or case.panel.integrator != "explicit":
         return {}
     rows = {
@@ -112,7 +111,7 @@ def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
 def lightest_point_kg(case: Case, name: str) -> float:
     """Effective mass of the lightest point of the surface of the panels ``name``, as their solver
     tells; else the mass under one of the surface's cells."""
-    panel, lightest_kg = case.screen.panels[name], solvers.panel(case).lightest_kg
+    panel, lightest_kg = case.screen.panels[name], case.panel.adapter.lightest_kg
     if lightest_kg is None:
         cell_m2 = panel.width_m * panel.length_m / math.prod(case.panel.surface_cells)
         return areal_kg_per_m2(case, panel) * cell_m2

@@ -205,7 +205,7 @@ def _intervals(parameter: str, case: Case, name: str, overlay: str, points: int)
 def _panel_mesh(case: Case, points: int) -> list[RefinementSeries]:
     """Cells of the case's own model.  Raises NotOffered."""
     _need_panels(case)
-    if not solvers.panel(case).refined_by:
+    if not case.panel.adapter.refined_by:
         raise NotOffered(f"panels of solver {case.panel.solver} have no mesh")
     return [_meshes("panel-mesh", case, case.panel.solver, case.panel.cells, points)]
 
@@ -213,7 +213,7 @@ def _panel_mesh(case: Case, points: int) -> list[RefinementSeries]:
 def _panel_model(case: Case, points: int) -> list[RefinementSeries]:
     """Every other model, at a few meshes each.  Raises NotOffered."""
     _need_panels(case)
-    own = solvers.panel(case)
+    own = case.panel.adapter
     along, across = case.panel.cells if own.refined_by and own.varies_across else USUAL_CELLS
     every = []
     for name in _by_fidelity("panel"):
@@ -296,7 +296,7 @@ def _usual_panel_step_s(case: Case) -> float:
     """Returns the step that the panels take as the case is."""
     if case.panel.step_s > 0:
         return case.panel.step_s
-    if case.panel.integrator == "implicit" and solvers.panel(case).largest_step_s is not None:
+    if case.panel.integrator == "implicit" and case.panel.adapter.largest_step_s is not None:
         return math.inf  # a step for each interval, at most
     try:
         steps_s = largest_steps_s(case)
@@ -360,7 +360,7 @@ def _particle_step(case: Case, points: int) -> list[RefinementSeries]:
 def _surface_jumps(case: Case) -> bool:
     """Returns whether an interval's path may begin elsewhere than the last one's ended: where the
     surface is extrapolated, and of some with robin (docs/theory/coupling.md)."""
-    rigid = not (case.screen.panels and solvers.panel(case).deforms)
+    rigid = not (case.screen.panels and case.panel.adapter.deforms)
     extrapolated = {"particles-first": True, "robin": rigid or bool(case.screen.surfaces)}
     moves = bool(case.screen.frames) or not rigid
     return moves and extrapolated.get(case_with_scheme(case).coupling.scheme, False)
@@ -423,7 +423,7 @@ def _width(case: Case, points: int) -> list[RefinementSeries]:
         low, high = full_width_m(case.whole)
     except CaseError as error:
         raise NotOffered(str(error.problems[0])) from None
-    solver = solvers.particles(case)
+    solver = case.particles.adapter
     if case.whole.slice is None and solver is not None and not solver.periodic:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")
     own_m = case.whole.slice.width_m if case.whole.slice else high - low
