@@ -33,8 +33,7 @@ from orchestrator.ports import (
     Saved,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import surface_ahead
-from orchestrator.ports.state import restorable
+from orchestrator.ports.panel import surface_ahead
 
 
 class UnpushedFrames:
@@ -62,10 +61,10 @@ class UnpushedFrames:
         return self._frames.account()
 
     def save(self) -> Saved:
-        return restorable(self._frames).save()
+        return self._frames.save()
 
     def restore(self, saved: Saved) -> None:
-        restorable(self._frames).restore(saved)
+        self._frames.restore(saved)
 
     def close(self) -> None:
         self._frames.close()
@@ -132,10 +131,10 @@ class ParticlesOnStillSurface:
         return self._particles.account()
 
     def save(self) -> Saved:
-        return restorable(self._particles).save()
+        return self._particles.save()
 
     def restore(self, saved: Saved) -> None:
-        restorable(self._particles).restore(saved)
+        self._particles.restore(saved)
 
     def close(self) -> None:
         self._particles.close()

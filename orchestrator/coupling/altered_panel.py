@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import Ahead, surface_ahead, surface_inertia
-from orchestrator.ports.state import restorable
+from orchestrator.ports.panel import Ahead, surface_ahead, surface_inertia
 
 Advance = Callable[[Interval, Motion, Load], PanelState]
 
@@ -46,10 +45,10 @@ class AlteredPanel:
         return self._panel.account()
 
     def save(self) -> Saved:
-        return restorable(self._panel).save()
+        return self._panel.save()
 
     def restore(self, saved: Saved) -> None:
-        restorable(self._panel).restore(saved)
+        self._panel.restore(saved)
 
     def close(self) -> None:
         self._panel.close()

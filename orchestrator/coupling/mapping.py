@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from orchestrator.coupling.altered_panel import AlteredPanel
 from orchestrator.ports import Inertia, Known, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import surface_ahead, surface_inertia
+from orchestrator.ports.panel import surface_ahead, surface_inertia
 
 
 def mapped(panel: Panel, H: csr_array) -> AlteredPanel:

@@ -38,8 +38,9 @@ from orchestrator.ports import (
 )
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.failures import solver_failure_context
-from orchestrator.ports.optional import find_driven_points, surface_ahead, surface_inertia
-from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+from orchestrator.ports.frames import find_driven_points
+from orchestrator.ports.panel import surface_ahead, surface_inertia
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 class Stopwatch:
@@ -141,11 +142,11 @@ class MeteredFrames:
         return self._frames.account()
 
     def save(self) -> Saved:
-        return save_attributes(self, *_OF_FRAMES) | {"inner": restorable(self._frames).save()}
+        return save_attributes(self, *_OF_FRAMES) | {"inner": self._frames.save()}
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_OF_FRAMES)
-        restorable(self._frames).restore(saved["inner"])
+        self._frames.restore(saved["inner"])
 
     def close(self) -> None:
         self._frames.close()
@@ -259,12 +260,12 @@ class MeteredParticles:
         return self._particles.account()
 
     def save(self) -> Saved:
-        inner = {"inner": restorable(self._particles).save(), "feed": self._feed.save()}
+        inner = {"inner": self._particles.save(), "feed": self._feed.save()}
         return save_attributes(self, "given_N_s", "through_N_s") | inner
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, "given_N_s", "through_N_s")
-        restorable(self._particles).restore(saved["inner"])
+        self._particles.restore(saved["inner"])
         self._feed.restore(saved["feed"])
 
     def close(self) -> None:

@@ -15,8 +15,7 @@ from typing import Any, TypeVar, cast
 
 from orchestrator.ports import Account, Frames, Known, Load, Motion, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import find_driven_points
-from orchestrator.ports.state import restorable
+from orchestrator.ports.frames import find_driven_points
 
 Shared = TypeVar("Shared")
 _LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
@@ -90,11 +89,11 @@ class FramesOnFirstRank:
 
     def save(self) -> Saved:
         """Nothing on ranks that have no frames."""
-        return restorable(self._frames).save() if self._frames is not None else {}
+        return self._frames.save() if self._frames is not None else {}
 
     def restore(self, saved: Saved) -> None:
         if self._frames is not None:
-            restorable(self._frames).restore(saved)
+            self._frames.restore(saved)
 
     def close(self) -> None:
         if self._frames is not None:

@@ -12,11 +12,11 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
+from scipy.sparse import block_diag, csr_array
 
 from orchestrator.ports import Account, Inertia, Known, Load, Motion, Mount, Panel, PanelState, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import concatenate_inertias, surface_ahead, surface_inertia
-from orchestrator.ports.state import restorable
+from orchestrator.ports.panel import surface_ahead, surface_inertia
 
 
 class PanelSet:
@@ -67,11 +67,11 @@ class PanelSet:
 
     def save(self) -> Saved:
         """Returns the states of the panels on this rank."""
-        return {str(i): restorable(panel).save() for i, panel in self._own.items()}
+        return {str(i): panel.save() for i, panel in self._own.items()}
 
     def restore(self, saved: Saved) -> None:
         for i, panel in self._own.items():
-            restorable(panel).restore(saved[str(i)])
+            panel.restore(saved[str(i)])
 
     def close(self) -> None:
         for panel in self._own.values():
@@ -82,6 +82,15 @@ class PanelSet:
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
+
+
+def concatenate_inertias(parts: Sequence[Inertia]) -> Inertia:
+    """Returns the points and masses of all parts, one after the other."""
+    return Inertia(
+        csr_array(block_diag([part.shapes for part in parts])),
+        np.concatenate([part.mass_kg for part in parts]),
+        np.concatenate([part.held for part in parts]),
+    )
 
 
 def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:

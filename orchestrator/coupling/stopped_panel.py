@@ -35,9 +35,9 @@ from orchestrator.ports import (
 )
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Rectangle, foot_on_triangle
-from orchestrator.ports.optional import surface_ahead, surface_inertia
+from orchestrator.ports.panel import surface_ahead, surface_inertia
 from orchestrator.ports.plans import PanelPlan, StopPlan
-from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 @dataclass(frozen=True)
@@ -160,10 +160,10 @@ class StoppedPanel:
         )
 
     def save(self) -> Saved:
-        return {"panel": restorable(self._panel).save(), **save_attributes(self, *_STATE)}
+        return {"panel": self._panel.save(), **save_attributes(self, *_STATE)}
 
     def restore(self, saved: Saved) -> None:
-        restorable(self._panel).restore(saved["panel"])
+        self._panel.restore(saved["panel"])
         restore_attributes(self, saved, *_STATE)
 
     def interpolation(self, coordinates_m: Array) -> csr_array:

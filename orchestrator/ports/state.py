@@ -8,11 +8,56 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from orchestrator.ports import Restorable, Saved
+from orchestrator.ports.interface_records import Account
+
+Saved = dict[str, Any]
+"""A solver's state: arrays by name, or dictionaries of the same."""
+
+
+class Restorable(Protocol):
+    """A solver that can be taken back to a sync point, or another one brought there.
+
+    A run that goes on after ``restore`` is, bit for bit, the one that never stopped.  So a restore
+    must undo everything that later calls depend on: motion, histories of material and contact,
+    random numbers, counters, and all sums behind ``account``.  Both calls are collective under MPI;
+    what each rank saves is its own.
+    """
+
+    def save(self) -> Saved:
+        """Returns copies of all that decides how the solver goes on.  The call changes nothing.
+
+        Returns
+        -------
+        Saved
+            Arrays that later calls of the solver leave alone.
+        """
+        ...
+
+    def restore(self, saved: Saved) -> None:
+        """Takes this solver to the sync point at which ``saved`` was made.
+
+        Parameters
+        ----------
+        saved
+            What ``save`` of this solver gave, or of another one built from the same plan.
+        """
+        ...
+
+
+class Solver(Restorable, Protocol):
+    """What the members of every port answer."""
+
+    def account(self) -> Account:
+        """Returns what the solver owns now, and what went through it since t = 0."""
+        ...
+
+    def close(self) -> None:
+        """Releases what the solver holds; no call follows."""
+        ...
 
 
 def save_attributes(owner: object, *names: str) -> Saved:
@@ -62,13 +107,6 @@ def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
     """
     for name in names:
         setattr(owner, name, like(getattr(owner, name), saved[name.lstrip("_")]))
-
-
-def restorable(solver: object) -> Restorable:
-    """Returns the solver as one that can be saved and restored; raises TypeError for one that cannot."""
-    if not isinstance(solver, Restorable):
-        raise TypeError(f"{type(solver).__name__} can be neither saved nor restored")
-    return solver
 
 
 def as_arrays(value: Any) -> Any:

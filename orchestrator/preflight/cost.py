@@ -1,7 +1,7 @@
 """What a run will take: processor time of the whole of it, part by part, before anything runs.
 
 The parts are those of ``wall_by_part_s``.  Solvers' shares are asked of their adapters
-(``ports/plans/work.py``); what the orchestrator does itself has its constants here.  All were
+(``ports/plans``); what the orchestrator does itself has its constants here.  All were
 measured on drafts of shipped cases on one core of a 2-core AMD EPYC machine, busy with other work;
 ``python -m tools.cost_series`` measures what was predicted over what was taken.  How long material
 stays on the deck is known after the run only: the estimate lies between a thin dry layer and a

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ValidationError
 from orchestrator.case.file.plausible import RANGES
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import unit_of
-from orchestrator.cli import case_reference
+from tools.case_reference import __main__ as case_reference
 
 # keys of pure numbers
 DIMENSIONLESS = frozenset(
@@ -106,7 +106,7 @@ def test_every_table_and_key_is_described(table: type[BaseModel]) -> None:
 
 def test_the_page_on_the_case_format_is_the_tables() -> None:
     page = Path(__file__).parents[2] / "docs" / "case-format.md"
-    again = "python -m orchestrator.cli.case_reference > docs/case-format.md"
+    again = "python -m tools.case_reference > docs/case-format.md"
     assert page.read_text() == case_reference.reference(), again
 
 

@@ -11,7 +11,7 @@ from orchestrator.coupling.schemes import SCHEMES, create_scheme
 from orchestrator.coupling.schemes.scheme import Solvers, State, initial_state
 from orchestrator.ports import Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.state import as_arrays, restorable
+from orchestrator.ports.state import as_arrays
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members, point
 from tests.saved_states import differences
 
@@ -53,7 +53,7 @@ def advanced(solvers: Solvers, name: str, state: State, intervals: range) -> Sta
 
 def saved(solvers: Solvers) -> Saved:
     parts = {"frames": solvers.frames, "panel": solvers.panel, "particles": solvers.particles}
-    return {name: restorable(solver).save() for name, solver in parts.items()}
+    return {name: solver.save() for name, solver in parts.items()}
 
 
 @pytest.mark.parametrize("name", SCHEMES)
@@ -77,7 +77,7 @@ def test_members_step_back_and_others_take_over(without: Callable[[Solvers], Sol
     assert differences(before, saved(first)) != []
     for solvers in (first, second):
         for name in before:
-            restorable(getattr(solvers, name)).restore(before[name])
+            getattr(solvers, name).restore(before[name])
         assert differences(before, saved(solvers)) == []
         ends.append(as_arrays(advanced(solvers, "particles-first", state, range(5, 10))))
     assert differences(ends[0], ends[1]) == []

@@ -17,7 +17,8 @@ from orchestrator.coupling.schemes import SCHEMES, create_scheme
 from orchestrator.coupling.schemes.scheme import Solvers, State, extrapolate, forecast, initial_state
 from orchestrator.ports import Frames, HermitePath, Known, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import find_driven_points, surface_ahead
+from orchestrator.ports.frames import find_driven_points
+from orchestrator.ports.panel import surface_ahead
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, point, push
 
 LENGTH_S = 0.1

@@ -11,7 +11,7 @@ import pytest
 
 from orchestrator.ports import BrokenRecord, Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import find_driven_points
+from orchestrator.ports.frames import find_driven_points
 from orchestrator.ports.state import as_arrays
 from tests.frames.contract import CASES, INTERVAL_S, Case, accounts, defect_J, loads
 from tests.frames.machines import POINTS_M, body, two_bodies

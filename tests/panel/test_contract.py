@@ -11,8 +11,8 @@ import pytest
 from orchestrator.coupling.mapping import mapped
 from orchestrator.ports import Array, BrokenRecord, Known, Load
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import surface_ahead
-from orchestrator.ports.state import as_arrays, restorable
+from orchestrator.ports.panel import surface_ahead
+from orchestrator.ports.state import as_arrays
 from tests.panel.contract import (
     CASES,
     INTERVAL_S,
@@ -172,13 +172,13 @@ def test_a_restored_panel_goes_on_bit_for_bit(case: Case) -> None:
     whole, first, second = (case.open() for _ in range(3))
     for panel in (whole, first):
         driven(panel, 40)
-    saved = restorable(first).save()
-    restorable(second).restore(saved)
-    assert differences(saved, restorable(second).save()) == []
+    saved = first.save()
+    second.restore(saved)
+    assert differences(saved, second.save()) == []
     runs = [driven(panel, 40, first=40) for panel in (whole, second)]
     for one, other in zip(*([*run.states, *run.accounts] for run in runs), strict=True):
         assert differences(as_arrays(one), as_arrays(other)) == []
-    assert differences(restorable(whole).save(), restorable(second).save()) == []
+    assert differences(whole.save(), second.save()) == []
 
 
 @every_adapter
@@ -187,13 +187,13 @@ def test_a_panel_steps_back_bit_for_bit(case: Case) -> None:
     straight, hesitant = case.open(), case.open()
     points = len(straight.initial().surface)
     for index in range(40):
-        before = restorable(hesitant).save()
+        before = hesitant.save()
         interval, end = Interval(index, INTERVAL_S), swung(hesitant, (index + 1) * INTERVAL_S)
         hesitant.advance(interval, end, Load(np.full((points, 3), 20.0 / points)))
-        restorable(hesitant).restore(before)
+        hesitant.restore(before)
         states = [driven(panel, 1, first=index).states[-1] for panel in (straight, hesitant)]
         assert differences(*map(as_arrays, states)) == []
-    assert differences(restorable(straight).save(), restorable(hesitant).save()) == []
+    assert differences(straight.save(), hesitant.save()) == []
 
 
 @every_adapter
@@ -240,7 +240,7 @@ def test_what_clamps_alone_move_is_known_ahead(case: Case) -> None:
         assert (half.which <= known.which).all()
         assert 0 < half.which.sum() < known.which.sum()
         assert known.which.all() == (case.solver in ("rigid", "recorded"))
-    assert differences(restorable(panel).save(), restorable(unasked).save()) == []
+    assert differences(panel.save(), unasked.save()) == []
 
 
 def test_the_shape_of_a_recorded_panel_is_known_ahead() -> None:

@@ -11,7 +11,7 @@ from orchestrator.coupling.mapping import mapped
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Load, Motion, Panel
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import surface_inertia
+from orchestrator.ports.panel import surface_inertia
 from tests.panel.contract import CASES, Case
 
 SHORT_S = 1e-7  # far less than the period of any mode: a load is an impulse

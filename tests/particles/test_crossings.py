@@ -13,7 +13,6 @@ from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticlesPlan
-from orchestrator.ports.state import restorable
 from tests.particles.contract import WEIGHTLESS, Run, at_rest, one, particles, plan, plate
 
 Build = Callable[[ParticlesPlan], Run]
@@ -150,7 +149,7 @@ def test_a_surface_that_follows_is_not_crossed(build: Build) -> None:
 
 def test_crossings_are_saved(build: Build) -> None:
     run = build(soft(plate(0.02, 4), [0.001, 0.002, 0.008], [0.0, 0.0, -3.0]))
-    solver = restorable(run.solver)
+    solver = run.solver
     early = solver.save()
     run.advance(10)
     found, late = run.solver.crossings(), solver.save()

@@ -30,7 +30,7 @@ from orchestrator.coupling.schemes.scheme import (
 )
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+from orchestrator.ports.state import restore_attributes, save_attributes
 from orchestrator.preflight.cost import Effort
 
 LOG = logging.getLogger("flipflow")
@@ -82,7 +82,7 @@ class Iterated:
         self, solvers: Solvers, interval: Interval, now: State, known: Forecast
     ) -> tuple[PanelState, Load]:
         assert solvers.particles is not None
-        particles, panel = restorable(solvers.particles), restorable(solvers.panel)
+        particles, panel = solvers.particles, solvers.panel
         particles_before, panel_before = particles.save(), panel.save()
         self._acceleration.begin()
         tried = now.load

@@ -42,8 +42,8 @@ from orchestrator.ports import (
     Saved,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import surface_inertia
-from orchestrator.ports.state import restorable, restore_attributes, save_attributes
+from orchestrator.ports.panel import surface_inertia
+from orchestrator.ports.state import restore_attributes, save_attributes
 
 SOLVED = 1e-4  # of the excess load: less than what the contacts' linear answer is worth
 MOST_ITERATIONS = 200
@@ -195,7 +195,7 @@ class Robin:
 
 def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
     """Returns the surface at the interval's end under the last load; the panel is restored."""
-    panel = restorable(solvers.panel)
+    panel = solvers.panel
     before = panel.save()
     moved = solvers.panel.advance(interval, known.clamps, now.load)
     panel.restore(before)

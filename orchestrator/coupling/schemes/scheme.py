@@ -28,7 +28,7 @@ from orchestrator.ports import (
     Restorable,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.optional import find_driven_points
+from orchestrator.ports.frames import find_driven_points
 
 
 @dataclass(frozen=True)

@@ -1,56 +1,385 @@
 """Plans: all that a solver needs to know to be built, checked and in plain records.
 
-``build.py`` makes them from the case; tests make them by hand.  Every adapter is a module
-``adapters.<port>.<solver>`` with one function ``build(plan)`` that returns the open solver.
-Here they are by port, each field with its unit and meaning: ``frames``, ``panel``, ``particles``.
+``orchestrator/case/solver_plans.py`` makes them from the case; tests make them by hand.  Each field
+has its unit and meaning.  At the end stands how much a solver has to do in a run (``...Work``),
+from which its adapter predicts the ``Cost``.
 """
 
 from __future__ import annotations
 
-from orchestrator.ports.failures import SolverFailed, SolverMissing
-from orchestrator.ports.plans.frames import (
-    BodyPlan,
-    BushingPlan,
-    DrivePlan,
-    ExciterPlan,
-    FramesPlan,
-    MotorPlan,
-)
-from orchestrator.ports.plans.panel import LARGEST_MESHES_GIB, HyperelasticPlan, MeshSize, PanelPlan, StopPlan
-from orchestrator.ports.plans.particles import (
-    ExitPlan,
-    GrainMaterial,
-    Jkr,
-    ParticleFeed,
-    ParticleList,
-    ParticlesPlan,
-    Sjkr,
-)
-from orchestrator.ports.plans.work import Cost, FramesWork, PanelsWork, ParticlesWork
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Literal, Protocol
 
-__all__ = [
-    "LARGEST_MESHES_GIB",
-    "BodyPlan",
-    "BushingPlan",
-    "Cost",
-    "DrivePlan",
-    "ExciterPlan",
-    "ExitPlan",
-    "FramesPlan",
-    "FramesWork",
-    "GrainMaterial",
-    "HyperelasticPlan",
-    "Jkr",
-    "MeshSize",
-    "MotorPlan",
-    "PanelPlan",
-    "PanelsWork",
-    "ParticleFeed",
-    "ParticleList",
-    "ParticlesPlan",
-    "ParticlesWork",
-    "Sjkr",
-    "SolverFailed",
-    "SolverMissing",
-    "StopPlan",
-]
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.failures import SolverFailed as SolverFailed
+from orchestrator.ports.failures import SolverMissing as SolverMissing
+from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
+from orchestrator.ports.interface_records import Array, Indices
+from orchestrator.ports.recording import Playback
+
+
+@dataclass(frozen=True)
+class HyperelasticPlan:
+    """Two-parameter Mooney-Rivlin  W = C10 (I1 - 3) + C01 (I2 - 3) + K/2 (J - 1)^2  with the
+    isochoric invariants, and Maxwell branches for damping: each a pair (ratio of the branch's
+    modulus to the elastic one, relaxation time in s)."""
+
+    density_kg_per_m3: float
+    c10_Pa: float
+    c01_Pa: float
+    bulk_modulus_Pa: float
+    branches: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def shear_modulus_Pa(self) -> float:
+        return 2.0 * (self.c10_Pa + self.c01_Pa)
+
+    @property
+    def youngs_modulus_Pa(self) -> float:
+        """At small strain, incompressible."""
+        return 3.0 * self.shear_modulus_Pa
+
+
+@dataclass(frozen=True)
+class StopPlan:
+    """The flat top of a beam under the free length of a panel from ``from_m`` to ``to_m``, carried
+    by ``frame``, ``gap_m`` below the panel as it is mounted straight.  The layer on it has the
+    stiffness ``stiffness_Pa_per_m`` and the damping ``damping_Pa_s_per_m``: pressure per depth, per speed.
+    """
+
+    name: str
+    frame: str
+    from_m: float
+    to_m: float
+    gap_m: float
+    stiffness_Pa_per_m: float
+    damping_Pa_s_per_m: float
+
+
+@dataclass(frozen=True)
+class PanelPlan:
+    """One panel: geometry, material, and how finely to solve it.
+
+    ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
+    free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
+    ``apertures``: its openings, if any; only particles see each of them.  ``playback``: the
+    recorded motion that it follows, where its shape is prescribed.  ``stops``: beams that it can
+    come to lie on (``orchestrator/coupling/stopped_panel.py``, no matter of the solver).
+    """
+
+    name: str
+    rectangle: Rectangle
+    frames: tuple[str, str]
+    thickness_m: float
+    material: HyperelasticPlan
+    gravity_m_per_s2: Array
+    cells: tuple[int, int]
+    step_s: float
+    integrator: str
+    sync_interval_s: float
+    apertures: AperturePattern | None = None
+    playback: Playback | None = None
+    stops: tuple[StopPlan, ...] = ()
+
+    @property
+    def mass_kg(self) -> float:
+        """Mass of the whole panel: its free length without openings, and the parts in the clamps."""
+        at = self.rectangle
+        share = self.apertures.material_share(at) if self.apertures is not None else 1.0
+        area_m2 = at.width_m * (share * at.length_m + 2.0 * at.clamp_m)
+        return area_m2 * self.thickness_m * self.material.density_kg_per_m3
+
+
+@dataclass(frozen=True)
+class MeshSize:
+    """How large a panel's mesh is, before it is made: cells with material, nodes (each with three
+    unknowns), memory with the factorised stiffness (good to a factor of two), and the mass of the
+    lightest node that particles can touch."""
+
+    cells: int
+    nodes: int
+    memory_GiB: float
+    lightest_kg: float
+
+
+LARGEST_MESHES_GIB = 64.0
+"""What the panels' meshes may take in all: a large workstation's memory."""
+
+
+@dataclass(frozen=True)
+class BodyPlan:
+    """A rigid frame: mass, inertia about the centre of mass in world axes at t = 0."""
+
+    name: str
+    mass_kg: float
+    inertia_kg_m2: Array  # (3, 3)
+    center_of_mass_m: Array  # (3,)
+
+
+@dataclass(frozen=True)
+class BushingPlan:
+    """Linear spring and damper along three axes between two bodies ("ground" is the fixed one).
+
+    ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_per_m`` and
+    ``damping_N_s_per_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
+    t = 0 but for the preload that holds the bodies' weight when the frames are drawn at rest.
+    """
+
+    name: str
+    bodies: tuple[str, str]
+    position_m: Array
+    axes: Array
+    stiffness_N_per_m: Array
+    damping_N_s_per_m: Array
+
+
+@dataclass(frozen=True)
+class MotorPlan:
+    """An induction motor by its rating: lags behind ``synchronous_rad_per_s`` by ``rated_slip`` of it
+    at ``rated_power_W``; its breakdown torque is ``breakdown_ratio`` times the rated one.
+    ``inertia_kg_m2`` of all that turns, the unbalance included; ``bearing_N_m_s`` torque lost per
+    speed."""
+
+    rated_power_W: float
+    synchronous_rad_per_s: float
+    rated_slip: float
+    breakdown_ratio: float
+    inertia_kg_m2: float
+    bearing_N_m_s: float
+
+
+@dataclass(frozen=True)
+class ExciterPlan:
+    """A rotating unbalance: force of size  mass_moment * speed^2  turning about ``axis``.
+
+    It stands still until ``start_s``.  Then the angle runs up smoothly: with t from there,
+    speed(t) = speed_rad_per_s * (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``, then constant; at
+    angle = ``phase_rad`` the force points along ``start`` (a unit vector normal to ``axis``;
+    positive rotation about ``axis``).  The force is the unbalance's inertia force:
+    mass_moment * (speed^2 radial - d(speed)/dt tangential).  With a ``motor``, where the solver
+    knows motors, the speed is what its torque makes of it, and ``run_up_s`` is that of the
+    synchronous speed.
+    """
+
+    body: str
+    position_m: Array
+    axis: Array
+    start: Array
+    mass_moment_kg_m: float
+    speed_rad_per_s: float
+    run_up_s: float
+    phase_rad: float = 0.0
+    start_s: float = 0.0
+    motor: MotorPlan | None = None
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class DrivePlan:
+    """Prescribed harmonic motion of a body about its place at t = 0, with smooth run-up.
+
+    Nothing turns the body from it; one drive per body.  Bodies without one are free, or stand
+    still where the frames are prescribed altogether.
+
+    Translation amplitude_m * sin(w t + phase_rad), and rotation by the vector
+    rotation_rad * sin(w t + rotation_phase_rad) about ``center_m``; each (3,), component-wise.
+    Both are multiplied by (1 - cos(pi t / run_up_s)) / 2 until ``run_up_s``.
+    """
+
+    body: str
+    center_m: Array
+    speed_rad_per_s: float
+    amplitude_m: Array
+    phase_rad: Array
+    rotation_rad: Array
+    rotation_phase_rad: Array
+    run_up_s: float
+
+
+@dataclass(frozen=True)
+class FramesPlan:
+    """Frames and the points they carry: ``points_m`` (n, 3) at t = 0, ``carrier`` (n,) names.
+
+    ``reaction_N`` (n, 3) is the panels' force at t = 0.  With ``drawn_at_rest`` the bushings'
+    preload holds weight and initial reaction, so that nothing moves until something drives;
+    otherwise the machine drops onto force-free bushings.
+    """
+
+    bodies: tuple[BodyPlan, ...]
+    bushings: tuple[BushingPlan, ...]
+    exciters: tuple[ExciterPlan, ...]
+    drives: tuple[DrivePlan, ...]
+    gravity_m_per_s2: Array
+    points_m: Array
+    carrier: tuple[str, ...]
+    reaction_N: Array
+    drawn_at_rest: bool
+    step_s: float
+    sync_interval_s: float
+
+
+@dataclass(frozen=True)
+class GrainMaterial:
+    name: str
+    youngs_modulus_Pa: float
+    poisson_ratio: float
+
+
+@dataclass(frozen=True)
+class ParticleList:
+    """Particles to create: positions (n, 3), velocities (n, 3), spins (n, 3) in rad/s,
+    diameters (n,), densities (n,), materials (n,) as indices.  Ids are given in order."""
+
+    position_m: Array
+    velocity_m_per_s: Array
+    spin_rad_per_s: Array
+    diameter_m: Array
+    density_kg_per_m3: Array
+    material: Indices
+
+    def __len__(self) -> int:
+        return len(self.diameter_m)
+
+    def part(self, rows: npt.NDArray[np.bool_]) -> ParticleList:
+        return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
+
+
+class ParticleFeed(Protocol):
+    """New particles for each interval.  Deterministic: alike on every rank."""
+
+    def due(self, interval: Interval) -> ParticleList:
+        """Particles wanted at the interval's start; they do not overlap each other."""
+        ...
+
+    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
+        """Which of those just offered (bool per particle) found room; the rest is tried again."""
+        ...
+
+
+@dataclass(frozen=True)
+class ExitPlan:
+    """A box that takes out every particle whose centre is in it.
+
+    ``center_m`` (3,) in the world; the rows of ``axes`` (3, 3) are the unit vectors along its
+    edges, ``half_m`` (3,) half their lengths.
+    """
+
+    name: str
+    product: str
+    center_m: Array
+    axes: Array
+    half_m: Array
+
+    def holds(self, position_m: Array) -> npt.NDArray[np.bool_]:
+        """Which of the positions (n, 3) are in it, (n,)."""
+        along_edges_m = (position_m - self.center_m) @ self.axes.T
+        return np.asarray(np.all(np.abs(along_edges_m) <= self.half_m, axis=1))
+
+
+@dataclass(frozen=True)
+class Jkr:
+    """Adhesion after Johnson, Kendall and Roberts: ``work_J_per_m2`` (k, k) by material.
+
+    ``largest_stretch``: how far a neck reaches before it snaps, at most, as a share of a radius.
+    """
+
+    work_J_per_m2: Array
+    largest_stretch: float
+
+
+@dataclass(frozen=True)
+class Sjkr:
+    """LIGGGHTS's ``sjkr``: attraction ``energy_density_J_per_m3`` (k, k) times the area of contact."""
+
+    energy_density_J_per_m3: Array
+
+
+@dataclass(frozen=True)
+class ParticlesPlan:
+    """Particles, the surface they touch, and the laws between them.
+
+    ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
+    ``wear_m3_per_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
+    other per force and distance slid; None where nothing wears.
+    ``predicts_load``: whether the particles are to foretell their load (``ports.Predicting``).
+    ``rolling``: the law of rolling resistance, where its coefficient is not zero.
+    Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
+    corner), are removed; the first exit that holds one counts.  ``communicator`` is an mpi4py
+    communicator or None.
+    With ``periodic_y`` everything repeats itself along y with the domain's width, which the
+    surface spans; nothing leaves there.
+    """
+
+    surface: TriangleSurface
+    materials: tuple[GrainMaterial, ...]
+    restitution: Array
+    sliding_friction: Array
+    rolling_friction: Array
+    particles: ParticleList
+    largest_diameter_m: float
+    domain_m: Array
+    gravity_m_per_s2: Array
+    step_s: float
+    sync_interval_s: float
+    adhesion: Jkr | Sjkr | None = None
+    rolling: Literal["epsd2", "cdt"] = "epsd2"
+    wear_m3_per_N_m: Array | None = None
+    predicts_load: bool = False
+    feed: ParticleFeed | None = None
+    exits: tuple[ExitPlan, ...] = ()
+    periodic_y: bool = False
+    communicator: Any = None
+    folder: Path | None = None
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Processor time: ``opening_s`` until the solver is open, ``stepping_s`` of all its steps."""
+
+    opening_s: float
+    stepping_s: float
+
+
+@dataclass(frozen=True)
+class PanelsWork:
+    """``panels`` alike, each of ``cells`` along and across; ``resolved_cells`` of all of them
+    together where the mesh follows openings, else 0.  They are moved over ``runs`` intervals of
+    ``interval_s``; ``step_s`` is the largest step that the case allows, 0: the solver's own."""
+
+    panels: int
+    cells: tuple[int, int]
+    resolved_cells: int
+    integrator: str
+    step_s: float
+    interval_s: float
+    runs: float
+
+
+@dataclass(frozen=True)
+class FramesWork:
+    """``bodies`` of which ``driven`` follow a drive, on ``bushings`` (each a spring at one place),
+    with ``exciters``, of which ``motors`` lag; moved over ``runs`` intervals of ``interval_s``."""
+
+    bodies: int
+    driven: int
+    bushings: int
+    exciters: int
+    motors: int
+    interval_s: float
+    runs: float
+
+
+@dataclass(frozen=True)
+class ParticlesWork:
+    """``particle_steps``: steps of all particles together; ``steps`` of the solver, in ``runs``
+    intervals; ``triangles`` that they may touch; ``sticky`` where contacts have adhesion."""
+
+    particle_steps: float
+    steps: float
+    runs: float
+    triangles: int
+    sticky: bool

@@ -1,6 +1,6 @@
 """The page docs/case-format.md, made from the tables of a case:
 
-python -m orchestrator.cli.case_reference > docs/case-format.md
+python -m tools.case_reference > docs/case-format.md
 """
 
 from __future__ import annotations

@@ -1,0 +1,142 @@
+"""The port of the frames: rigid bodies that carry points."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.interface_records import Known, Load, Motion
+from orchestrator.ports.state import Solver
+
+
+class Frames(Solver, Protocol):
+    """Rigid bodies that carry points: clamps, walls and probes.
+
+    The points and their carriers are given in the plan (``FramesPlan.points_m``, ``carrier``); their
+    number and order never change.  ``initial`` comes first, then one ``advance`` per interval with
+    the load of the panels.  Frames that drives move should be ``Scheduled``, too.  ``received_J`` of
+    their account has the key "reaction": the work of the panels on the frames.
+
+    Examples
+    --------
+    A frame on springs that only translates, by the exact solution for a constant load.
+
+    >>> import numpy as np
+    >>> from orchestrator.ports import Account, Interval, Load, Motion
+    >>> from orchestrator.ports.state import SavedAttributes
+    >>> class SwingingFrame(SavedAttributes):
+    ...     STATE = ("offset_m", "velocity_m_per_s", "reaction_J", "springs_N_s")
+    ...
+    ...     def __init__(self, points_m, mass_kg, stiffness_N_per_m):
+    ...         self.points_m, self.mass_kg, self.stiffness_N_per_m = points_m, mass_kg, stiffness_N_per_m
+    ...         self.offset_m, self.velocity_m_per_s = np.zeros(3), np.zeros(3)
+    ...         self.reaction_J, self.springs_N_s = 0.0, np.zeros(3)
+    ...
+    ...     def initial(self):
+    ...         places_m = self.points_m + self.offset_m
+    ...         return Motion(places_m, np.tile(self.velocity_m_per_s, (len(places_m), 1)))
+    ...
+    ...     def advance(self, interval, reaction):
+    ...         force_N, before_m = reaction.force_N.sum(axis=0), self.offset_m
+    ...         momentum_N_s = self.mass_kg * self.velocity_m_per_s
+    ...         w = np.sqrt(self.stiffness_N_per_m / self.mass_kg)
+    ...         c, s = np.cos(w * interval.length_s), np.sin(w * interval.length_s)
+    ...         rest_m = force_N / self.stiffness_N_per_m
+    ...         self.offset_m = rest_m + c * (before_m - rest_m) + s / w * self.velocity_m_per_s
+    ...         self.velocity_m_per_s = c * self.velocity_m_per_s - s * w * (before_m - rest_m)
+    ...         self.reaction_J += float(force_N @ (self.offset_m - before_m))
+    ...         gained_N_s = self.mass_kg * self.velocity_m_per_s - momentum_N_s
+    ...         self.springs_N_s = self.springs_N_s + gained_N_s - interval.length_s * force_N
+    ...         return self.initial()
+    ...
+    ...     def account(self):
+    ...         stored_J = {
+    ...             "kinetic": self.mass_kg / 2 * float(self.velocity_m_per_s @ self.velocity_m_per_s),
+    ...             "springs": self.stiffness_N_per_m / 2 * float(self.offset_m @ self.offset_m),
+    ...         }
+    ...         return Account(
+    ...             self.mass_kg * self.velocity_m_per_s, self.springs_N_s, stored_J,
+    ...             received_J={"reaction": self.reaction_J},
+    ...         )
+    >>> frame = SwingingFrame(np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0]]), 100.0, 4e5)
+    >>> start, saved = frame.initial(), frame.save()
+    >>> pulled = Load(np.array([[0.0, 0.0, 40.0], [0.0, 0.0, 40.0]]))
+    >>> moved = frame.advance(Interval(0, 1e-3), pulled)
+    >>> round(moved.velocity_m_per_s[0, 2], 6)  # 80 N for 1 ms on 100 kg
+    0.000799
+    >>> frame.restore(saved)
+    >>> bool((frame.advance(Interval(0, 1e-3), pulled).position_m == moved.position_m).all())
+    True
+    """
+
+    def initial(self) -> Motion:
+        """Returns the motion of the carried points at t = 0.
+
+        Returns
+        -------
+        Motion
+            Positions in m and velocities in m/s, (points, 3) each, in the order of the plan.
+        """
+        ...
+
+    def advance(self, interval: Interval, reaction: Load) -> Motion:
+        """Carries the bodies over one sync interval.
+
+        Parameters
+        ----------
+        interval
+            The interval to pass; it begins where the last one ended.
+        reaction
+            The mean force of the panels on the carried points over the interval, in N: one row for
+            each carried point, zero where no panel is.
+
+        Returns
+        -------
+        Motion
+            The carried points at the interval's end.
+
+        Raises
+        ------
+        SolverFailed
+            The bodies cannot be moved; the message says why.
+        """
+        ...
+
+
+@runtime_checkable
+class Scheduled(Protocol):
+    """Frames of which a drive moves some points by a schedule that no reaction changes."""
+
+    def ahead(self, interval: Interval) -> Known | None:
+        """Tells where the driven points are at the interval's end.  The call changes nothing.
+
+        Parameters
+        ----------
+        interval
+            The next interval.
+
+        Returns
+        -------
+        Known or None
+            The exact motion of the driven points; None where nothing is driven, since what stands
+            still needs no schedule.
+        """
+        ...
+
+
+def find_driven_points(frames: Frames, interval: Interval) -> Known | None:
+    """Tells where the points that drives move are at the interval's end.
+
+    Parameters
+    ----------
+    frames
+        Any frames, ``Scheduled`` or not.
+    interval
+        The next interval.
+
+    Returns
+    -------
+    Known or None
+        None where nothing is driven.
+    """
+    return frames.ahead(interval) if isinstance(frames, Scheduled) else None

@@ -1,0 +1,1 @@
+"""The page docs/case-format.md, made from the tables of a case."""
