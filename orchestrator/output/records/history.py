@@ -14,7 +14,7 @@ import errno
 import io
 import os
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import prod
 from pathlib import Path
 from typing import Any, Literal
@@ -86,10 +86,10 @@ CHUNK_ROWS, CHUNK_BYTES = 1024, 32768
 
 
 class Column:
-    """Stays open, and writes without h5py's selections: both would take longer than the rows."""
+    """A dataset to append to, the one that is there or a new one with rows of shape ``inner``.  It stays
+    open, and writes without h5py's selections: both would take longer than the rows."""
 
     def __init__(self, file: h5py.File, where: str, inner: tuple[int, ...], dtype: np.dtype[Any]) -> None:
-        """The one that is there, or a new one with rows of shape ``inner``."""
         if where not in file:
             row_bytes = dtype.itemsize * prod(inner)
             rows = max(1, min(CHUNK_ROWS, CHUNK_BYTES // max(1, row_bytes)))
@@ -148,10 +148,10 @@ def columns(kind: str, record: object) -> dict[str, Any]:
 
 
 class History:
-    """Rows are gathered in memory and appended in blocks; ``flush`` writes what is there."""
+    """Time series in a new file, or in one that ``goes_on``.  Rows are gathered in memory and appended
+    in blocks; ``flush`` writes what is there."""
 
     def __init__(self, path: Path, goes_on: bool = False) -> None:
-        """A new file, or one that goes on."""
         self._disk = Reserved(path, "r+b" if goes_on else "w+b")
         # without a cache of chunks, of up to 1 MB for each column that stays open
         self._file = h5py.File(self._disk, "r+" if goes_on else "w", rdcc_nbytes=0)
@@ -167,6 +167,13 @@ class History:
         rows.append({"time_s": time_s, **values})
         if len(rows) >= ROWS_IN_MEMORY:
             self._append(group)
+
+    def add_each(
+        self, kind: str, time_s: float, names: Iterable[str], columns: Mapping[str, Array | Sequence[Array]]
+    ) -> None:
+        """Adds one row to the group of each of ``names``; every column has a value for each of them."""
+        for name, *row in zip(names, *columns.values(), strict=True):
+            self.add(f"{kind}/{name}", time_s, dict(zip(columns, row, strict=True)))
 
     def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
         """Appends rows of an event table, of any number; whole numbers stay whole."""

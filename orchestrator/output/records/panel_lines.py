@@ -24,19 +24,16 @@ class PanelLines:
     looking at them costs little at every sync point."""
 
     def __init__(self, rectangles: Sequence[Rectangle], lines_m: Sequence[Array]) -> None:
-        """Of at least one panel: where each is mounted, and its line (n, 3) at t = 0."""
+        """Takes where each of one or more panels is mounted, and its line (n, 3) at t = 0."""
         counts = np.array([len(line) for line in lines_m])
         self._last = np.cumsum(counts) - 1
         self._first = self._last - counts + 1
         self._middle = self._first + counts // 2
         self._panel = np.repeat(np.arange(len(counts)), counts)
-        self._along, self._normal = (
-            np.array([getattr(one, name) for one in rectangles]) for name in ("along", "normal")
-        )
-        self._free_m = np.array([one.length_m for one in rectangles])
-        self._clamped_m = np.array(
-            [clamped_m(one, line) for one, line in zip(rectangles, lines_m, strict=True)]
-        )
+        self._along = np.array([at.along for at in rectangles])
+        self._normal = np.array([at.normal for at in rectangles])
+        self._free_m = np.array([at.length_m for at in rectangles])
+        self._clamped_m = np.array([clamped_m(*pair) for pair in zip(rectangles, lines_m, strict=True)])
 
     def stretch(self, line_m: Array) -> Array:
         """Returns (panels,) mean strain along the lines (points, 3): length between the clamps over the

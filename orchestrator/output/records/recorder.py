@@ -9,6 +9,7 @@ time; ``fed`` and ``removed``: a row for each particle that came or went.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +39,7 @@ from orchestrator.ports.physics import sphere_mass_kg
 
 
 class Recorder:
-    """On every rank (snapshots and accounts are collective); rank 0 writes."""
+    """Works on every rank (snapshots and accounts are collective); rank 0 writes."""
 
     def __init__(
         self,
@@ -51,36 +52,38 @@ class Recorder:
         goes_on: bool = False,
     ):
         """``goes_on``: in what an earlier process recorded, to be restored before the first row."""
-        self._machine, self._ledger, self._start = machine, ledger, start
+        self._machine, self._ledger = machine, ledger
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)
         interval_s, shapes_s = case.coupling.sync_interval_s, case.output.shapes_s
         self._every = steps_in(case.output.series_s or interval_s, interval_s)
         self._shapes_every = steps_in(shapes_s, interval_s) if shapes_s else 0
         if self._writes:
-            self._history = History(folder / HISTORY, goes_on)
-            self._folds = FoldMonitor(case)
-            self._forces = PanelForces(machine, start)
-            self._series = TimeSeries(machine, start, self._history)
-            rectangles = [panel.rectangle for panel in single_panels(case)]
-            cycle = counted_cycle_s(case)
-            self._cycles = CycleRecord(machine, start, rectangles, cycle, self._history)
-            self._parts: dict[str, Restorable]
-            self._parts = {"folds": self._folds, "series": self._series, "cycles": self._cycles}
-            if len(machine.surface.triangles):
-                self._parts["surface"] = self._surface = Series(folder, "surface")
-            if machine.material is not None:
-                self._parts["particles"] = self._particles = Series(folder, "particles")
-                exits = machine.material.exits
-                self._history.describe("removed", "names", [one.name for one in exits])
-                self._history.describe("removed", "products", [one.product for one in exits])
-            lines = [panel.centre_line for panel in machine.panels]
-            if machine.wearing is not None:
-                self._wear = WearRecord(machine.surface, machine.panels, rectangles)
-            deck = deck_line([start.panel.surface.position_m[line] for line in lines])
-            self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
-            if self._deck is not None:
-                self._parts["held"] = self._deck.held
+            self._open(folder, start, case, goes_on)
+
+    def _open(self, folder: Path, start: State, case: Case, goes_on: bool) -> None:
+        machine = self._machine
+        self._history = History(folder / HISTORY, goes_on)
+        rectangles = [panel.rectangle for panel in single_panels(case)]
+        lines = [panel.centre_line for panel in machine.panels]
+        self._folds, self._forces = FoldMonitor(case), PanelForces(machine, start)
+        self._series = TimeSeries(machine, start, self._history)
+        self._cycles = CycleRecord(machine, start, rectangles, counted_cycle_s(case), self._history)
+        self._parts: dict[str, Restorable]
+        self._parts = {"folds": self._folds, "series": self._series, "cycles": self._cycles}
+        if len(machine.surface.triangles):
+            self._parts["surface"] = self._surface = Series(folder, "surface")
+        if machine.material is not None:
+            self._parts["particles"] = self._particles = Series(folder, "particles")
+            exits = machine.material.exits
+            self._history.describe("removed", "names", [exit.name for exit in exits])
+            self._history.describe("removed", "products", [exit.product for exit in exits])
+        if machine.wearing is not None:
+            self._wear = WearRecord(machine.surface, machine.panels, rectangles)
+        deck = deck_line([start.panel.surface.position_m[line] for line in lines])
+        self._deck = DeckRecord(deck, lines, cycle_s(case), openings_m(case)) if deck else None
+        if self._deck is not None:
+            self._parts["held"] = self._deck.held
 
     def sync_point(self, done: int, time_s: float, state: State) -> None:
         """Records a sync point; ``done`` counts them."""
@@ -102,31 +105,53 @@ class Recorder:
     def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
         """Records an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
         the particles."""
+        machine, surface = self._machine, state.panel.surface
         terms = self._ledger.energy_J()
-        bed = self._material(time_s)
-        worn_m3 = None if self._machine.wearing is None else self._machine.wearing.worn_m3()
+        bed = self._book_material(time_s)
+        worn_m3 = None if machine.wearing is None else machine.wearing.worn_m3()
         if not self._writes:
             return terms, bed
         self._history.add("energy", time_s, {f"{name}_J": value for name, value in terms.items()})
-        surface = state.panel.surface
-        for panel in self._machine.panels:
-            line = surface.position_m[panel.centre_line]
-            self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line})
-            self._folds.look(time_s, panel.name, line)
-        triangles = self._machine.surface.triangles
+        for panel in machine.panels:
+            line_m = surface.position_m[panel.centre_line]
+            self._history.add(f"panels/{panel.name}", time_s, {"centre_line_m": line_m})
+            self._folds.look(time_s, panel.name, line_m)
+        triangles = machine.surface.triangles
         if len(triangles):
-            worn = {} if worn_m3 is None else self._worn(time_s, worn_m3)
-            mesh = surface_mesh(surface, triangles, self._machine.panel_of_triangle, worn)
-            self._surface.add(time_s, mesh)
+            worn: dict[str, Array] = {}
+            if worn_m3 is not None:
+                self._add_groups(time_s, self._wear.groups(worn_m3))
+                worn["worn_depth_m"] = self._wear.point_depth_m(worn_m3)
+            self._surface.add(time_s, surface_mesh(surface, triangles, machine.panel_of_triangle, worn))
         if bed is not None:
             particles = bed[0]
-            self._history.add("bed", time_s, _bed(particles))
+            self._history.add("bed", time_s, _describe_bed(particles))
             if self._deck is not None:
-                for group, values in self._deck.at(time_s, surface, particles).items():
-                    self._history.add(group, time_s, values)
+                self._add_groups(time_s, self._deck.at(time_s, surface, particles))
             self._particles.add(time_s, particle_mesh(particles))
         self._history.flush()
         return terms, bed
+
+    def _add_groups(self, time_s: float, groups: Mapping[str, Mapping[str, Array | float]]) -> None:
+        for group, values in groups.items():
+            self._history.add(group, time_s, values)
+
+    def _book_material(self, time_s: float) -> Bed | None:
+        """Writes who came and went since the last output time into the books and the event tables."""
+        particles, book = self._machine.solvers.particles, self._machine.material
+        if particles is None or book is None:
+            return None
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        overlaps = particles.overlaps()
+        book.look_at_contacts(overlaps, particles.crossings())
+        if self._writes:
+            self._history.add("overlaps", time_s, columns("overlaps", overlaps))
+            for kind, table in (("fed", fed), ("removed", removed)):
+                self._history.events(kind, {"time_s": table.time_s, **columns(kind, table)})
+            for feed in book.feed.feeds:
+                self._history.add(f"feeds/{feed.inlet.name}", time_s, columns("feeds", feed))
+            book.add(time_s, fed, removed, present)
+        return present, overlaps
 
     def last_contacts(self) -> None:
         """Books what happened in contacts since the last output time, where a run ends without another
@@ -148,40 +173,19 @@ class Recorder:
         return {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, saved: Saved) -> None:
+        """Goes on from what was saved."""
         if self._writes:
             for name, part in self._parts.items():
                 part.restore(saved[name])
 
     def close(self) -> None:
+        """Writes what is still in memory, and closes the file."""
         if self._writes:
             self._cycles.close()
             self._history.close()
 
-    def _material(self, time_s: float) -> Bed | None:
-        """Who came and went since the last output time, into the books and the event tables."""
-        particles, book = self._machine.solvers.particles, self._machine.material
-        if particles is None or book is None:
-            return None
-        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
-        overlaps = particles.overlaps()
-        book.look_at_contacts(overlaps, particles.crossings())
-        if self._writes:
-            self._history.add("overlaps", time_s, columns("overlaps", overlaps))
-            for kind, table in (("fed", fed), ("removed", removed)):
-                self._history.events(kind, {"time_s": table.time_s, **columns(kind, table)})
-            for feed in book.feed.feeds:
-                values = {"due_kg": feed.due_kg, "fed_kg": feed.fed_kg}
-                self._history.add(f"feeds/{feed.inlet.name}", time_s, values)
-            book.add(time_s, fed, removed, present)
-        return present, overlaps
 
-    def _worn(self, time_s: float, worn_m3: Array) -> dict[str, Array]:
-        for group, values in self._wear.groups(worn_m3).items():
-            self._history.add(group, time_s, values)
-        return {"worn_depth_m": self._wear.point_depth_m(worn_m3)}
-
-
-def _bed(particles: ParticleSnapshot) -> dict[str, Any]:
+def _describe_bed(particles: ParticleSnapshot) -> dict[str, Any]:
     mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
     speed = np.linalg.norm(particles.velocity_m_per_s, axis=1)
     count = len(mass)

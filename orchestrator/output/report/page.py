@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -110,7 +109,8 @@ def make_film(folder: Path, lasting_s: float) -> Film:
         if done.returncode or not made.is_file():
             why = done.stderr.strip().splitlines()[-1:] or ["the renderer ended without a word"]
             return Film(b"", reason=why[0])
-        return Film(made.read_bytes(), **json.loads(done.stdout))
+        frames, start_s, end_s = done.stdout.split()
+        return Film(made.read_bytes(), int(frames), float(start_s), float(end_s))
 
 
 def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Film]) -> str:

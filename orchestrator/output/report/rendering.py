@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import io
-import json
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -183,4 +182,4 @@ def _look(plotter: Any, points_m: Any) -> None:
 if __name__ == "__main__":
     webp, times_s = render_film(Path(sys.argv[1]), float(sys.argv[2]))
     Path(sys.argv[3]).write_bytes(webp)
-    json.dump({"frames": len(times_s), "start_s": times_s[0], "end_s": times_s[-1]}, sys.stdout)
+    print(len(times_s), times_s[0], times_s[-1])
