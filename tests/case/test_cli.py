@@ -33,6 +33,7 @@ def test_check_says_what_is_in_a_case(tmp_path: Path) -> None:
         assert said in done.output
 
 
+@pytest.mark.smoke
 def test_check_lists_mistakes_and_exits_with_2(tmp_path: Path) -> None:
     done = CALL.invoke(app, ["check", str(case_folder(tmp_path)), "--set", "panel.solver=rigd"])
     assert done.exit_code == 2
@@ -74,6 +75,7 @@ def test_run_hands_everything_over_and_exits_with_its_code(
     assert calls == [(Path("cases/x"), "draft", Path("runs/y"), ["a=1", "b=2"])]
 
 
+@pytest.mark.smoke
 def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None:
     case_folder(tmp_path / "good", CASE, draft=LEVEL)
     case_folder(tmp_path / "bad", "title = 3")
@@ -83,6 +85,7 @@ def test_list_names_cases_levels_and_those_with_mistakes(tmp_path: Path) -> None
     assert "(has problems: flipflow check" in done.output
 
 
+@pytest.mark.smoke
 def test_help_teaches_examples_and_exit_codes() -> None:
     done = CALL.invoke(app, ["--help"])
     assert done.exit_code == 0

@@ -21,6 +21,7 @@ def refused(folder: Path, level: str | None = None, *overrides: str) -> str:
     return str(caught.value)
 
 
+@pytest.mark.smoke
 def test_a_level_overlays_the_case_and_set_overlays_the_level(tmp_path: Path) -> None:
     folder = case_folder(tmp_path, draft=LEVEL, fine=FINE)
     assert load_judged(folder, "draft").case.panel.solver == "strip"
@@ -93,6 +94,7 @@ def test_a_wrong_set_is_a_mistake_of_the_user(tmp_path: Path, override: str, sai
     assert said in message
 
 
+@pytest.mark.smoke
 def test_all_mistakes_come_in_one_message_with_file_key_value_and_suggestion(tmp_path: Path) -> None:
     case = CASE.replace("thickness_m", "thicknes_m").replace("diameter_m = 0.02", "diameter_m = -1")
     folder = case_folder(tmp_path, case, draft=LEVEL.replace("strip", "stripe"))

@@ -17,6 +17,7 @@ from tests.coupled.screen import CASE
 pytestmark = pytest.mark.solver
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize("scheme", ["particles-first", "robin", "serial-staggered"])
 @pytest.mark.parametrize("integrator", ["explicit", "implicit"])
 def test_momentum_to_rounding(tmp_path: Path, scheme: str, integrator: str) -> None:

@@ -25,6 +25,7 @@ def impact(scheme: str, intervals_per_contact: int) -> tuple[float, float]:
     return sphere.v - plate.v, sphere.v + 4 * plate.v + 1.0
 
 
+@pytest.mark.smoke
 @pytest.mark.parametrize(
     ("scheme", "intervals", "expected"),
     [

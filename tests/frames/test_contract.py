@@ -31,6 +31,7 @@ def test_points_start_where_they_are_mounted_and_at_rest(case: Case) -> None:
     assert not motion.velocity_m_per_s.any()
 
 
+@pytest.mark.smoke
 @every_adapter
 def test_at_rest_nothing_moves(case: Case) -> None:
     frames = case.open(case.still())
@@ -72,6 +73,7 @@ def test_a_body_without_bushings_floats_in_zero_gravity(solver: str) -> None:
         build(replace(floating, reaction_N=pull_N))
 
 
+@pytest.mark.smoke
 @every_adapter
 def test_momentum_balances_in_every_interval(case: Case) -> None:
     """To rounding: 1e-12 of the largest impulse that goes through."""

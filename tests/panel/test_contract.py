@@ -58,6 +58,7 @@ def test_clamps_start_on_the_mount_and_at_rest(case: Case) -> None:
     assert nearest.max() < 1e-12 + 0.5 * case.plan.thickness_m
 
 
+@pytest.mark.smoke
 @every_adapter
 def test_at_rest_nothing_moves_and_the_reaction_is_the_weight(case: Case) -> None:
     panel = case.open()
@@ -72,6 +73,7 @@ def test_at_rest_nothing_moves_and_the_reaction_is_the_weight(case: Case) -> Non
     assert state.surface.position_m == pytest.approx(start.surface.position_m, abs=1e-9)
 
 
+@pytest.mark.smoke
 @every_adapter
 def test_interpolation_sums_to_one_and_reproduces_linear_fields(case: Case) -> None:
     rectangle, panel = case.plan.rectangle, case.open()
@@ -100,6 +102,7 @@ def test_coordinates_off_the_panel_are_refused(case: Case) -> None:
         case.open().interpolation(np.array([[0.5, 0.01]]))
 
 
+@pytest.mark.smoke
 @every_adapter
 def test_momentum_balances_in_every_interval(case: Case) -> None:
     """change = gravity's impulse + load - reaction, to 1e-12 of the largest impulse."""

@@ -54,6 +54,7 @@ def test_overlaps_are_the_deepest_of_now(build: Build) -> None:
     assert (lonely.between_m, lonely.surface_per_diameter) == (0.0, 0.0)
 
 
+@pytest.mark.smoke
 def test_momentum_is_handed_over_to_rounding(build: Build) -> None:
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
@@ -67,6 +68,7 @@ def test_momentum_is_handed_over_to_rounding(build: Build) -> None:
     np.testing.assert_allclose(gained + run.given_N_s, 0.0, atol=1e-12 * MASS_KG)
 
 
+@pytest.mark.smoke
 def test_free_flight_is_exact(build: Build) -> None:
     start_m, start_m_per_s, t = np.array([0.1, 0.2, 0.5]), np.array([0.3, -0.1, 1.0]), 0.05
     run = build(plan(plate(0.01, 1), particles(start_m, start_m_per_s, [1.0, 2.0, 3.0])))
@@ -248,6 +250,7 @@ def exit_box(center_m: Any, half_m: Any, turned_deg: float = 0.0) -> ExitPlan:
     return ExitPlan("box", "undersize", np.array(center_m), axes, np.array(half_m))
 
 
+@pytest.mark.smoke
 def test_exits_take_out_who_is_inside(build: Build) -> None:
     """Three spheres fly 20 mm along x: into an exit, below it, out of the domain; a fourth rests
     where the first exit and a second overlap."""
