@@ -24,14 +24,15 @@ from orchestrator.ports.state import SavedAttributes
 
 LEAST, MEAN, MOST = range(3)
 POINT_VALUES, PANEL_VALUES = 5, 8
-POINT_COLUMNS = {  # of the displacement since t = 0 (3), its size and the speed
+Columns = dict[str, tuple[int, int | slice]]
+POINT_COLUMNS: Columns = {  # of the displacement since t = 0 (3), its size and the speed
     "least_m": (LEAST, slice(0, 3)),
     "mean_m": (MEAN, slice(0, 3)),
     "most_m": (MOST, slice(0, 3)),
     "farthest_m": (MOST, 3),
     "fastest_m_per_s": (MOST, 4),
 }
-PANEL_COLUMNS = {  # of what ``CycleRecord._panel_values`` returns
+PANEL_COLUMNS: Columns = {  # of what ``CycleRecord._panel_values`` returns
     "pull_least_N": (LEAST, 0),
     "pull_mean_N": (MEAN, 0),
     "pull_most_N": (MOST, 0),

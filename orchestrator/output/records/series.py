@@ -112,8 +112,7 @@ def _probe_motion(probe: PlacedProbe, state: State, followed: ParticleSnapshot |
     motion: Motion | ParticleSnapshot = state.clamps if probe.on == "clamps" else state.panel.surface
     index = probe.index
     if probe.on == "particle":
-        rows = [] if followed is None else np.flatnonzero(followed.id == probe.index)
-        if followed is None or not len(rows):
+        if followed is None or probe.index not in followed.id:
             return np.full(3, np.nan), np.full(3, np.nan)
-        motion, index = followed, rows[0]
+        motion, index = followed, int(np.flatnonzero(followed.id == probe.index)[0])
     return motion.position_m[index], motion.velocity_m_per_s[index]
