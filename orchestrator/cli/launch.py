@@ -36,7 +36,6 @@ from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.account import Entry, account, at_start
 from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
-from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
 from orchestrator.run.run import Run
@@ -130,14 +129,14 @@ def execute(
                 *warned,
                 *provenance.warnings(),
                 *warnings(loaded),
-                *formatting.warnings(stability),
+                *stability.warnings(),
                 *at_start(entries),
             ]
         except MemoryError as error:  # of panels' meshes; nothing has been computed
             if first and checkpoint is None:
                 run_folder.remove_folder(folder)
             return report_refusal(world, error)
-        for line in formatting.detail_lines(stability):
+        for line in stability.detail_lines():
             LOG.info(line)
         for line in lines:
             LOG.warning(line)

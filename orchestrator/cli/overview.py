@@ -21,7 +21,6 @@ from orchestrator.preflight.checks.steps import missing_solvers
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_range_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, at_start
-from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import stability_report, with_scheme
 
 
@@ -46,8 +45,8 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
     if loaded.changed:
         yield f"the level or --set changes physics: {', '.join(loaded.changed)}"
     yield "stability:"
-    yield from formatting.detail_lines(stability) if detail else formatting.short_lines(stability)
-    for warning in [*warnings(loaded), *formatting.warnings(stability), *missing_solvers(case)]:
+    yield from stability.detail_lines() if detail else stability.short_lines()
+    for warning in [*warnings(loaded), *stability.warnings(), *missing_solvers(case)]:
         yield f"warning: {warning}"
     yield "the case can be run"
 

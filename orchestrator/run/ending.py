@@ -25,7 +25,6 @@ from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry, at_end
-from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import StabilityReport
 from orchestrator.run.progress import Progress
 
@@ -58,7 +57,7 @@ class Ending:
             "effects": {name: entry.figures() for name, entry in self.effects.items()},
             "share_of_width": share(case.whole),
             "cycle_s": cycle_s(case),
-            "stability": formatting.metrics(self.stability),
+            "stability": self.stability.as_json(),
             "wall_s": wall_s,
             "processor_s": time.process_time(),
             "processor_before_s": progress.processor_before_s,

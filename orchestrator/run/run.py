@@ -25,7 +25,6 @@ from orchestrator.ports.failures import solver_failure_context, write_failure_co
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import Entry
-from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import StabilityReport, with_scheme
 from orchestrator.run.checkpointer import Checkpointer, Schedule
 from orchestrator.run.ending import Ending
@@ -134,7 +133,7 @@ class Run:
                 runs = machine.particle_runs
                 with self._advised(), solver_failure_context("the coupling", interval):
                     state, observed = monitor.advance(interval, state)
-                check_speeds(observed, interval.end_s, formatting.advice(self._stability))
+                check_speeds(observed, interval.end_s, self._stability.advice())
                 steps = steps_in(monitor.pace.last_s, self._step_s) * (machine.particle_runs - runs)
                 self._record(recorder, monitor, observed, interval.index + 1, steps)
                 with self._advised():
@@ -152,8 +151,8 @@ class Run:
         try:
             yield
         except SolverFailed as error:
-            if formatting.beyond(self._stability):
-                error.add_note(formatting.advice(self._stability))
+            if self._stability.unsafe:
+                error.add_note(self._stability.advice())
             raise
 
     def _save(self, checkpointer: Checkpointer, state: State) -> None:

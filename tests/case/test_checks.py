@@ -9,7 +9,6 @@ import pytest
 from orchestrator.ports.plans import PanelPlan, SolverFailed
 from orchestrator.preflight.check import find_problems, warnings
 from orchestrator.preflight.judge import load_judged
-from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.report import stability_report
 from tests.cases import BLOCK, CASE, FEED, case_folder, complaints, loaded, only_complaint
 
@@ -198,10 +197,10 @@ def test_overlapping_particles_are_named(tmp_path: Path) -> None:
 
 def test_a_sync_interval_above_a_tenth_of_the_contact_is_a_warning(tmp_path: Path) -> None:
     slow = loaded(tmp_path, ["coupling.sync_interval_s=5e-4"])
-    (said,) = [line for line in formatting.warnings(stability_report(slow.case)) if "accurate" in line]
+    (said,) = [line for line in stability_report(slow.case).warnings() if "accurate" in line]
     assert "should last ten exchanges" in said
     fast = loaded(tmp_path, ["coupling.sync_interval_s=2e-5"])
-    assert list(formatting.warnings(stability_report(fast.case))) == []
+    assert list(stability_report(fast.case).warnings()) == []
 
 
 def test_settings_that_a_strip_does_not_have(tmp_path: Path) -> None:

@@ -13,10 +13,15 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.output.records import trust
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import scene
-from orchestrator.preflight.stability import formatting
 from orchestrator.preflight.stability.bounds import Bound
 from orchestrator.preflight.stability.modes import lightest_point_kg
-from orchestrator.preflight.stability.report import StabilityReport, stability_report
+from orchestrator.preflight.stability.report import (
+    BECAUSE,
+    REMEDIES,
+    StabilityReport,
+    because,
+    stability_report,
+)
 from tests.cases import BLOCK, CASE, load_case, loaded
 from tests.effects.verdicts import BARE
 
@@ -73,9 +78,9 @@ def test_the_late_scheme_has_bounds_of_its_own(tmp_path: Path) -> None:
     found = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=serial-staggered"]).case)
     assert set(by_name(found)) >= {"late contacts", "late reaction", "carried mass"}
     assert found.safe_s == 0.0
-    (said, *_) = formatting.warnings(found)
+    (said, *_) = found.warnings()
     assert "no interval is short enough: the panels' pull on the frames comes an exchange" in said
-    assert formatting.advice(found).endswith('set coupling.scheme = "auto".')
+    assert found.advice().endswith('set coupling.scheme = "auto".')
 
 
 @pytest.mark.parametrize("scheme", ["aitken", "quasi-newton"])
@@ -122,21 +127,21 @@ def test_a_run_says_which_scheme_it_took(tmp_path: Path) -> None:
 def test_no_particles_no_contacts(tmp_path: Path) -> None:
     bare = load_case(tmp_path, BARE, STRIP)
     assert set(by_name(stability_report(bare.case))) == {"carried mass", "extrapolated clamps"}
-    assert not list(formatting.warnings(stability_report(bare.case)))
+    assert not list(stability_report(bare.case).warnings())
 
 
 def test_in_words_and_in_numbers() -> None:
     bounds = (
-        Bound("a", 2e-4, "there", "one"),
-        Bound("b", 1e-4, "there", "two"),
-        Bound("c", math.inf, "there", "three"),
-        Bound("d", 5e-5, "there", "four", "accuracy"),
+        Bound("a", 2e-4, "one"),
+        Bound("b", 1e-4, "two"),
+        Bound("c", math.inf, "three"),
+        Bound("d", 5e-5, "four", "accuracy"),
     )
-    found = StabilityReport("particles-first", 1.5e-4, bounds, (), {})
-    stability, accuracy = formatting.warnings(found)
+    found = StabilityReport("particles-first", 1.5e-4, bounds, {})
+    stability, accuracy = found.warnings()
     assert "1.5 times what is sure to be stable, 0.0001 s: b (two)" in stability
     assert "accurate by the usual rules is at most 5e-05 s: d (four)" in accuracy
-    assert formatting.metrics(found) == {
+    assert found.as_json() == {
         "scheme": "particles-first",
         "taken_because": None,
         "safe_interval_s": 1e-4,
@@ -144,7 +149,7 @@ def test_in_words_and_in_numbers() -> None:
         "advice": "At most coupling.sync_interval_s = 0.0001 s is sure to be stable: b (two).",
         "bounds_s": {"a": 2e-4, "b": 1e-4, "c": None, "d": 5e-5},
     }
-    assert "takes 0.00015 s, 1.5 of it" in formatting.verdict(found)
+    assert "takes 0.00015 s, 1.5 of it" in found.verdict()
 
 
 RIGID = ["panel.solver=rigid", "coupling.scheme=particles-first"]
@@ -185,7 +190,7 @@ def test_a_surface_on_a_free_frame_is_off_by_what_it_speeds_up_by(tmp_path: Path
     wall = by_name(stability_report(loaded(tmp_path, [*RIGID, *WALL]).case))
     assert panel["moving surface"].interval_s == pytest.approx(allowed_s(lying_m(PU)), rel=1e-3)
     assert wall["moving surface"].interval_s == pytest.approx(allowed_s(lying_m(STEEL)), rel=1e-3)
-    assert "coal of 20 mm on wall" in formatting.because(wall["moving surface"])
+    assert "coal of 20 mm on wall" in because(wall["moving surface"])
     # an impact's duration goes with E*^(-2/5)
     stiffer = ((1 - 0.3**2) / 1e7 + PU) / ((1 - 0.3**2) / 1e7 + STEEL)
     impacts = wall["shortest impact"].interval_s / panel["shortest impact"].interval_s
@@ -212,29 +217,29 @@ def test_a_driven_surface_is_off_by_what_a_cubic_leaves_out(tmp_path: Path) -> N
 def test_in_a_designers_words(tmp_path: Path) -> None:
     """Without the theory's terms; the numbers behind it are in the detail."""
     found = stability_report(loaded(tmp_path, [*STRIP, "coupling.scheme=particles-first"]).case)
-    short, long = "\n".join(formatting.short_lines(found)), "\n".join(formatting.detail_lines(found))
+    short, long = "\n".join(found.short_lines()), "\n".join(found.detail_lines())
     for term in ("light points", "lasting contacts", "extrapolated clamps", "N s/m"):
         assert term not in short
         assert term in long
     assert f"every {found.interval_s:.3g} s (coupling.sync_interval_s; scheme particles-" in short
     assert f"sure to be stable up to {found.safe_s:.3g} s: " in short
     assert "coal of 20 mm on deck" in short
-    assert set(formatting.REMEDIES) < set(formatting.BECAUSE)
+    assert set(REMEDIES) < set(BECAUSE)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_bound_has_a_designers_words(tmp_path: Path, scheme: str) -> None:
     for panel in (STRIP, ["panel.solver=rigid"]):
         found = stability_report(loaded(tmp_path, [*panel, *WALL, f"coupling.scheme={scheme}"]).case)
-        assert {bound.name for bound in found.bounds} <= set(formatting.BECAUSE)
-        assert not any("{" in formatting.because(bound) for bound in found.bounds)
+        assert {bound.name for bound in found.bounds} <= set(BECAUSE)
+        assert not any("{" in because(bound) for bound in found.bounds)
 
 
 @pytest.mark.solver
 @pytest.mark.parametrize(("overrides", "warned"), [([], False), (COARSE_AND_LIGHT, True)])
 def test_warned_where_corners_coincide(overrides: list[str], warned: bool) -> None:
     found = stability_report(load_judged(CASES / "ball-on-panel", "default", overrides).case)
-    assert bool(list(formatting.warnings(found))) is warned
+    assert bool(list(found.warnings())) is warned
     assert found.stable is not None
     assert found.stable.name == "light points"
 

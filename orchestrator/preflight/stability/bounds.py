@@ -9,32 +9,31 @@ it would be without speeding up.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
-from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.quantities import GROUND
-from orchestrator.case.tables.screen import PanelTable
-from orchestrator.preflight.scene.scene import Scene
-from orchestrator.preflight.stability.contacts import Touch, touches
-from orchestrator.preflight.stability.limits import (
-    AHEAD,
-    LARGEST_MASS,
-    carried_share,
-    extrapolated_clamps_s,
-    foreseen_mode_s,
-    foreseen_sphere_s,
-    late_contact_s,
-    late_reaction_s,
-    late_rocking_s,
-    light_point_s,
-    resting_mode_s,
-    rocking_s,
+from orchestrator.case.bed.contact_times import (
+    contact_moduli,
+    hertz_overlap_m,
+    hertz_s,
+    hertz_static_overlap_m,
+    largest_diameters_m,
+    reduced_modulus_Pa,
+    smallest_diameters_m,
 )
+from orchestrator.case.tables.quantities import GROUND
+from orchestrator.ports.physics import sphere_mass_kg
+from orchestrator.preflight.scene.scene import Scene, bed_kg
+from orchestrator.preflight.stability import limits
 from orchestrator.preflight.stability.modes import FrameMatrices, areal_kg_per_m2, lightest_point_kg
 
-SOURCE = "docs/theory/stability.md, "
+SECTIONS = {
+    "shortest impact": "impacts",
+    "moving surface": "moving surfaces",
+    "driven surface": "moving surfaces",
+}
+"""Sections of docs/theory/stability.md whose name is not the bound's own."""
 
 
 @dataclass(frozen=True)
@@ -43,20 +42,97 @@ class Bound:
 
     "stability": beyond it something grows without end.  "accuracy": beyond it the answer is
     worse than the project's own rule, but bounded.  ``interval_s`` is infinite where the effect
-    sets no limit and 0 where no interval is short enough; ``source`` is where the formula comes
-    from, ``why`` the case's own numbers in it, ``where`` the particles and the surface that set it.
+    sets no limit and 0 where no interval is short enough; ``why`` has the case's own numbers,
+    ``where`` names the particles and the surface that set it.
     """
 
     name: str
     interval_s: float
-    source: str
     why: str
     kind: Literal["stability", "accuracy"] = "stability"
     where: str = ""
 
+    @property
+    def source(self) -> str:
+        """Where the formula comes from."""
+        return f"docs/theory/stability.md, {SECTIONS.get(self.name, self.name)}"
+
+
+class ContactSpring(NamedTuple):
+    """A contact, linear about some depth."""
+
+    stiffness_N_per_m: float
+    damping_N_s_per_m: float
+
 
 @dataclass(frozen=True)
-class Seat:
+class Touch:
+    """Spheres of one size on a surface.  ``deepest``: in an impact or under the bed, whichever goes
+    deeper; ``resting``: under the bed as it is thrown; ``resting_m``: how deep one lies under the
+    bed's weight or, where that is more, its own.  ``impact_s`` is the duration of an impact,
+    ``area_m2`` what each takes of the surface where they lie side by side."""
+
+    material: str
+    diameter_m: float
+    mass_kg: float
+    deepest: ContactSpring
+    resting: ContactSpring
+    resting_m: float
+    impact_s: float
+    area_m2: float
+
+    def __str__(self) -> str:
+        return f"{self.material} of {1e3 * self.diameter_m:.3g} mm"
+
+
+def touches(scene: Scene, surface_material: str) -> list[Touch]:
+    """The smallest and the largest spheres of each material, on surfaces of a material."""
+    smallest_m, largest_m = smallest_diameters_m(scene.case), largest_diameters_m(scene.case)
+    return [
+        _touch(scene, name, diameter_m, surface_material)
+        for name in smallest_m
+        for diameter_m in sorted({smallest_m[name], largest_m[name]})
+    ]
+
+
+def _touch(scene: Scene, name: str, diameter_m: float, surface_material: str) -> Touch:
+    case, speed_m_per_s = scene.case, scene.impact_m_per_s
+    cap_Pa, grain = case.particles.largest_youngs_modulus_Pa, case.materials[name]
+    reduced_Pa = reduced_modulus_Pa(
+        contact_moduli(grain, cap_Pa), contact_moduli(case.materials[surface_material], cap_Pa)
+    )
+    mass_kg, radius_m = sphere_mass_kg(diameter_m, grain.density_kg_per_m3), diameter_m / 2
+    area_m2 = math.sqrt(3) / 2 * diameter_m**2  # side by side, in hexagons
+    bed_Pa = scene.bed_kg_per_m2 * scene.gravity_m_per_s2
+    thrown_N = bed_Pa * (1 + scene.panels_throw) * area_m2
+    lying_N = max(bed_Pa * area_m2, mass_kg * scene.gravity_m_per_s2)
+    pressed_m = hertz_static_overlap_m(thrown_N, radius_m, reduced_Pa)
+    deepest_m = max(pressed_m, hertz_overlap_m(mass_kg, radius_m, reduced_Pa, speed_m_per_s))
+    pairs = {frozenset(row.between): row.restitution for row in case.contacts}
+    log_e = math.log(pairs[frozenset((name, surface_material))])
+
+    def spring(depth_m: float) -> ContactSpring:
+        """Hertz's stiffness 2 E* sqrt(R depth) with the damping 2 sqrt(5/6) beta sqrt(stiffness m),
+        beta = -ln e / sqrt(ln^2 e + pi^2) (Tsuji, Tanaka and Ishida, Powder Technology 71, 1992,
+        239-250, doi 10.1016/0032-5910(92)88030-L, in the form of LIGGGHTS's model hertz)."""
+        stiffness_N_per_m = 2 * reduced_Pa * math.sqrt(radius_m * depth_m)
+        beta = -log_e / math.hypot(log_e, math.pi)
+        damping_N_s_per_m = 2 * math.sqrt(5 / 6) * beta * math.sqrt(stiffness_N_per_m * mass_kg)
+        return ContactSpring(stiffness_N_per_m, damping_N_s_per_m)
+
+    return Touch(
+        material=name,
+        diameter_m=diameter_m,
+        mass_kg=mass_kg,
+        deepest=spring(deepest_m),
+        resting=spring(pressed_m),
+        resting_m=hertz_static_overlap_m(lying_N, radius_m, reduced_Pa),
+        impact_s=hertz_s(mass_kg, radius_m, reduced_Pa, speed_m_per_s),
+        area_m2=area_m2,
+    )
+
+
+class Seat(NamedTuple):
     """A contact, and what it rests on: effective mass, highest frequency (0: a free mass)."""
 
     panel: str
@@ -64,41 +140,48 @@ class Seat:
     mass_kg: float
     mode_rad_per_s: float
 
-    @property
-    def point(self) -> tuple[float, float]:
-        return self.mass_kg, self.mode_rad_per_s
-
-    @property
-    def masses_kg(self) -> tuple[float, float]:
-        return self.touch.mass_kg, self.mass_kg
-
 
 Limit = Callable[[Seat, float, float], float]
 """The longest interval of a seat whose contact has a stiffness k and a damping g."""
 
 CONTACT_LIMITS: dict[str, dict[str, tuple[Literal["deepest", "resting"], Limit]]] = {
     "particles-first": {
-        "light points": ("deepest", lambda s, k, g: light_point_s(k, g, *s.point)),
+        "light points": ("deepest", lambda s, k, g: limits.light_point_s(k, g, s.mass_kg, s.mode_rad_per_s)),
         "lasting contacts, panels' modes": (
             "resting",
-            lambda s, k, g: resting_mode_s(k, g, s.mode_rad_per_s),
+            lambda s, k, g: limits.resting_mode_s(k, g, s.mode_rad_per_s),
         ),
-        "lasting contacts, light points": ("resting", lambda s, k, g: rocking_s(k, g, *s.masses_kg)),
+        "lasting contacts, light points": (
+            "resting",
+            lambda s, k, g: limits.rocking_s(k, g, s.touch.mass_kg, s.mass_kg),
+        ),
     },
     "robin": {
-        "foreseen contacts, panels' modes": ("deepest", lambda s, k, g: foreseen_mode_s(k, g, *s.point)),
-        "foreseen contacts, spheres": ("deepest", lambda s, k, g: foreseen_sphere_s(k, g, *s.masses_kg)),
+        "foreseen contacts, panels' modes": (
+            "deepest",
+            lambda s, k, g: limits.foreseen_mode_s(k, g, s.mass_kg, s.mode_rad_per_s),
+        ),
+        "foreseen contacts, spheres": (
+            "deepest",
+            lambda s, k, g: limits.foreseen_sphere_s(k, g, s.touch.mass_kg, s.mass_kg),
+        ),
     },
     "serial-staggered": {
-        "late contacts": ("deepest", lambda s, k, g: late_contact_s(k, g, *s.point)),
-        "late contacts, light points": ("deepest", lambda s, k, g: late_rocking_s(k, g, *s.masses_kg)),
+        "late contacts": (
+            "deepest",
+            lambda s, k, g: limits.late_contact_s(k, g, s.mass_kg, s.mode_rad_per_s),
+        ),
+        "late contacts, light points": (
+            "deepest",
+            lambda s, k, g: limits.late_rocking_s(k, g, s.touch.mass_kg, s.mass_kg),
+        ),
     },
 }
 """Scheme -> name of each bound -> which contact of a seat it takes, and its limit."""
 
 
 def contact_bounds(
-    scene: Scene, modes_rad_per_s: dict[str, float], frames: FrameMatrices | None
+    scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices | None
 ) -> Iterator[Bound]:
     """Yields for each limit the worst of all particles on all panels, where their load moves these."""
     exchange, scheme = scene.case.exchange, scene.case.coupling.scheme
@@ -108,69 +191,56 @@ def contact_bounds(
         scheme = "particles-first"  # that is what it does on them
     seats = list(_seats(scene, modes_rad_per_s, frames))
     for name, (kind, limit_s) in CONTACT_LIMITS.get(scheme, {}).items() if seats else ():
-        rows = [(seat, getattr(seat.touch, kind)) for seat in seats]
-        limits_s = [limit_s(seat, c.stiffness_N_per_m, c.damping_N_s_per_m) for seat, c in rows]
-        shortest_s = min(limits_s)
-        seat, contact = rows[limits_s.index(shortest_s)]
+        rows = [(limit_s(seat, *getattr(seat.touch, kind)), seat) for seat in seats]
+        shortest_s, seat = min(rows, key=lambda row: row[0])
+        k, g = getattr(seat.touch, kind)
         where = f"{seat.touch} on {seat.panel}"
-        why = (
-            f"{where}: {contact.stiffness_N_per_m:.3g} N/m and "
-            f"{contact.damping_N_s_per_m:.3g} N s/m on {1e3 * seat.mass_kg:.3g} g"
-        )
-        yield Bound(name, shortest_s, SOURCE + name, why, where=where)
+        why = f"{where}: {k:.3g} N/m and {g:.3g} N s/m on {1e3 * seat.mass_kg:.3g} g"
+        yield Bound(name, shortest_s, why, where=where)
 
 
-def _seats(scene: Scene, modes_rad_per_s: dict[str, float], frames: FrameMatrices | None) -> Iterator[Seat]:
-    """What carries a sphere: the lightest point where it is alone, of many side by side the area
-    that each takes, and of a few that crowd on the lightest point its share."""
-    for name, panel in scene.case.screen.panels.items():
-        for touch in touches(scene, panel.material):
-            mass_kg = _mass_kg(scene, name, panel, touch, frames)
-            if mass_kg is not None:
-                yield Seat(name, touch, mass_kg, modes_rad_per_s.get(name, 0.0))
-
-
-def _mass_kg(
-    scene: Scene, name: str, panel: PanelTable, touch: Touch, frames: FrameMatrices | None
-) -> float | None:
-    """None where nothing moves under a load."""
-    if scene.case.panel.adapter.yields:
-        alone_kg = lightest_point_kg(scene.case, name)
-        crowded_kg = areal_kg_per_m2(scene.case, panel) * touch.area_m2
-        return min(alone_kg, max(crowded_kg, alone_kg / touch.most))
-    wanted = scene.case.exchange
-    if frames is None or not (wanted.panel_reaction and wanted.frame_motion):
-        return None
+def _seats(
+    scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices | None
+) -> Iterator[Seat]:
+    """Yields what carries a sphere: the lightest point where it is alone, of many side by side the
+    area that each takes, and of a few that crowd on the lightest point its share.  Panels that do
+    not yield carry with the lightest frame; nothing is yielded where that is not moved."""
+    case, exchange = scene.case, scene.case.exchange
+    yields = case.panel.adapter.yields
     area_m2 = sum(p.panel.rectangle.span_m * p.panel.rectangle.width_m for p in scene.panels)
-    return frames.lightest_kg * touch.area_m2 / area_m2
+    for name, panel in case.screen.panels.items():
+        for touch in touches(scene, panel.material):
+            if yields:
+                alone_kg = lightest_point_kg(case, name)
+                crowd = max(1.0, bed_kg(case) / touch.mass_kg)
+                mass_kg = min(alone_kg, max(areal_kg_per_m2(case, panel) * touch.area_m2, alone_kg / crowd))
+            elif frames is not None and exchange.panel_reaction and exchange.frame_motion:
+                mass_kg = frames.lightest_kg * touch.area_m2 / area_m2
+            else:
+                continue
+            yield Seat(name, touch, mass_kg, modes_rad_per_s.get(name, 0.0))
 
 
-def frame_bounds(case: Case, frames: FrameMatrices) -> Iterator[Bound]:
+def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
     """Yields the bounds from panels, as springs and as masses, on frames that they push."""
-    scheme = case.coupling.scheme
-    if not (case.exchange.panel_reaction and case.exchange.frame_motion):
+    scheme, exchange = scene.case.coupling.scheme, scene.case.exchange
+    if not (exchange.panel_reaction and exchange.frame_motion):
         return
-
-    def bound(name: str, limit_s: float, why: str) -> Bound:
-        return Bound(name, limit_s, SOURCE + name, why)
-
-    if scheme in LARGEST_MASS:
-        share, limit = carried_share(frames.mass, frames.carried), LARGEST_MASS[scheme]
+    if scheme in limits.LARGEST_MASS:
+        share, limit = limits.carried_share(frames.mass, frames.carried), limits.LARGEST_MASS[scheme]
         why = f"panels' mass on the frames is up to {share:.2g} of their own; the limit is {limit:.2g}"
-        yield bound("carried mass", math.inf if share < limit else 0.0, why)
-    if scheme in AHEAD:
-        limit_s = extrapolated_clamps_s(frames.mass, frames.panels_N_per_m)
-        yield bound("extrapolated clamps", limit_s, "frames alone on the panels as springs")
+        yield Bound("carried mass", math.inf if share < limit else 0.0, why)
+    if scheme in limits.AHEAD:
+        limit_s = limits.extrapolated_clamps_s(frames.mass, frames.panels_N_per_m)
+        yield Bound("extrapolated clamps", limit_s, "frames alone on the panels as springs")
     if scheme == "serial-staggered":
         _, shapes = frames.modes()
-        limit_s = late_reaction_s(shapes, frames.panels_N_per_m, frames.damping_N_s_per_m)
+        limit_s = limits.late_reaction_s(shapes, frames.panels_N_per_m, frames.damping_N_s_per_m)
         why = "bushings' damping over panels' stiffness, in the mode where it is least"
-        yield bound("late reaction", limit_s, why)
+        yield Bound("late reaction", limit_s, why)
 
 
 INTERVALS_PER_CONTACT = 10
-IMPACT = "docs/theory/stability.md, impacts"
-MOVING = "docs/theory/stability.md, moving surfaces"
 SHARE_OF_OVERLAP = 0.1
 """How far a surface may be off, of the overlap of what lies on it.  The mean over the interval is
 off by a third of that."""
@@ -182,7 +252,7 @@ HERMITE = 1 / 384
 
 
 @dataclass(frozen=True)
-class Met:
+class MetSurface:
     """A surface that particles meet, a panel or a wall.  ``known``: a drive has it, or it stands
     still; ``yields``: its points give way to loads by themselves, as only elastic panels' do;
     ``acceleration_m_per_s2`` is the largest that the scene gives it."""
@@ -194,98 +264,78 @@ class Met:
     acceleration_m_per_s2: float
 
 
-def met(scene: Scene) -> list[Met]:
+def met_surfaces(scene: Scene) -> list[MetSurface]:
     """Every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
     middles or as the frames, whichever is more."""
     case, moves = scene.case, scene.case.exchange.frame_motion
-    yields = case.panel.adapter.yields
-    panels_throw = scene.throw if case.panel.adapter.deforms else scene.frames_throw
-    found = []
-    for name, panel in case.screen.panels.items():
-        known = not yields and (not moves or _known(scene, *panel.frames))
-        acceleration_m_per_s2 = panels_throw * scene.gravity_m_per_s2 if moves else 0.0
-        found.append(Met(name, panel.material, known, yields, acceleration_m_per_s2))
+    panel_solver, gravity_m_per_s2 = case.panel.adapter, scene.gravity_m_per_s2
+    pushed = case.frames.adapter.moved_by_forces and case.exchange.panel_reaction
+    driven = {drive.body for drive in scene.plan.drives} | {GROUND}
+
+    def known(*frames: str) -> bool:
+        return not (moves and pushed) or driven.issuperset(frames)
+
+    throw = (scene.throw if panel_solver.deforms else scene.frames_throw) if moves else 0.0
+    surfaces = [
+        MetSurface(
+            name,
+            panel.material,
+            known=not panel_solver.yields and known(*panel.frames),
+            yields=panel_solver.yields,
+            acceleration_m_per_s2=throw * gravity_m_per_s2,
+        )
+        for name, panel in case.screen.panels.items()
+    ]
     for name, wall in case.screen.surfaces.items():
-        known = not moves or _known(scene, wall.frame)
         throw = scene.frames_throw if moves and wall.frame != GROUND else 0.0
-        found.append(Met(name, wall.material, known, False, throw * scene.gravity_m_per_s2))
-    return found
-
-
-def _known(scene: Scene, *frames: str) -> bool:
-    forces = scene.case.frames.adapter.moved_by_forces
-    unmoved = not (forces and scene.case.exchange.panel_reaction)
-    known = {drive.body for drive in scene.plan.drives} | {GROUND}
-    return unmoved or known.issuperset(frames)
+        surfaces.append(MetSurface(name, wall.material, known(wall.frame), False, throw * gravity_m_per_s2))
+    return surfaces
 
 
 def surface_bounds(scene: Scene) -> Iterator[Bound]:
-    """Of all particles on all that they meet."""
-    surfaces = met(scene)
-    yield from shortest_impact(scene, [one for one in surfaces if not one.known])
-    if scene.case.exchange.panel_motion:
-        yield from _worst_surface("moving surface", scene, surfaces, _extrapolated_s)
-        yield from _worst_surface("driven surface", scene, surfaces, _smoothed_s)
+    """Yields the bounds on accuracy, of all particles on all that they meet: at least ten intervals
+    to the shortest impact on a surface that a load moves, and how far surfaces may be off."""
+    meetings = [
+        (surface, touch) for surface in met_surfaces(scene) for touch in touches(scene, surface.material)
+    ]
+    free = [touch for surface, touch in meetings if not surface.known]
+    shortest = min(free, key=lambda touch: touch.impact_s, default=None)
+    if shortest is not None and math.isfinite(shortest.impact_s):
+        why = (
+            f"{shortest} at {scene.impact_m_per_s:.3g} m/s for {shortest.impact_s:.3g} s, "
+            f"{INTERVALS_PER_CONTACT} intervals"
+        )
+        interval_s = shortest.impact_s / INTERVALS_PER_CONTACT
+        yield Bound("shortest impact", interval_s, why, "accuracy", str(shortest))
+    if not scene.case.exchange.panel_motion:
+        return
+    for name, allowed_s in (("moving surface", _extrapolated_s), ("driven surface", _smoothed_s)):
+        rows = [(allowed_s(scene, surface, touch), surface, touch) for surface, touch in meetings]
+        rows = [row for row in rows if math.isfinite(row[0])]
+        if rows:
+            interval_s, surface, touch = min(rows, key=lambda row: row[0])
+            why = (
+                f"{touch} lies {touch.resting_m:.2g} m deep in {surface.name}, which speeds up by up to "
+                f"{surface.acceleration_m_per_s2:.3g} m/s2; off by {SHARE_OF_OVERLAP:g} of that depth"
+            )
+            yield Bound(name, interval_s, why, "accuracy", f"{touch} on {surface.name}")
 
 
-def _extrapolated_s(scene: Scene, surface: Met, off_m: float) -> float:
-    """The interval in which a surface that is free is off by ``off_m``."""
-    share = _share(scene.case.coupling.scheme, surface.yields)
-    if surface.known or surface.acceleration_m_per_s2 == 0.0 or share == 0.0:
+def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
+    """The interval in which a surface that is free is off by ``SHARE_OF_OVERLAP``.  robin drifts on
+    what it does not foresee; serial-staggered shows the particles the way that the surface has gone."""
+    scheme = scene.case.coupling.scheme
+    if surface.known or surface.acceleration_m_per_s2 == 0.0 or scheme == "serial-staggered":
         return math.inf
-    return math.sqrt(off_m / (share * surface.acceleration_m_per_s2))
+    drifts = scheme == "particles-first" or (scheme == "robin" and not surface.yields)
+    share = STRAIGHT if drifts else CHORD
+    return math.sqrt(SHARE_OF_OVERLAP * touch.resting_m / (share * surface.acceleration_m_per_s2))
 
 
-def _share(scheme: str, yields: bool) -> float:
-    """Of a H^2.  robin drifts on what it does not foresee; serial-staggered shows the particles the
-    way that the surface has gone."""
-    if scheme == "serial-staggered":
-        return 0.0
-    return STRAIGHT if scheme == "particles-first" or (scheme == "robin" and not yields) else CHORD
-
-
-def _smoothed_s(scene: Scene, surface: Met, off_m: float) -> float:
-    """The interval in which the smooth path of a driven surface, H^4 a w^2, is off by ``off_m``."""
+def _smoothed_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
+    """The interval in which the smooth path of a driven surface, H^4 a w^2, is off by
+    ``SHARE_OF_OVERLAP``."""
     if not surface.known or surface.acceleration_m_per_s2 == 0.0:
         return math.inf
     fourth_m_per_s4 = surface.acceleration_m_per_s2 * scene.speed_rad_per_s**2
-    return math.pow(off_m / (HERMITE * fourth_m_per_s4), 1 / 4)
-
-
-def _worst_surface(
-    name: str, scene: Scene, surfaces: list[Met], allowed_s: Callable[[Scene, Met, float], float]
-) -> Iterator[Bound]:
-    """The shortest of all particles and surfaces; none where nothing limits."""
-    found = [
-        (allowed_s(scene, one, SHARE_OF_OVERLAP * touch.resting_m), one, touch)
-        for one in surfaces
-        for touch in touches(scene, one.material)
-    ]
-    interval_s, one, touch = min(found, key=lambda row: row[0], default=(math.inf, None, None))
-    if one is not None and touch is not None and math.isfinite(interval_s):
-        yield Bound(
-            name,
-            interval_s,
-            MOVING,
-            f"{touch} lies {touch.resting_m:.2g} m deep in {one.name}, which speeds up by up to "
-            f"{one.acceleration_m_per_s2:.3g} m/s2; off by {SHARE_OF_OVERLAP:g} of that depth",
-            "accuracy",
-            f"{touch} on {one.name}",
-        )
-
-
-def shortest_impact(scene: Scene, surfaces: list[Met]) -> Iterator[Bound]:
-    """At least ten intervals to the shortest impact on a surface that a load moves."""
-    materials = {one.material for one in surfaces}
-    every = [touch for name in sorted(materials) for touch in touches(scene, name)]
-    shortest = min(every, key=lambda touch: touch.impact_s, default=None)
-    if shortest is not None and math.isfinite(shortest.impact_s):
-        yield Bound(
-            "shortest impact",
-            shortest.impact_s / INTERVALS_PER_CONTACT,
-            IMPACT,
-            f"{shortest} at {scene.impact_m_per_s:.3g} m/s for {shortest.impact_s:.3g} s, "
-            f"{INTERVALS_PER_CONTACT} intervals",
-            "accuracy",
-            str(shortest),
-        )
+    return math.pow(SHARE_OF_OVERLAP * touch.resting_m / (HERMITE * fourth_m_per_s4), 1 / 4)
