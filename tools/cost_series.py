@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 
-from orchestrator.preflight.cost import particles_at_start, predicted_range_s
+from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.measured import parts_s
 from orchestrator.studies.accuracy.plan import timed
@@ -78,7 +78,8 @@ def compared(name: str) -> Compared:
     sets = [*sets, "output.pictures=false"]
     path = ROOT / "cases" / folder
     case = load_judged(path, level, sets).case
-    thin_s, thick_s = predicted_range_s(case, particles_at_start(case))
+    at_start = particles_at_start(case)
+    thin_s, thick_s = (predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK))
     return Compared(name, thin_s, thick_s, parts_s(timed(path, level, sets)))
 
 

@@ -18,7 +18,7 @@ from orchestrator.ports.clock import steps_in
 from orchestrator.ports.plans import SolverMissing
 from orchestrator.preflight.check import warnings
 from orchestrator.preflight.checks.steps import missing_solvers
-from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_range_s
+from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.account import account, at_start
 from orchestrator.preflight.stability.report import stability_report, with_scheme
@@ -114,7 +114,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
 
 def _cost(case: Case, at_start: int) -> Iterator[str]:
     """Yields what the whole run will take, and the parts that take a tenth or more of it."""
-    ranges = predicted_range_s(case, at_start)
+    ranges = [predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK)]
     least, most = (sum(parts.values()) for parts in ranges)
     fed = most > 1.1 * least
     time = f"{in_words(least)} to {in_words(most)}" if fed else in_words(most)

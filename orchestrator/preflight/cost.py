@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from orchestrator.case.solver_plans import material_numbers, mesh_sizes, particl
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.ports.plans import Cost, FramesWork, PanelsWork, ParticlesWork, SolverMissing
+from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, SolverMissing
 from orchestrator.preflight.stability.report import case_with_scheme
 
 IMPORT_S = 1.2
@@ -49,16 +50,9 @@ SAVE_S = 0.04
 """At the end."""
 
 
-@dataclass(frozen=True)
-class BedDensity:
-    """How fast material moves along the deck."""
-
-    transport_m_per_s: float
-
-
-THICK = BedDensity(transport_m_per_s=TRANSPORT_M_S)
-THIN = BedDensity(transport_m_per_s=1.5)
-"""Level dry of cases/ffs0827-slice: single dry particles, thrown."""
+THICK, THIN = TRANSPORT_M_S, 1.5
+"""Speeds in m/s at which material moves along the deck: a thick bed that creeps, and single dry
+particles, thrown (level dry of cases/ffs0827-slice)."""
 TIMES = 2000  # places in time at which particles are counted
 
 
@@ -75,32 +69,31 @@ class BedCost:
         return self.mean * self.steps
 
 
-def bed_cost(case: Case, at_start: int, bed: BedDensity) -> BedCost:
-    """With ``at_start`` particles at t = 0, which leave as others do where there are exits."""
+def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
+    """Returns the cost of a bed with ``at_start`` particles at t = 0, which leave as others do where
+    there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
-    stays_s = stay_s(case, bed.transport_m_per_s)
+    stays_s = stay_s(case, transport_m_per_s)
     count = np.where(time_s < stays_s, float(at_start), 0.0)
     for inlet in inlets(case, material_numbers(case)).values():
-        per_kg = 1.0 / mean_mass_kg(inlet.sizes, inlet.density_kg_per_m3)
         there_kg = [inlet.due_kg(t) - inlet.due_kg(t - stays_s) for t in time_s]
-        count += per_kg * np.array(there_kg)
+        count += np.array(there_kg) / mean_mass_kg(inlet.sizes, inlet.density_kg_per_m3)
     steps = math.ceil(case.duration_s / particle_step_s(case))
     return BedCost(float(count.max()), float(count.mean()), steps)
 
 
-@dataclass(frozen=True)
-class Tries:
+class Tries(NamedTuple):
     """How often an interval is run on average, by the particles and by the panels; ``point_s`` is
     the processor time in which the scheme looks for the way of a point of the surface."""
 
-    particles: float
-    panel: float
+    particles: float = 1.0
+    panel: float = 1.0
     point_s: float = 0.0
 
 
-RUNS = {
-    "particles-first": Tries(1.0, 1.0),
-    "serial-staggered": Tries(1.0, 1.0),
+TRIES = {
+    "particles-first": Tries(),
+    "serial-staggered": Tries(),
     "robin": Tries(1.0, 2.0, 1.1e-6),
     "aitken": Tries(2.0, 3.0),
     "quasi-newton": Tries(2.0, 3.0),
@@ -109,103 +102,90 @@ RUNS = {
 load that was found."""
 
 
-def predicted_parts_s(case: Case, at_start: int, bed: BedDensity = THICK) -> dict[str, float]:
-    """Processor time by part, "start" first (importing, which no wall time counts), of a run with
-    ``at_start`` particles at t = 0 in ``bed``.  Pictures and the report are made apart."""
+def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THICK) -> dict[str, float]:
+    """Returns the processor time by part, "start" first (importing, which no wall time counts), of a
+    run with ``at_start`` particles at t = 0.  Pictures and the report are made apart."""
     case = case_with_scheme(case)
     intervals = case.duration_s / case.coupling.sync_interval_s
-    panels, particles = len(single_panels(case)), has_particles(case)
-    tries = RUNS[case.coupling.scheme] if particles else RUNS["particles-first"]
-    mean = bed_cost(case, at_start, bed).mean if particles else 0.0
-    of_particles = case.particles.adapter
-    costs = {
-        "particles": of_particles.cost(_particles(case, mean, tries.particles))
-        if of_particles is not None
-        else Cost(0.0, 0.0),
-        "panel": case.panel.adapter.cost(_panels(case, tries.panel)),
-        "frames": case.frames.adapter.cost(_frames(case)),
-    }
+    panels, particles = single_panels(case), has_particles(case)
+    tries = TRIES[case.coupling.scheme] if particles else Tries()
+    mean = bed_cost(case, at_start, transport_m_per_s).mean if particles else 0.0
     triangles = _triangles(case) if particles else 0
-    found = {"start": IMPORT_S + MESHED_S * triangles} | {
-        part: cost.stepping_s for part, cost in costs.items()
+    costs = {
+        "panel": case.panel.adapter.cost(_panels_work(case, tries.panel * intervals)),
+        "frames": case.frames.adapter.cost(_frames_work(case, intervals)),
     }
-    twice = 1 + particles
+    if particles and case.particles.adapter is not None:
+        work = _particles_work(case, mean, tries.particles, triangles)
+        costs["particles"] = case.particles.adapter.cost(work)
+    parts_s = {"start": IMPORT_S + MESHED_S * triangles, "particles": 0.0}
+    parts_s |= {part: cost.stepping_s for part, cost in costs.items()}
     for part, each_s in INTERVAL_S.items():
-        found[part] = intervals * (twice * each_s + TRIANGLE_S.get(part, 0.0) * triangles)
-    mapped_s = INTERVAL_S["mapping"] + MAPPED_PANEL_S * panels + TRIANGLE_S["mapping"] * triangles
-    found["mapping"] = tries.panel * intervals * mapped_s
+        parts_s[part] = intervals * ((1 + particles) * each_s + TRIANGLE_S.get(part, 0.0) * triangles)
+    mapped_s = INTERVAL_S["mapping"] + MAPPED_PANEL_S * len(panels) + TRIANGLE_S["mapping"] * triangles
+    parts_s["mapping"] = tries.panel * intervals * mapped_s
     searched_s = tries.point_s * triangles / 2  # there are half as many points
-    found["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
-    found["panel"] += tries.panel * intervals * STOPPED_PANEL_S * _stopped(case)
-    found["rest"] += sum(cost.opening_s for cost in costs.values())
-    return found | {"output": _output_s(case, panels, mean), "saves": SAVE_S}
+    parts_s["coupling"] += (TRIED_S * (tries.panel - 1) + searched_s) * intervals
+    stopped = sum(bool(panel.table.stops) for panel in panels)
+    parts_s["panel"] += tries.panel * intervals * STOPPED_PANEL_S * stopped
+    parts_s["rest"] += sum(cost.opening_s for cost in costs.values())
+    return parts_s | {"output": _output_s(case, mean), "saves": SAVE_S}
 
 
-def predicted_s(case: Case, at_start: int, bed: BedDensity = THICK) -> float:
-    """Processor time of the whole run."""
-    return sum(predicted_parts_s(case, at_start, bed).values())
+def predicted_s(case: Case, at_start: int) -> float:
+    """Returns the processor time of the whole run, with a thick bed."""
+    return sum(predicted_parts_s(case, at_start).values())
 
 
 def particles_at_start(case: Case) -> int:
-    """How many there are at t = 0."""
+    """Returns how many there are at t = 0."""
     return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
 
 
-def predicted_range_s(case: Case, at_start: int) -> tuple[dict[str, float], dict[str, float]]:
-    """``predicted_parts_s`` of a thin layer that is thrown and of a thick bed that creeps; alike
-    where nothing is fed."""
-    thin, thick = (predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK))
-    return thin, thick
-
-
 def in_words(time_s: float) -> str:
-    """A time to be read: in seconds below two minutes, in minutes below two hours, in hours below
-    two days, else in days."""
-    if time_s < 120:
-        return f"{time_s:.0f} s"
-    if time_s < 7200:
-        return f"{time_s / 60:.0f} min"
-    return f"{time_s / 3600:.0f} h" if time_s < 172_800 else f"{time_s / 86_400:.0f} days"
+    """Returns a time to be read: in seconds below two minutes, in minutes below two hours, in hours
+    below two days, else in days."""
+    for unit, unit_s, end_s in (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 172_800)):
+        if time_s < end_s:
+            return f"{time_s / unit_s:.0f} {unit}"
+    return f"{time_s / 86_400:.0f} days"
 
 
-def _panels(case: Case, runs: float) -> PanelsWork:
-    solver, interval_s = case.panel, case.coupling.sync_interval_s
+def _panels_work(case: Case, runs: float) -> PanelsWork:
     return PanelsWork(
-        len(single_panels(case)),
-        solver.cells,
-        sum(size.cells for size in mesh_sizes(case).values()),
-        solver.integrator,
-        solver.step_s,
-        interval_s,
-        runs * case.duration_s / interval_s,
+        panels=len(single_panels(case)),
+        cells=case.panel.cells,
+        resolved_cells=sum(size.cells for size in mesh_sizes(case).values()),
+        integrator=case.panel.integrator,
+        step_s=case.panel.step_s,
+        interval_s=case.coupling.sync_interval_s,
+        runs=runs,
     )
 
 
-def _frames(case: Case) -> FramesWork:
-    screen, interval_s = case.screen, case.coupling.sync_interval_s
+def _frames_work(case: Case, runs: float) -> FramesWork:
+    screen = case.screen
     return FramesWork(
-        len(screen.frames),
-        sum(frame.drive is not None for frame in screen.frames.values()),
-        sum(len(bushing.positions_m) for bushing in screen.bushings.values()),
-        len(screen.exciters),
-        sum(exciter.motor is not None for exciter in screen.exciters.values()),
-        interval_s,
-        case.duration_s / interval_s,
+        bodies=len(screen.frames),
+        driven=sum(frame.drive is not None for frame in screen.frames.values()),
+        bushings=sum(len(bushing.positions_m) for bushing in screen.bushings.values()),
+        exciters=len(screen.exciters),
+        motors=sum(exciter.motor is not None for exciter in screen.exciters.values()),
+        interval_s=case.coupling.sync_interval_s,
+        runs=runs,
     )
 
 
-def _particles(case: Case, mean: float, runs: float) -> ParticlesWork:
-    if not has_particles(case):
-        return ParticlesWork(0.0, 0.0, 0.0, 0, False)
+def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> ParticlesWork:
     interval_s = case.coupling.sync_interval_s
-    steps = runs * math.ceil(case.duration_s / interval_s) * steps_in(interval_s, particle_step_s(case))
-    intervals = case.duration_s / interval_s
-    sticky = adhesion_law(case) != "none"
-    return ParticlesWork(mean * steps, steps, runs * intervals, _triangles(case), sticky)
+    intervals, step_s = case.duration_s / interval_s, particle_step_s(case)
+    steps = tries * math.ceil(intervals) * steps_in(interval_s, step_s)
+    return ParticlesWork(mean * steps, steps, tries * intervals, triangles, adhesion_law(case) != "none")
 
 
 def _triangles(case: Case) -> int:
-    """That particles may touch on panels; as many as without openings where no mesher is there."""
+    """Returns how many triangles of panels particles may touch; as many as without openings where no
+    mesher is there."""
     try:
         return sum(len(grid.triangles) for grid in surface_grids(case).values())
     except SolverMissing:
@@ -213,17 +193,12 @@ def _triangles(case: Case) -> int:
         return 2 * along * across * len(single_panels(case))
 
 
-def _stopped(case: Case) -> int:
-    return sum(bool(panel.table.stops) for panel in single_panels(case))
-
-
-def _output_s(case: Case, panels: int, particles: float) -> float:
+def _output_s(case: Case, particles: float) -> float:
     rows = case.duration_s / (case.output.series_s or case.coupling.sync_interval_s)
-    times = case.duration_s / case.output.interval_s
-    row_s = ROW_S + ROW_PANEL_S * panels + ROW_BODY_S * len(case.screen.frames)
+    row_s = ROW_S + ROW_PANEL_S * len(single_panels(case)) + ROW_BODY_S * len(case.screen.frames)
     output_s = OUTPUT_S + OUTPUT_TRIANGLE_S * _triangles(case)
     output_s += OUTPUT_BED_S * has_particles(case) + OUTPUT_PARTICLE_S * particles
-    return rows * row_s + times * output_s
+    return rows * row_s + case.duration_s / case.output.interval_s * output_s
 
 
 @dataclass(frozen=True)

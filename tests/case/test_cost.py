@@ -12,14 +12,7 @@ import pytest
 from orchestrator.case.solver_plans import particle_step_s
 from orchestrator.case.tables.numerics import FramesSolver, PanelSolver
 from orchestrator.case.tables.quantities import Table
-from orchestrator.preflight.cost import (
-    THICK,
-    bed_cost,
-    in_words,
-    particles_at_start,
-    predicted_parts_s,
-    predicted_range_s,
-)
+from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import load_judged
 from tests.cases import CASE, load_case
 from tests.runs.outside import ROOT
@@ -41,7 +34,7 @@ sizes = [
   { smallest_m = 0.008, largest_m = 0.008, mass_fraction = 0.75 },
 ]
 """
-STAY_S = 0.302 / THICK.transport_m_per_s  # the panel is pulled 2 mm longer than it is
+STAY_S = 0.302 / THICK  # the panel is pulled 2 mm longer than it is
 DURATION_S = 4.0
 
 
@@ -103,7 +96,7 @@ def test_the_whole_run_is_counted_not_the_particles_alone() -> None:
     assert parts["particles"] == 0.0
     assert min(parts[name] for name in ("start", "panel", "frames", "output", "rest")) > 0.1
     fed = load_judged(ROOT / "cases/ffs0827-slice", "draft").case
-    thin, thick = predicted_range_s(fed, 0)
+    thin, thick = (predicted_parts_s(fed, 0, bed) for bed in (THIN, THICK))
     assert 0.0 < thin["particles"] < thick["particles"]
     assert thin["frames"] == thick["frames"]
 
