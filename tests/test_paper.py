@@ -13,9 +13,10 @@ import pytest
 from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies.criteria import CriterionResult, criteria_runs, judge, read_criteria, write_verdicts
-from orchestrator.studies.measures import Runs, Unknown
-from orchestrator.studies.points import Point
+from orchestrator.studies.criteria import Runs, read_criteria, wanted_runs
+from orchestrator.studies.points import CaseStudy, Point
+from orchestrator.studies.quantities import Unknown
+from orchestrator.studies.verdicts import CriterionResult, judge, write_verdicts
 from tests.cases import CASE, case_folder
 
 SPEED = "screen.exciters.shaft.speed_rad_per_s"
@@ -63,7 +64,7 @@ def compared(case: Path, text: str) -> list[CriterionResult]:
 
 
 def runs_of(case: Path) -> dict[str, Runs]:
-    return criteria_runs(read_criteria(case), case, None, [], case.parent / "out")
+    return wanted_runs(read_criteria(case), CaseStudy(case, out=case.parent / "out"))
 
 
 def fake(point: Point) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.measured import parts_s
+from orchestrator.studies.accuracy.combinations import parts_s
 from orchestrator.studies.accuracy.plan import timed
 from tests.runs.outside import ROOT
 

@@ -38,7 +38,7 @@ Examples:
 
   flipflow study paper cases/ffs0827-empty             a published machine against its paper
 
-  flipflow study accuracy cases/quickstart --dry       what accuracy costs: every knob, measured
+  flipflow study accuracy cases/quickstart --dry       what accuracy costs, parameter by parameter
 
   flipflow plan cases/quickstart --tolerance 5% --budget 1h    settings for an error and a time
 
@@ -94,7 +94,7 @@ def ladder() -> None:
     """Say which command compares models now."""
     raise typer.BadParameter(
         "flipflow ladder is a part of study accuracy now: flipflow study accuracy CASE "
-        "--knobs panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
+        "--parameters panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
     )
 
 

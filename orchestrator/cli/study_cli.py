@@ -16,7 +16,7 @@ from typer.core import TyperGroup
 
 from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 from orchestrator.studies import commands
-from orchestrator.studies.options import Told
+from orchestrator.studies.options import Told, with_options
 
 GROUP = "flipflow.studies"
 WIDE = 150  # columns, of what goes into a file
@@ -38,7 +38,7 @@ class Studies(TyperGroup):
         own = _own_modules().get(cmd_name)
         module = import_module(own) if own else entry_points(group=GROUP)[cmd_name].load()
         alone = typer.Typer(add_completion=False, rich_markup_mode=None)
-        alone.command(cmd_name)(_spoken(module.command))
+        alone.command(cmd_name)(_spoken(with_options(module.command, cmd_name)))
         return typer.main.get_command(alone)
 
 

@@ -1,8 +1,8 @@
 """Criteria: numbers that runs of a case must have, by ``criteria.toml`` beside the case.
 
 One small language says what a paper printed, what a benchmark promises and which answers are known
-from elsewhere.  A criterion takes a number (``MEASURES``) from a run, or compares numbers of several
-(``COMPARISONS``), and names the band in which it must be, and where band and reference come from.
+from elsewhere.  A criterion takes a number (``quantities.MEASURES``) from a run, or compares numbers
+of several, and names the band in which it must be, and where band and reference come from.
 Bands are fixed before a case is run; a criterion that is known not to be met stays as it is and says
 so (``known_failure``).  Criteria that the case was fitted to say that, too: they prove nothing.
 """
@@ -12,115 +12,95 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
+import numpy as np
+from annotated_types import Len
 from pydantic import ValidationError
-from rich.table import Table as Printed
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, did_you_mean, from_validation
 from orchestrator.case.file.layers import read_toml
-from orchestrator.output.records.run_folder import write_text
+from orchestrator.case.tables.quantities import Few, Name, Number, OneLine, Positive, Switch, Table
+from orchestrator.ports import Array
 from orchestrator.preflight.stability.report import stability_report
-from orchestrator.studies.criterion import Criteria, Criterion, WantedRun
-from orchestrator.studies.measures import COMPARISONS, MEASURES, TAKES, Runs, Unknown, evaluate, number_of
-from orchestrator.studies.points import Point, came_to_its_end, check_case, parse_vary, point
-from orchestrator.studies.tables import Cell, console_table, markdown_table, percent, write_csv
+from orchestrator.studies.points import CaseStudy, Point, Vary, came_to_its_end, parse_vary
+from orchestrator.studies.quantities import MEASURES, TAKES, Question, Unknown, number_of, read_dataset
 
 FILE = "criteria.toml"
 FORMER = ("paper.toml", "expected.toml", "answers.toml")
 """What earlier versions called the file."""
 UNITS = {name: 1.0 for name in ("1", "m", "m/s", "rad/s", "N", "J", "kg", "kg/s", "s", "W")}
 UNITS |= {"mm": 1e-3, "%": 0.01}
+Band = tuple[Number | None, Number | None]
 
 
-@dataclass(frozen=True)
-class CriterionResult:
-    """A criterion with what was measured, in its unit; ``why`` says why there is nothing."""
+class WantedRun(Table):
+    """One run of the case, or one for each value of a key."""
 
-    case: str
-    row: Criterion
-    measured: float | None
-    why: str = ""
-
-    @property
-    def is_inside(self) -> bool:
-        """Whether there is a number, in the band if there is one."""
-        if self.measured is None:
-            return False
-        low, high = self.row.band or self.row.ratio or (None, None)
-        value = self.measured / (self.row.reference or 1.0) if self.row.ratio else self.measured
-        return (low is None or low <= value) and (high is None or value <= high)
-
-    @property
-    def verdict(self) -> str:
-        """What the band makes of it, in words."""
-        row = self.row
-        if row.known_failure:
-            return "MET, but marked as failing" if self.is_inside else "known failure"
-        if row.band is None and row.ratio is None:
-            return "not compared" if self.measured is not None else "no number"
-        return ("met" if self.is_inside else "NOT MET") + (" (fitted)" if row.fitted else "")
-
-    @property
-    def is_good(self) -> bool:
-        """Whether it is met, fitted, or not met for the known reason."""
-        return self.row.fitted or self.is_inside != bool(self.row.known_failure)
-
-    @property
-    def error(self) -> float | None:
-        """Relative to the reference."""
-        if self.measured is None or not self.row.reference:
-            return None
-        return self.measured / self.row.reference - 1
-
-    @property
-    def words(self) -> dict[str, Cell]:
-        """A row of the table of verdicts."""
-        row = self.row
-        return {
-            "case": self.case,
-            "run": " ".join(filter(None, [row.run, row.at])),
-            "criterion": row.what,
-            "reference": row.reference,
-            "experiment": row.experiment,
-            "value": self.measured,
-            "unit": row.unit,
-            "error": self.error,
-            "asked for": self.asked,
-            "measured": self.answer,
-            "verdict": self.verdict,
-            "why": row.why,
-            "known failure": row.known_failure,
-        }
-
-    @property
-    def asked(self) -> str:
-        """The band, in words."""
-        row = self.row
-        if row.band is None and row.ratio is None:
-            return ""
-        low, high = row.band or row.ratio or (None, None)
-        unit = f" {row.unit}" if row.unit != "1" else ""
-        if row.ratio is not None and row.reference is not None:
-            unit = f" x {_in_unit(row.reference, row.unit)}"
-        if low is None:
-            return f"at most {high:g}{unit}"
-        if high is None:
-            return f"at least {low:g}{unit}"
-        return f"{low:g}{unit}" if low == high else f"{low:g} to {high:g}{unit}"
-
-    @property
-    def answer(self) -> str:
-        """What was measured, or why there is nothing, in words."""
-        if self.measured is None:
-            return self.why
-        shown = _in_unit(self.measured, self.row.unit)
-        if self.row.ratio is None or not self.row.reference:
-            return shown
-        return f"{shown} ({self.measured / self.row.reference:.4g})"
+    vary: OneLine = ""
+    """As ``flipflow study sweep --vary``; without it, a single run."""
+    sets: tuple[OneLine, ...] = ()
+    """As ``--set``."""
+    interval_over_safe: Positive | None = None
+    """The sync interval, in multiples of the largest safe one that the stability report gives."""
+    resume_at_s: Positive | None = None
+    """The run ends here and is resumed."""
 
 
-def _in_unit(value: float, unit: str) -> str:
-    return f"{value:.4g} {unit}" if unit != "1" else f"{value:.4g}"
+class Criterion(Question):
+    """One number of a case's runs, and the band in which it must be."""
+
+    what: OneLine
+    """What the number is."""
+    run: Name
+    """The entry of ``runs`` that it is taken from."""
+    at: OneLine = ""
+    """The value that picks one run of those of a varied key."""
+    between: tuple[Number, Number] | None = None
+    """Part of the values of a varied key."""
+    compare: OneLine = ""
+    """How numbers are compared with each other (``COMPARISONS``); without it, the number itself
+    counts."""
+    against: OneLine = ""
+    """The run that it is compared with."""
+    earlier_s: tuple[Number, Number] | None = None
+    """The part of the series before that it is compared with, where there is no other run."""
+    unit: OneLine = "1"
+    """Unit of this criterion's numbers."""
+    reference: Number | None = None
+    """The number as it is known from elsewhere: a paper's, or a closed form's."""
+    exact: Switch = False
+    """Whether the reference is the answer, so that ``flipflow study accuracy`` measures errors
+    against it."""
+    experiment: Number | None = None
+    """The same, from an experiment."""
+    band: Band | None = None
+    """From, to; none where there is nothing to hold the number against."""
+    ratio: Band | None = None
+    """The same in multiples of the reference."""
+    why: OneLine = ""
+    """Where band and reference come from."""
+    fitted: Switch = False
+    """Whether the case's values were chosen to meet it."""
+    known_failure: OneLine = ""
+    """Why it is not met; empty of what must be."""
+
+
+class Criteria(Table):
+    """``criteria.toml``."""
+
+    source: OneLine = ""
+    """Where the numbers are from, of all criteria."""
+    number: Few | None = None
+    """Its place in a list of benchmarks."""
+    happens: OneLine = ""
+    """What is done to the machine."""
+    expected: OneLine = ""
+    """What must come of it."""
+    runs: dict[Name, WantedRun]
+    """What must be run, by name."""
+    criteria: Annotated[tuple[Criterion, ...], Len(1)]
+    """What must be true."""
 
 
 def read_criteria(case: Path) -> Criteria:
@@ -133,29 +113,23 @@ def read_criteria(case: Path) -> Criteria:
         criteria = Criteria.model_validate(read_toml(file, folder))
     except ValidationError as error:
         raise CaseError([*from_validation(error, Criteria)]) from None
-    wrong = [
-        CaseProblem(
-            ("criteria", number, key),
-            f'no {key} "{word}"',
-            did_you_mean(word, filter(None, known)),
-            str(file),
-        )
-        for number, row in enumerate(criteria.criteria)
-        for key, word, known in (
-            ("run", row.run, [*criteria.runs]),
-            ("against", row.against, ["", *criteria.runs]),
-            ("measure", row.measure, [*MEASURES]),
-            ("compare", row.compare, ["", *COMPARISONS]),
-            ("take", row.take, [*TAKES]),
-            ("unit", row.unit, [*UNITS]),
-        )
-        if word not in known
-    ]
-    wrong += [
-        CaseProblem(("criteria", number, "ratio"), "is in multiples of a reference, which is missing")
-        for number, row in enumerate(criteria.criteria)
-        if row.ratio is not None and not row.reference
-    ]
+    known = {
+        "run": [*criteria.runs],
+        "against": ["", *criteria.runs],
+        "measure": [*MEASURES],
+        "compare": ["", *COMPARISONS],
+        "take": [*TAKES],
+        "unit": [*UNITS],
+    }
+    wrong = []
+    for number, row in enumerate(criteria.criteria):
+        for key, words in known.items():
+            if (word := getattr(row, key)) not in words:
+                hint = did_you_mean(word, filter(None, words))
+                wrong.append(CaseProblem(("criteria", number, key), f'no {key} "{word}"', hint, str(file)))
+        if row.ratio is not None and not row.reference:
+            what = "is in multiples of a reference, which is missing"
+            wrong.append(CaseProblem(("criteria", number, "ratio"), what, file=str(file)))
     if wrong:
         raise CaseError(wrong)
     return criteria
@@ -176,21 +150,13 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
     if not (folder / FILE).is_file():
         refuse_former(folder)
         return ()
-    found = read_criteria(folder)
-    as_it_is = [name for name, run in found.runs.items() if run == WantedRun()]
+    criteria = read_criteria(folder)
+    as_it_is = [name for name, run in criteria.runs.items() if run == WantedRun()]
     return tuple(
         row
-        for row in found.criteria
+        for row in criteria.criteria
         if row.exact and row.reference and not row.compare and row.run in as_it_is
     )
-
-
-def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResult:
-    """Returns a criterion with its number, as far as the runs are made."""
-    try:
-        return CriterionResult(case, row, evaluate(row, runs) / UNITS[row.unit])
-    except Unknown as error:
-        return CriterionResult(case, row, None, str(error))
 
 
 def answer_error(row: Criterion, run: Path) -> float | None:
@@ -202,76 +168,60 @@ def answer_error(row: Criterion, run: Path) -> float | None:
     return abs(measured / row.reference - 1) if row.reference else None
 
 
-def verdict_table(title: str, results: Sequence[CriterionResult]) -> Printed:
-    """Returns the table of verdicts for the terminal, without columns in which nothing stands."""
-    rows = [
-        result.words
-        | {"reference": _short(result.row.reference), "experiment": _short(result.row.experiment)}
-        | {"error": percent(result.error)}
-        for result in results
-    ]
-    head = (
-        "criterion",
-        "case",
-        "run",
-        "reference",
-        "experiment",
-        "measured",
-        "error",
-        "asked for",
-        "verdict",
-    )
-    shown = [name for name in head if any(row[name] not in ("", None) for row in rows)]
-    cells = ([str(row[name]) for name in shown] for row in rows)
-    return console_table(title, shown, cells, left=("case", "run", "measured", "asked for", "verdict"))
+@dataclass(frozen=True)
+class Runs:
+    """The points of one entry of ``runs``, and the key that is varied among them, if any."""
+
+    points: tuple[Point, ...]
+    vary: Vary | None = None
+
+    def at(self, value: str) -> Runs:
+        """Returns the run of this value alone.  Raises Unknown."""
+        points = tuple(each for each in self.points if each.value == value)
+        if not points:
+            raise Unknown(f"no run with {self.vary.name if self.vary else 'value'} = {value}")
+        return Runs(points, self.vary)
+
+    def between(self, limits: tuple[float, float] | None) -> Runs:
+        """Returns the runs of values in a range, in order of their values.  Values that are no
+        numbers stay in the order in which they are given; with limits they raise Unknown."""
+        low, high = limits or (-np.inf, np.inf)
+        try:
+            inside = [each for each in self.points if low <= _number_in(each) <= high]
+        except Unknown:
+            if limits is None:
+                return self
+            raise
+        return Runs(tuple(sorted(inside, key=_number_in)), self.vary)
+
+    @property
+    def values(self) -> Array:
+        """The values.  Raises Unknown if they are no numbers."""
+        return np.array([_number_in(each) for each in self.points])
 
 
-def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) -> list[Path]:
-    """Writes the table of verdicts as CSV and, for the manual, in Markdown."""
-    write_text(folder / f"{name}.md", verdict_markdown(results))
-    return [write_csv([result.words for result in results], folder / f"{name}.csv"), folder / f"{name}.md"]
+def _number_in(point: Point) -> float:
+    try:
+        return float(point.value)
+    except ValueError:
+        raise Unknown(f'"{point.value}" is no number') from None
 
 
-def verdict_markdown(results: Sequence[CriterionResult]) -> str:
-    """Returns the table of verdicts for the manual."""
-    rows = [
-        (
-            f"{result.case}, {result.words['run']}",
-            result.row.what,
-            result.row.why,
-            result.asked,
-            result.answer,
-            result.verdict,
-        )
-        for result in results
-    ]
-    return markdown_table(("case, run", "criterion", "why", "asked for", "measured", ""), rows)
-
-
-def _short(value: float | None) -> str:
-    return "" if value is None else f"{value:.4g}"
-
-
-def criteria_runs(
-    criteria: Criteria,
-    case: Path,
-    level: str | None,
-    sets: Sequence[str],
-    out: Path,
-    ended: Callable[[Path], bool] = came_to_its_end,
+def wanted_runs(
+    criteria: Criteria, study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end
 ) -> dict[str, Runs]:
     """Returns what must be run for criteria, checked, by name; nothing is run here.  ``ended`` tells
     of a folder whether its run is over.  Raises CaseError."""
     runs = {}
     for name, wanted in criteria.runs.items():
-        every = [*sets, *wanted.sets]
+        sets = [*wanted.sets]
         if wanted.interval_over_safe is not None:
-            every += interval_sets(case, level, every, wanted.interval_over_safe)
+            sets += interval_sets(study, sets, wanted.interval_over_safe)
         vary = parse_vary(wanted.vary) if wanted.vary else None
         if vary is None:
-            points = [point(case, level, every, name, out / name)]
+            points = [study.point(name, sets)]
         else:
-            points = vary.points(case, level, every, out / name)
+            points = vary.points(replace(study, out=study.folder / name), sets)
         points = [replace(each, ended=ended) for each in points]
         if wanted.resume_at_s is not None:
             points = [_interrupted(each, wanted.resume_at_s) for each in points]
@@ -279,14 +229,14 @@ def criteria_runs(
     return runs
 
 
-def interval_sets(case: Path, level: str | None, sets: Sequence[str], multiple: float) -> list[str]:
+def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> list[str]:
     """Returns ``--set`` overlays of a sync interval of so many times the largest safe one.  Raises
     CaseError where nothing limits it."""
-    loaded = check_case(case, level, sets)
+    loaded = study.check(sets)
     interval_s = multiple * stability_report(loaded.case).safe_s
     if not 0 < interval_s < loaded.case.duration_s:
         what = f"{multiple:g} times the largest safe sync interval is {interval_s:g} s"
-        raise CaseError([CaseProblem(("coupling", "sync_interval_s"), what, file=str(case))])
+        raise CaseError([CaseProblem(("coupling", "sync_interval_s"), what, file=str(study.case))])
     return [f"coupling.sync_interval_s={interval_s:.3g}"]
 
 
@@ -300,3 +250,65 @@ def _interrupted(whole: Point, resume_at_s: float) -> Point:
         return whole.ended(run) and "resumed" in (run / "provenance.json").read_text(encoding="utf-8")
 
     return replace(whole, words=first, then=then, ended=ended)
+
+
+def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
+    """Returns the number of a criterion, in SI units.  Raises Unknown."""
+    every = runs[row.run]
+    chosen = every.at(row.at) if row.at else every.between(row.between)
+    if row.compare:
+        return COMPARISONS[row.compare](row, chosen, runs)
+    return number_of(row, chosen.points[0].folder)
+
+
+Comparison = Callable[[Criterion, Runs, Mapping[str, Runs]], float]
+
+
+def _of_values(compare: Callable[[Array, Runs], float]) -> Comparison:
+    """Returns a comparison of the numbers of all values of a varied key."""
+
+    def comparison(row: Criterion, chosen: Runs, runs: Mapping[str, Runs]) -> float:
+        return float(compare(np.array([number_of(row, each.folder) for each in chosen.points]), chosen))
+
+    return comparison
+
+
+def _lowest_at(numbers: Array, chosen: Runs) -> float:
+    """Returns the place of the minimum of a parabola through the least number and its neighbours."""
+    least = int(np.clip(numbers.argmin(), 1, len(numbers) - 2))
+    near = slice(least - 1, least + 2)
+    a, b, _ = np.polyfit(chosen.values[near], numbers[near], 2)
+    return float(-b / (2 * a))
+
+
+def _with_another(compare: Callable[[float, float], float]) -> Comparison:
+    """Returns a comparison with the run ``against``, or with the part ``earlier_s``."""
+
+    def comparison(row: Criterion, chosen: Runs, runs: Mapping[str, Runs]) -> float:
+        run, other = chosen.points[0].folder, row
+        number = number_of(row, run)
+        if row.against:
+            run = runs[row.against].points[0].folder
+        else:
+            other = row.model_copy(update={"between_s": row.earlier_s})
+        return compare(number, number_of(other, run))
+
+    return comparison
+
+
+def _row_by_row(row: Criterion, chosen: Runs, runs: Mapping[str, Runs]) -> float:
+    ours, theirs = (read_dataset(each.points[0].folder, row.of) for each in (chosen, runs[row.against]))
+    if ours.shape != theirs.shape:
+        raise Unknown(f"{row.of} has {len(ours)} rows and {len(theirs)}")
+    return float(np.abs(ours - theirs).max())
+
+
+COMPARISONS: dict[str, Comparison] = {
+    # from the first value of a varied key to the last
+    "growth": _of_values(lambda numbers, chosen: numbers[-1] / numbers[0] - 1),
+    "change": _of_values(lambda numbers, chosen: numbers[-1] - numbers[0]),
+    "lowest-at": _of_values(_lowest_at),
+    "ratio": _with_another(lambda ours, theirs: ours / theirs),
+    "difference": _with_another(lambda ours, theirs: abs(ours - theirs)),
+    "row-by-row": _row_by_row,  # the largest difference of two datasets
+}

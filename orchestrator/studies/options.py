@@ -1,14 +1,21 @@
-"""What the commands take alike: the case with its level and overlays, and how a study is run."""
+"""What the commands take alike: a case with its level and overlays, and how a study is run.
+
+A command of a study has a parameter of type ``CaseStudy`` for all of these options, or one of type
+``Crew`` for those of the workers alone.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Generator
+import inspect
+from collections.abc import Callable, Generator
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, get_type_hints
 
 import typer
 from rich.table import Table
 
+from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.workers import Crew, workers_that_fit
 
 Told = Generator[str | Table | Path, None, bool]
@@ -37,11 +44,49 @@ Scheduler = Annotated[
 ]
 
 
-def crew(workers: int | None, scheduler: str) -> Crew:
+def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
     """Returns the workers that were asked for; by default as many as the machine bears."""
     return Crew(workers or workers_that_fit(), scheduler)
 
 
-def folder_of(case: Path, study: str, out: Path | None) -> Path:
-    """Returns where a study of a case is kept."""
-    return out or Path("runs") / f"{case.resolve().name}-{study}"
+def case_study(
+    case: CasePath,
+    level: Level = None,
+    out: Out = None,
+    workers: Workers = None,
+    scheduler: Scheduler = "",
+    overrides: Overrides = None,
+) -> CaseStudy:
+    """Returns the study that was asked for."""
+    return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
+
+
+RECORDS: dict[Any, Callable[..., Any]] = {CaseStudy: case_study, Crew: crew}
+"""The parameters of these functions are the options that stand for a parameter of the type."""
+
+
+def with_options(command: Callable[..., Told], name: str) -> Callable[..., Told]:
+    """Returns a study's command as a function of single options, as Typer wants it; ``name`` is that
+    of the study."""
+    hints = get_type_hints(command, include_extras=True)
+    makers, options = {}, []
+    for parameter in inspect.signature(command).parameters.values():
+        if make := RECORDS.get(hints[parameter.name]):
+            makers[parameter.name] = make
+            types = get_type_hints(make, include_extras=True)
+            own = inspect.signature(make).parameters.values()
+            options += [each.replace(annotation=types[each.name]) for each in own]
+        else:
+            options.append(parameter.replace(annotation=hints[parameter.name]))
+
+    def call(**given: Any) -> Told:
+        for parameter, make in makers.items():
+            made = make(**{key: given.pop(key) for key in inspect.signature(make).parameters})
+            given[parameter] = replace(made, name=name) if isinstance(made, CaseStudy) else made
+        return command(**given)
+
+    call.__doc__ = command.__doc__
+    keyword = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in options]
+    vars(call)["__signature__"] = inspect.Signature(keyword)
+    call.__annotations__ = {each.name: each.annotation for each in keyword}
+    return call

@@ -11,8 +11,6 @@ from __future__ import annotations
 import json
 import math
 import resource
-import subprocess
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -29,8 +27,6 @@ from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.output.records.trust import DOUBTFUL, doubts, is_trusted
-from orchestrator.output.results.run_reader import RunReader
-from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import particles_at_start, predicted_s
@@ -45,7 +41,7 @@ from orchestrator.preflight.judgement.catalogue import (
 from orchestrator.preflight.judgement.pair import Pair, key_of, recall, remember
 from orchestrator.preflight.judgement.weighing import is_undecided, weigh_effects
 from orchestrator.preflight.scene.effect import describe_verdict
-from orchestrator.studies.points import MAIN, sample_s
+from orchestrator.studies.points import RunFailed, run_in_scratch, sample_s
 
 LIMIT_S = 30.0
 """Processor time that one run of a pair may take, as it is predicted."""
@@ -134,27 +130,11 @@ def _of_children_s() -> float:
 
 
 def _run(path: Path, level: str, sets: tuple[str, ...], patience_s: float, what: str) -> dict[str, Any]:
-    """The summary of a run in a folder that is gone afterwards.  Raises NoPair."""
-    with tempfile.TemporaryDirectory(prefix="flipflow-pair-") as scratch:
-        folder = Path(scratch) / "run"
-        at_level = ["--level", level] if level else []
-        options = [word for one in sets for word in ("--set", one)]
-        words = ["run", str(path), *at_level, *options, "--out", str(folder)]
-        try:
-            done = python(
-                *("-c", MAIN, *words),
-                alone=True,
-                capture_output=True,
-                env={"OMP_NUM_THREADS": "1"},
-                timeout=patience_s,
-            )
-        except subprocess.TimeoutExpired:
-            raise NoPair(f"{what} took more than {patience_s:g} s and was ended") from None
-        try:
-            summary = RunReader(folder).summary
-        except (OSError, ValueError):
-            said = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
-            raise NoPair(f"{what} left nothing: {said[0]}") from None
+    """Returns the summary of a run in a folder that is gone afterwards.  Raises NoPair."""
+    try:
+        summary = run_in_scratch(path, level, sets, patience_s)
+    except RunFailed as why:
+        raise NoPair(f"{what} {why}") from None
     if not _is_usable(summary):
         reasons = [summary.get("reason", ""), *summary.get("doubts", [])]
         raise NoPair(f"{what} ended {summary['status']}: {'; '.join(filter(None, reasons))}")

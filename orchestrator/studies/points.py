@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,13 @@ from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.case.file.layers import changed
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import FolderUnusable, is_at_work, resolved_case, write_json
+from orchestrator.output.records.run_folder import (
+    FolderUnusable,
+    is_at_work,
+    resolved_case,
+    study_folder,
+    write_json,
+)
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.output.subprocesses import python
 from orchestrator.ports.clock import exact
@@ -110,14 +117,72 @@ def check_case(case: Path, level: str | None, sets: Sequence[str]) -> JudgedCase
     return loaded
 
 
-def point(case: Path, level: str | None, sets: Sequence[str], value: str, folder: Path) -> Point:
-    """Returns the run of a case with ``sets`` in ``folder``.  Raises CaseError for a case that is
-    wrong."""
-    loaded = check_case(case, level, sets)
+@dataclass(frozen=True)
+class CaseStudy:
+    """A study of one case as a user asks for it, which makes the points of the study.
+
+    ``sets`` are ``--set`` overlays of all points; ``out`` is the study's folder, by default
+    runs/<case>-<name>.
+    """
+
+    case: Path
+    level: str | None = None
+    sets: tuple[str, ...] = ()
+    out: Path | None = None
+    crew: Crew = field(default_factory=Crew)
+    name: str = ""
+
+    @property
+    def folder(self) -> Path:
+        """The folder in which the runs of the study and its tables are kept."""
+        return self.out or Path("runs") / f"{self.case.resolve().name}-{self.name}"
+
+    def check(self, sets: Sequence[str] = ()) -> JudgedCase:
+        """Returns the case with more overlays.  Raises CaseError with all that is wrong with it."""
+        return check_case(self.case, self.level, [*self.sets, *sets])
+
+    def point(self, value: str, sets: Sequence[str] = (), folder: str = "") -> Point:
+        """Returns the run of the case with more overlays, in a ``folder`` of the study that is
+        called like the value by default.  Raises CaseError for a case that is wrong."""
+        loaded, place = self.check(sets), self.folder / (folder or value)
+        return Point(value, loaded, run_words(self.case, loaded.level, (*self.sets, *sets), place), place)
+
+    def run(self, points: Sequence[Point]) -> Iterator[str]:
+        """Runs the points that are not done, and yields a line when one has ended.  Raises
+        FolderUnusable."""
+        with study_folder(self.folder):
+            yield from run_points(points, self.crew)
+
+
+def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[str, ...]:
+    """Returns the command that runs a case in a folder."""
     options = [word for each in sets for word in ("--set", each)]
-    at_level = ["--level", loaded.level] if loaded.level else []
-    words = ("run", str(case.resolve()), *at_level, *options, "--out", str(folder.resolve()))
-    return Point(value, loaded, words, folder)
+    at_level = ["--level", level] if level else []
+    return ("run", str(case.resolve()), *at_level, *options, "--out", str(out.resolve()))
+
+
+class RunFailed(Exception):
+    """A run that left nothing; the message says why."""
+
+
+def run_in_scratch(
+    case: Path, level: str, sets: Sequence[str], patience_s: float | None = None
+) -> dict[str, Any]:
+    """Returns the summary of a run in a folder that is gone afterwards.  Raises RunFailed where it
+    leaves none, or takes longer than ``patience_s``."""
+    with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
+        folder = Path(scratch) / "run"
+        words = ("-c", MAIN, *run_words(case, level, sets, folder))
+        alone = {"OMP_NUM_THREADS": "1"}
+        try:
+            done = python(*words, alone=True, capture_output=True, env=alone, timeout=patience_s)
+        except subprocess.TimeoutExpired:
+            raise RunFailed(f"took more than {patience_s:g} s and was ended") from None
+        try:
+            return RunReader(folder).summary
+        except (OSError, ValueError):
+            last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
+            raise RunFailed(f"left nothing: {last[0]}") from None
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
@@ -176,12 +241,11 @@ class Vary:
         """The key's last word, which has the unit."""
         return self.key.rpartition(".")[2]
 
-    def points(self, case: Path, level: str | None, sets: Sequence[str], out: Path) -> list[Point]:
+    def points(self, study: CaseStudy, sets: Sequence[str] = ()) -> list[Point]:
         """Returns the run of each value; nothing is run if one of them is wrong.  Raises
         CaseError."""
         return [
-            point(case, level, [*sets, f"{self.key}={value}"], value, out / self._folder(value))
-            for value in self.values
+            study.point(value, [*sets, f"{self.key}={value}"], self._folder(value)) for value in self.values
         ]
 
     def _folder(self, value: str) -> str:

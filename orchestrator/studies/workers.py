@@ -20,7 +20,7 @@ class Crew:
     """``workers`` at a time on this machine, or those of the ``scheduler`` at an address, which
     must see the same files under the same names."""
 
-    workers: int
+    workers: int = 1
     scheduler: str = ""
 
     def each(self, work: Iterable[Callable[[], str]]) -> Iterator[str]:

@@ -5,24 +5,30 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.studies.accuracy.combinations import ALONE, Combination
-from orchestrator.studies.accuracy.measured import Error, Measured, errors, parts_s, scatter, worst
-from orchestrator.studies.metrics import Metrics
+from orchestrator.studies.accuracy.combinations import (
+    ALONE,
+    Combination,
+    Error,
+    errors,
+    parts_s,
+    scatter,
+    worst,
+)
+from orchestrator.studies.quantities import Metrics
 
 GENERATOR = np.random.default_rng(4)
 
 
-def point(*values: float) -> Measured:
+def point(*values: float) -> Combination:
     every = tuple(
         Metrics(
-            {"deflection_m": value, "frame_m": 2.0},
-            {"energy_defect": 1e-3},
+            {"deflection_m": value, "frame_m": 2.0, "energy_defect": 1e-3},
             np.empty((0, 0)),
             {"wall_s": 10.0, "processor_s": 8.0, "wall_by_part_s": {"particles": 5.0, "rest": 5.0}},
         )
         for value in values
     )
-    return Measured(Combination(ALONE, "one"), every)
+    return Combination(ALONE, "one", metrics=every)
 
 
 def test_nothing_random_has_no_interval() -> None:

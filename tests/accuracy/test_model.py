@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import Literal
 
 import pytest
 
-from orchestrator.studies.accuracy.model import Model, Option, Ties
+from orchestrator.studies.accuracy.model import Model, Option
 from orchestrator.studies.accuracy.refinement import Setting
 
 PARTS_S = {"particles": 8.0, "panel": 2.0}
@@ -69,7 +70,7 @@ def test_of_settings_that_are_equally_good_the_cheapest_and_the_finest_are_found
         for name, h, ratio in (("long", 2.0, 1.1), ("short", 0.5, 1.0), ("middle", 1.0, 0.9))
     ]
     model = Model({"a": axis}, PARTS_S, {}, ["deflection_m"])
-    wanted: list[tuple[Ties, str]] = [("finest", "short"), ("cheapest", "middle")]
+    wanted: list[tuple[Literal["cheapest", "finest"], str]] = [("finest", "short"), ("cheapest", "middle")]
     for ties, label in wanted:
         found = model.best(100.0, ties)
         assert found is not None

@@ -15,7 +15,7 @@ WANTED = ("particles-model", "stiffness")
 
 def words(out: Path, *more: str) -> list[str]:
     case = ["study", "accuracy", "cases/ball-on-panel", "--level", "draft", "--out", str(out)]
-    return [*case, "--quick", "--knobs", ",".join(WANTED), "--duration", "0.15", "--jobs", "2", *more]
+    return [*case, "--quick", "--parameters", ",".join(WANTED), "--duration", "0.15", "--jobs", "2", *more]
 
 
 @pytest.fixture(scope="module")

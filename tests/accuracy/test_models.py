@@ -10,17 +10,16 @@ from orchestrator.ports.clock import exact
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.combinations import ALONE, Combination
-from orchestrator.studies.accuracy.measured import EXACT, Error, Measured, errors
+from orchestrator.studies.accuracy.combinations import ALONE, EXACT, Combination, Error, errors
 from orchestrator.studies.accuracy.refinement import offer
-from orchestrator.studies.metrics import Metrics, relative
 from orchestrator.studies.points import sampled_at
+from orchestrator.studies.quantities import Metrics, relative
 from tests.runs.outside import ROOT
 
 
-def measured(deflection_m: float, shapes_m: Array) -> Measured:
+def measured(deflection_m: float, shapes_m: Array) -> Combination:
     values = {"deflection_m": deflection_m, "frame_m": 0.0}
-    return Measured(Combination(ALONE, "one"), (Metrics(values, {}, shapes_m, {}),))
+    return Combination(ALONE, "one", metrics=(Metrics(values, shapes_m, {}),))
 
 
 def test_errors_are_relative_to_the_reference() -> None:

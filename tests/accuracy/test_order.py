@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.studies.accuracy.convergence import observed
+from orchestrator.studies.accuracy.convergence import fit_order
 
 H = [8e-5, 4e-5, 2e-5, 1e-5]
 
@@ -16,7 +16,7 @@ def test_an_order_is_seen_although_the_reference_is_off_itself(order: float, poi
     """y = 7 + 3 (h / h0)^p against the finest of the values, exactly."""
     h = H[-points:]
     y = [7 + 3 * (each / h[0]) ** order for each in h]
-    found = observed(h, [abs(each - y[-1]) for each in y], h[-1])
+    found = fit_order(h, [abs(each - y[-1]) for each in y], h[-1])
     assert found is not None
     assert found.order == pytest.approx(order, abs=0.01)
     assert found.clean
@@ -24,25 +24,25 @@ def test_an_order_is_seen_although_the_reference_is_off_itself(order: float, poi
 
 
 def test_against_an_exact_answer_all_values_count() -> None:
-    found = observed(H, [5 * h**1.5 for h in H], 0.0)
+    found = fit_order(H, [5 * h**1.5 for h in H], 0.0)
     assert found is not None
     assert (found.order, found.constant) == (pytest.approx(1.5, abs=0.01), pytest.approx(5, rel=0.1))
 
 
 def test_what_does_not_fall_has_no_order() -> None:
-    assert observed(H, [0.1, 0.1, 0.1, 0.0], H[-1]) is None
-    assert observed(H[:2], [0.1, 0.0], H[1]) is None
+    assert fit_order(H, [0.1, 0.1, 0.1, 0.0], H[-1]) is None
+    assert fit_order(H[:2], [0.1, 0.0], H[1]) is None
 
 
 def test_what_scatters_is_not_clean() -> None:
     rough = [h**2 * factor for h, factor in zip(H, (1.0, 3.0, 0.4, 0.0), strict=True)]
-    found = observed(H, rough, H[-1])
+    found = fit_order(H, rough, H[-1])
     assert found is None or not found.clean
 
 
 def test_a_misfit_of_one_percent_is_clean() -> None:
     noisy = [h * (1 + 0.01 * (-1) ** n) for n, h in enumerate(H)]
-    found = observed(H, noisy, 0.0)
+    found = fit_order(H, noisy, 0.0)
     assert found is not None
     assert found.clean
     assert np.isclose(found.order, 1.0, atol=0.05)

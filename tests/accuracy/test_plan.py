@@ -174,5 +174,5 @@ def test_a_study_in_which_nothing_happened_is_no_ground_to_plan_on(
     values: dict[str, float | None], of_nothing: bool
 ) -> None:
     found = study()
-    found.found["points"] = [{"point": "base"} | values, {"point": "knob", "deflection_m": 1.0}]
+    found.found["points"] = [{"point": "base"} | values, {"point": "parameter", "deflection_m": 1.0}]
     assert found.of_nothing is of_nothing

@@ -8,7 +8,7 @@ from orchestrator.coupling.schemes import SCHEMES
 from orchestrator.ports.clock import exact, steps_in
 from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.combinations import common
+from orchestrator.studies.accuracy.combinations import shared_sets
 from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
 from orchestrator.studies.points import seeded
 from tests.runs.outside import ROOT
@@ -41,7 +41,7 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
                 loaded = load_judged(QUICKSTART, "draft", setting.sets)
                 assert loaded.case != case
                 assert not find_problems(loaded), setting
-    for axis in there.axes:
+    for axis in there.titles:
         assert any(not setting.sets for series in there.of(axis) for setting in series.settings)
 
 
@@ -91,7 +91,7 @@ def test_what_a_case_has_not_is_not_offered(case: str, missing: set[str]) -> Non
 
 def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
     case = load_judged(QUICKSTART, "draft").case
-    shared = common(case, 2e-4)
+    shared = shared_sets(case, 2e-4)
     at = load_judged(QUICKSTART, "draft", shared).case
     assert "shorten" not in at.monitor.model_dump().values()
     for time_s in (at.duration_s, at.output.interval_s, at.output.shapes_s):

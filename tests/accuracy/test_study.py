@@ -11,13 +11,13 @@ from pyarrow import parquet
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy import tables
 from orchestrator.studies.accuracy.combinations import Asked
 from orchestrator.studies.accuracy.convergence import Converged
 from orchestrator.studies.accuracy.plan import by_study, stored
-from orchestrator.studies.accuracy.study import Study, studied
-from orchestrator.studies.accuracy.tables import pareto, recommended, rows
-from orchestrator.studies.metrics import DECISIVE
+from orchestrator.studies.accuracy.report import write_study
+from orchestrator.studies.accuracy.study import AccuracyStudy, studied
+from orchestrator.studies.points import CaseStudy
+from orchestrator.studies.quantities import DECISIVE
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow
 
@@ -36,17 +36,17 @@ SETS = (
 
 
 def asked(out: Path, parameters: tuple[str, ...], *sets: str) -> Asked:
-    return Asked(BALL, "draft", (*SETS, *sets), parameters, 3, 1, 600.0, out, Crew(2), DECISIVE)
+    return Asked(CaseStudy(BALL, "draft", (*SETS, *sets), out, Crew(2)), parameters, 3, 1, 600.0, DECISIVE)
 
 
-def made(wanted: Asked) -> Study:
+def made(wanted: Asked) -> AccuracyStudy:
     """A study with all its runs, each of which is done."""
     steps = studied(wanted)
     while True:
         try:
             line = next(steps)
         except StopIteration as end:
-            study: Study = end.value
+            study: AccuracyStudy = end.value
             return study
         assert "done" in line, line
 
@@ -57,15 +57,15 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def study(out: Path) -> Study:
+def study(out: Path) -> AccuracyStudy:
     return made(asked(out, ("sync", "panel-mesh")))
 
 
-def family(study: Study, parameter: str) -> Converged:
-    return next(one for one in study.families if one.series.parameter == parameter)
+def family(study: AccuracyStudy, parameter: str) -> Converged:
+    return next(one for one in study.converged if one.series.parameter == parameter)
 
 
-def test_particles_first_is_of_second_order(study: Study) -> None:
+def test_particles_first_is_of_second_order(study: AccuracyStudy) -> None:
     """In motion and in the energy that it creates, as theory has it (docs/theory/coupling.md)."""
     found = family(study, "sync")
     for name in ("deflection_m", "shape", "energy_defect"):
@@ -73,7 +73,7 @@ def test_particles_first_is_of_second_order(study: Study) -> None:
         assert found.orders[name].clean
 
 
-def test_a_strip_is_of_second_order_in_its_cells(study: Study) -> None:
+def test_a_strip_is_of_second_order_in_its_cells(study: AccuracyStudy) -> None:
     """Median of all quantities.  They scatter about 2, as the ball's place lies elsewhere between
     the strip's corners in each mesh."""
     found = family(study, "panel-mesh")
@@ -117,33 +117,33 @@ def test_the_particles_step_is_of_the_order_expected(
     assert found.orders[quantity].order == pytest.approx(order, abs=0.3)
 
 
-def test_what_is_proposed_together_keeps_what_it_promises(study: Study) -> None:
+def test_what_is_proposed_together_keeps_what_it_promises(study: AccuracyStudy) -> None:
     """Every proposal was run and is off by at most twice what was predicted, and 0.1 %; the
-    reference is the finest of them and the best there is of each knob."""
-    table = rows(study)
+    reference is the finest of them and the best there is of each parameter."""
+    table = study.rows
     assert study.reference in study.proposals
-    best = study.measured[study.reference].point.settings
+    best = study.measured[study.reference].settings
     assert {axis: one.h for axis, one in best.items()} == {"coupling": 5e-5, "panel": 0.5}
     for row in table:
         if row.proposal and row.error:
             assert row.error.value < 2 * row.proposal.error + 1e-3
-    front = pareto(table)
-    costs = [row.measured.processor_s for row in front if row.measured]
+    front = study.front()
+    costs = [row.point.processor_s for row in front]
     assert costs == sorted(costs)
     for tolerance in (0.01, 0.05):
-        one = recommended(table, tolerance)
+        one = study.recommend(tolerance)
         assert one.row is not None
         assert one.row.error is not None
         assert one.row.error.value <= tolerance
         assert one.proven
 
 
-def test_called_again_nothing_is_run_and_the_files_are_there(study: Study, out: Path) -> None:
+def test_called_again_nothing_is_run_and_the_files_are_there(study: AccuracyStudy, out: Path) -> None:
     """The command line finds all that was done, and the tables agree with each other."""
     before = {file: file.stat().st_mtime_ns for file in out.glob("*/summary.json")}
     sets = [word for each in SETS for word in ("--set", each)]
     words = ["study", "accuracy", str(BALL), "--level", "draft", "--out", str(out), "--quick"]
-    done = flipflow(*words, "--knobs", "sync,panel-mesh", "--workers", "2", *sets)
+    done = flipflow(*words, "--parameters", "sync,panel-mesh", "--workers", "2", *sets)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.count("done before") == len(before)
     assert {file: file.stat().st_mtime_ns for file in out.glob("*/summary.json")} == before
@@ -160,18 +160,20 @@ def test_called_again_nothing_is_run_and_the_files_are_there(study: Study, out: 
 
 def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
     words = ["study", "accuracy", str(BALL), "--level", "draft", "--dry", "--quick"]
-    done = flipflow(*words, "--knobs", "sync,number", "--out", str(tmp_path / "x"))
+    done = flipflow(*words, "--parameters", "sync,number", "--out", str(tmp_path / "x"))
     assert done.returncode == 0, done.stderr
     assert "not offered: number: single particles stand for themselves" in done.stdout
     assert done.stdout.count("1 to be run") == 4
     assert not (tmp_path / "x").exists()
-    wrong = flipflow(*words, "--knobs", "synch")
+    wrong = flipflow(*words, "--parameters", "synch")
     assert (wrong.returncode, 'did you mean "sync"?' in wrong.stderr) == (2, True)
+    former = flipflow(*words, "--knobs", "sync")
+    assert (former.returncode, "--parameters sync" in former.stderr) == (2, True)
 
 
-def test_a_plan_by_the_study_is_one_of_its_short_run(study: Study, out: Path) -> None:
+def test_a_plan_by_the_study_is_one_of_its_short_run(study: AccuracyStudy, out: Path) -> None:
     """How well times are kept is no test, but a command: tools/plan_series.py."""
-    tables.write(study, rows(study), out)
+    write_study(study, out)
     found = stored(load_judged(BALL, "draft"), out / "accuracy.json")
     assert found is not None
     timing, own_s = by_study(found, BALL, "draft"), study.base.processor_s
@@ -184,7 +186,7 @@ def test_answers_known_from_elsewhere_stand_beside_every_point(tmp_path: Path) -
     """A plate is driven: what is recorded misses its top by at most (w H)^2 / 8 between two sync
     points, H = 0.8 ms at most.  All are alike, so that the finest is the reference."""
     words = ["study", "accuracy", str(ROOT / "cases/bushing-hysteresis"), "--quick"]
-    words += ["--knobs", "sync,particle-step"]
+    words += ["--parameters", "sync,particle-step"]
     done = flipflow(*words, "--out", str(tmp_path / "x"))
     assert done.returncode == 0, done.stdout + done.stderr
     table = list(csv.DictReader((tmp_path / "x/accuracy.csv").read_text().splitlines()))

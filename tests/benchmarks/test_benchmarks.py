@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from orchestrator.output.records import trust
-from orchestrator.studies.commands.stability import Benchmark, benchmark
-from orchestrator.studies.criteria import judge, read_criteria
-from orchestrator.studies.criterion import Criterion
+from orchestrator.studies.commands.stability import benchmark
+from orchestrator.studies.criteria import Criterion, read_criteria
 from orchestrator.studies.points import run_points
+from orchestrator.studies.verdicts import CaseCriteria, judge
 from orchestrator.studies.workers import Crew
 from tests.runs.outside import has_results
 
@@ -36,11 +36,11 @@ def every_criterion() -> list[object]:
 
 
 @pytest.fixture(scope="module")
-def was_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Benchmark]:
+def was_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CaseCriteria]:
     """A case with all its runs made, each case once."""
     out, made = tmp_path_factory.mktemp("hard"), {}
 
-    def run(name: str) -> Benchmark:
+    def run(name: str) -> CaseCriteria:
         if name not in made:
             made[name] = benchmark(FOLDER / name, out)
             list(run_points(made[name].points, Crew(1)))
@@ -50,13 +50,13 @@ def was_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Benchma
 
 
 @pytest.mark.parametrize(("name", "row"), every_criterion())
-def test_it_is_met(was_run: Callable[[str], Benchmark], name: str, row: Criterion) -> None:
+def test_it_is_met(was_run: Callable[[str], CaseCriteria], name: str, row: Criterion) -> None:
     result = judge(name, row, was_run(name).runs)
     assert result.is_inside, f"{result.answer}; asked for: {result.asked}"
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_run_has_results(was_run: Callable[[str], Benchmark], name: str) -> None:
+def test_every_run_has_results(was_run: Callable[[str], CaseCriteria], name: str) -> None:
     """Of those that came to their end: several of these cases have no frames, or nothing that
     drives them."""
     for point in was_run(name).points:

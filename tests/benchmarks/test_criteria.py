@@ -12,16 +12,16 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.output.records.history import HISTORY_FORMAT
 from orchestrator.output.records.summary import write_summary
 from orchestrator.studies.criteria import (
-    CriterionResult,
+    Criterion,
+    Runs,
     answer_error,
-    judge,
+    evaluate,
     known_answers,
     read_criteria,
-    verdict_markdown,
 )
-from orchestrator.studies.criterion import Criterion
-from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
 from orchestrator.studies.points import Point
+from orchestrator.studies.quantities import Unknown, outcome
+from orchestrator.studies.verdicts import CriterionResult, judge, verdict_markdown
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"
 HEAD = 'number = 1\nhappens = "a"\nexpected = "b"\n[runs.one]\n[runs.two]\n'

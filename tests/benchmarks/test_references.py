@@ -12,8 +12,7 @@ from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.scene.scene import bed_kg
-from orchestrator.studies.criteria import read_criteria
-from orchestrator.studies.criterion import Criterion
+from orchestrator.studies.criteria import Criterion, read_criteria
 from tests.benchmarks import closed_forms as known
 
 FOLDER = Path(__file__).parents[2] / "cases" / "hard"

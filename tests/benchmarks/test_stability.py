@@ -18,9 +18,10 @@ from orchestrator.output.records.run_folder import write_case
 from orchestrator.output.records.summary import write_summary
 from orchestrator.studies import points
 from orchestrator.studies.commands import stability
-from orchestrator.studies.criteria import CriterionResult, interval_sets
-from orchestrator.studies.points import FolderUnusable, Point, run_points
-from orchestrator.studies.tables import write_csv
+from orchestrator.studies.criteria import interval_sets
+from orchestrator.studies.points import CaseStudy, FolderUnusable, Point, run_points
+from orchestrator.studies.report import write_csv
+from orchestrator.studies.verdicts import CriterionResult
 from orchestrator.studies.workers import Crew
 from tests.cases import case_folder
 from tests.runs.outside import ROOT, flipflow, said_plainly
@@ -91,9 +92,7 @@ def test_a_run_that_is_to_be_resumed_is_not_done_at_its_first_end(tmp_path: Path
     assert point.done()
 
 
-def test_picture_table_and_page(
-    spots: list[stability.Spot], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_picture_table_and_page(spots: list[stability.Spot], tmp_path: Path) -> None:
     for spot, figures in zip(spots, [DONE, WARNED, STOPPED], strict=False):
         made_up(spot.run, figures)
     picture = stability.draw_map(spots, tmp_path / "map.png")
@@ -106,8 +105,7 @@ def test_picture_table_and_page(
     case = stability.benchmark(HARD / "restart", tmp_path)
     row = case.criteria.criteria[0]
     results = [CriterionResult("restart", row, -2.0), CriterionResult("restart", row, None, "<nothing>")]
-    monkeypatch.setattr(stability.Benchmark, "results", lambda _: results)
-    page = stability.write_page([case], spots, picture, tmp_path).read_text()
+    page = stability.write_stability_page([(case, results)], spots, picture, tmp_path).read_text()
     assert "1 met" in page
     assert "1 NOT MET" in page
     assert "&lt;nothing&gt;" in page
@@ -132,7 +130,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, words: tuple[str, ...], said: str
 
 def test_an_interval_where_nothing_limits_it_is_refused() -> None:
     with pytest.raises(CaseError, match="largest safe sync interval is inf"):
-        interval_sets(HARD / "snapping", None, (), 1.0)
+        interval_sets(CaseStudy(HARD / "snapping"), (), 1.0)
 
 
 def test_points_are_compared_by_what_they_run(tmp_path: Path) -> None:

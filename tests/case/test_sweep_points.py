@@ -9,21 +9,23 @@ import pytest
 
 from orchestrator.output.records.run_folder import FolderUnusable, resolved_case
 from orchestrator.output.records.summary import write_summary
-from orchestrator.studies.points import Point, point
+from orchestrator.studies.points import CaseStudy, Point
 from tests.cases import case_folder
 from tests.runs.outside import ROOT
+
+EMPTY = ROOT / "cases/empty-machine"
 
 
 def done_point(folder: Path, stored: dict[str, Any]) -> Point:
     """A point of the empty machine whose folder holds a finished run of ``stored``."""
     case_folder(folder, stored)
     write_summary(folder, {"status": "done"})
-    return point(ROOT / "cases/empty-machine", "draft", [], "draft", folder)
+    return CaseStudy(EMPTY, "draft", out=folder.parent).point(folder.name)
 
 
 @pytest.fixture(scope="module")
 def now() -> dict[str, Any]:
-    return resolved_case(point(ROOT / "cases/empty-machine", "draft", [], "", Path()).loaded)
+    return resolved_case(CaseStudy(EMPTY, "draft").check())
 
 
 def test_its_own_run_is_not_done_again(tmp_path: Path, now: dict[str, Any]) -> None:

@@ -23,9 +23,9 @@ from orchestrator.output.results.observed import ObservedMotion
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.scene import scene
 from orchestrator.studies.commands.sweep import sweep_rows, write_sweep
-from orchestrator.studies.criterion import Criterion
-from orchestrator.studies.measures import amplitude
+from orchestrator.studies.criteria import Criterion
 from orchestrator.studies.points import Vary
+from orchestrator.studies.quantities import number_of
 from tests.results.synthetic import folder_of
 
 PAIR = "driven-driving"
@@ -81,7 +81,7 @@ def test_the_sweep_and_the_paper_have_the_same_bits(
     assert float(row[f"motion.relative.{PAIR}.along_m"]) == along["value"]
     assert float(row[f"motion.relative.{PAIR}.amplitude_m.x"]) == along["value"]
     asked = Criterion(what="a", run="speed", measure="amplitude", of=PAIR, axis="x")
-    assert amplitude(asked, folder) == along["value"]
+    assert number_of(asked, folder) == along["value"]
 
 
 def test_explain_and_the_accuracy_study_ask_for_the_same(folder: Path, along: dict[str, Any]) -> None:

@@ -14,9 +14,8 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies import points as sweep
 from orchestrator.studies.accuracy.combinations import Combination
-from orchestrator.studies.accuracy.measured import read
-from orchestrator.studies.criterion import Criterion
-from orchestrator.studies.measures import Runs, Unknown, evaluate, outcome
+from orchestrator.studies.criteria import Criterion, Runs, evaluate
+from orchestrator.studies.quantities import Unknown, outcome
 from tests.runs.outside import ROOT, summary
 
 ONLY_WARN = ["monitor.created_energy=warn", "monitor.growing_modes=warn"]
@@ -163,7 +162,7 @@ def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
     row = Criterion(what="a", run="one", measure="amplitude", of="driving")
     with pytest.raises(Unknown, match="run: doubtful"):  # what a paper is compared with
         evaluate(row, {"one": Runs((doubtful,))})
-    point = Combination("knob", "one", runs=(doubtful,))
+    point = Combination("parameter", "one", runs=(doubtful,))
     assert point.ended
-    assert read([point]) == {}
+    assert not point.measured().metrics
     assert outcome(doubtful.folder) == "warned"

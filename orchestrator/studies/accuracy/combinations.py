@@ -1,25 +1,33 @@
-"""Combinations of settings, and the runs that measure them."""
+"""Combinations of settings, the runs that measure them, and how far they are from each other."""
 
 from __future__ import annotations
 
+import math
 import re
 import zlib
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from pathlib import Path
 from statistics import median
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
 
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
+from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
-from orchestrator.studies.points import Point, is_random, point, sample_s, sampled_at, seeded
-from orchestrator.studies.workers import Crew
+from orchestrator.studies.criteria import Criterion, answer_error
+from orchestrator.studies.points import CaseStudy, Point, is_random, sample_s, sampled_at, seeded
+from orchestrator.studies.quantities import COMPARED, Metrics, measure, relative
 
-BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "knob", "diagonal", "reference", "short"
+BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
+ENDED = (*trust.AT_THE_END, "failed")
+"""States of runs that have come to an end, well or not."""
 
 
 @dataclass(frozen=True)
@@ -27,22 +35,18 @@ class Asked:
     """What a user asked for.  ``budget_s``: processor time that one run may take; ``seeds``: runs
     of each point with other random numbers."""
 
-    case: Path
-    level: str | None
-    sets: tuple[str, ...]
+    study: CaseStudy
     parameters: tuple[str, ...]
     values: int
     seeds: int
     budget_s: float
-    out: Path
-    crew: Crew
     judged_by: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Combination:
     """The case with ``settings`` by axis; ``runs`` one for each seed, or ``omitted`` says why there
-    are none."""
+    are none; ``metrics`` of each run, where all are done."""
 
     kind: str
     name: str
@@ -50,31 +54,81 @@ class Combination:
     runs: tuple[Point, ...] = ()
     predicted_s: float = 0.0
     omitted: str = ""
+    metrics: tuple[Metrics, ...] = ()
 
     @property
     def sets(self) -> tuple[str, ...]:
+        """The ``--set`` overlays of its settings."""
         return joint_sets(self.settings)
 
     @property
     def label(self) -> str:
+        """Its settings, in words."""
         as_it_is = self.kind in (BASE, CALIBRATION)
         return "the case as it is" if as_it_is else joint_label(self.settings)
 
     @property
     def ended(self) -> bool:
         """Whether all its runs have come to an end, well or not."""
-        ends = (*trust.AT_THE_END, "failed")
-        return bool(self.runs) and all(one.status() in ends for one in self.runs)
+        return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
+
+    def measured(self) -> Combination:
+        """Returns it with the metrics of its runs, if all are done."""
+        if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
+            return self
+        return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
+
+    def values(self, name: str) -> list[float]:
+        """Returns a quantity by seed, as far as it is defined."""
+        return [of_run.values[name] for of_run in self.metrics if name in of_run.values]
+
+    def mean(self, name: str) -> float | None:
+        """Returns the mean of a quantity over the seeds."""
+        values = self.values(name)
+        return float(np.mean(values)) if values else None
+
+    def _mean_of(self, key: str) -> float:
+        return float(np.mean([of_run.summary[key] for of_run in self.metrics]))
 
     @property
-    def done(self) -> bool:
-        return bool(self.runs) and all(one.status() == "done" for one in self.runs)
+    def processor_s(self) -> float:
+        """Processor time of one run."""
+        return self._mean_of("processor_s")
+
+    @property
+    def wall_s(self) -> float:
+        """Wall time of one run."""
+        return self._mean_of("wall_s")
+
+    @property
+    def memory_MiB(self) -> float:
+        """The most memory that a run took."""
+        return float(max(of_run.summary["peak_memory_MiB"] for of_run in self.metrics))
+
+    @property
+    def side_by_side(self) -> int:
+        """How many runs were at work at a time when these were."""
+        return max(run.side_by_side() for run in self.runs)
+
+    @property
+    def processor_by_part_s(self) -> dict[str, float]:
+        """Processor time by part of the program, mean over the seeds."""
+        every = [parts_s(of_run.summary) for of_run in self.metrics]
+        return {part: float(np.mean([parts[part] for parts in every])) for part in every[0]}
 
 
-def common(case: Case, coarsest_s: float) -> tuple[str, ...]:
-    """``--set`` overlays of all points alike: written at the same times by all sync intervals down
-    from ``coarsest_s``, and lasting for whole samples.  A watch that shortens intervals only warns:
-    an interval is what its label says."""
+def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
+    """Returns the processor time of a run by part: "start" is before its wall time counts, the rest
+    is divided as that is."""
+    before_s = summary.get("processor_before_s", 0.0)  # runs of older versions do not tell
+    rate = (summary["processor_s"] - before_s) / summary["wall_s"]
+    return {"start": before_s} | {part: rate * time_s for part, time_s in summary["wall_by_part_s"].items()}
+
+
+def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
+    """Returns ``--set`` overlays of all points alike: written at the same times by all sync intervals
+    down from ``coarsest_s``, and lasting for whole samples.  A monitor that shortens intervals only
+    warns: an interval is what its label says."""
     every = sample_s(coarsest_s)
     shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
     return (
@@ -90,8 +144,8 @@ def _whole(time_s: Fraction, every: Fraction) -> float:
     return float(max(1, round(time_s / every)) * every)
 
 
-def named(kind: str, settings: dict[str, Setting]) -> str:
-    """A folder's name; what is taken together goes by a checksum of what it is."""
+def folder_name(kind: str, settings: dict[str, Setting]) -> str:
+    """Returns a folder's name; what is taken together goes by a checksum of what it is."""
     if kind == ALONE:
         ((axis, setting),) = settings.items()
         return re.sub(r"[^\w.+-]+", "-", f"{axis}-{setting.label}").strip("-")
@@ -103,25 +157,34 @@ def named(kind: str, settings: dict[str, Setting]) -> str:
 def combination(
     asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]
 ) -> Combination:
-    """Checked, and within the budget; ``case`` is the one as it is."""
-    name = named(kind, settings)
-    sets = [*asked.sets, *shared, *joint_sets(settings)]
+    """Returns settings as a point, checked, with the time that a run should take; ``case`` is the
+    one as it is."""
+    name = folder_name(kind, settings)
+    seeds = asked.seeds if is_random(case) and kind != CALIBRATION else 1
     runs = []
     try:
-        for number in range(asked.seeds if is_random(case) else 1):
-            folder = asked.out / (f"{name}-seed{number}" if number else name)
-            more = seeded(case, number)
-            runs.append(point(asked.case, asked.level, [*sets, *more], name, folder))
+        for number in range(seeds):
+            sets = (*shared, *joint_sets(settings), *seeded(case, number))
+            runs.append(asked.study.point(name, sets, f"{name}-seed{number}" if number else name))
     except CaseError as error:
         return Combination(kind, name, settings, omitted=str(error.problems[0]))
     there = runs[0].loaded.case
     return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 
 
-def scale(combinations: Sequence[Combination], measured_s: dict[str, float]) -> float:
-    """What this machine takes, over what was predicted: median over points that were run."""
-    ratios = [measured_s[one.name] / one.predicted_s for one in combinations if one.name in measured_s]
-    return median(ratios) if ratios else 1.0
+def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
+    """Returns points with their predicted times as this machine takes them, by those that were
+    measured; what takes more than the budget is left out, if it has not been run."""
+    factor = median([one.processor_s / one.predicted_s for one in points if one.metrics] or [1.0])
+    affordable = []
+    for one in points:
+        scaled = replace(one, predicted_s=factor * one.predicted_s)
+        spared = one.kind in (BASE, CALIBRATION) or one.omitted or one.ended
+        if not spared and scaled.predicted_s > budget_s:
+            why = f"predicted {scaled.predicted_s:.0f} s of processor time, more than --budget {budget_s:g}"
+            scaled = replace(scaled, runs=(), omitted=why)
+        affordable.append(scaled)
+    return affordable
 
 
 def part_s(case: Case, parts: int) -> float:
@@ -129,3 +192,101 @@ def part_s(case: Case, parts: int) -> float:
     case in which a feed does not begin is refused."""
     begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
     return begun_s + (case.duration_s - begun_s) / parts
+
+
+@dataclass(frozen=True)
+class Error:
+    """A relative error, and half the width of its 95 % confidence interval: 0 where nothing is
+    random, None where a single seed tells nothing."""
+
+    value: float
+    half_width: float | None = 0.0
+
+    @property
+    def certain(self) -> bool:
+        """Whether it is more than chance."""
+        return self.half_width is None or self.value > self.half_width
+
+    @property
+    def at_most(self) -> float:
+        """The upper end of its interval."""
+        return self.value + (self.half_width or 0.0)
+
+
+@dataclass(frozen=True)
+class Scatter:
+    """Relative standard deviation from seed to seed, apart from what a seed does to all points, and
+    its degrees of freedom; none where nothing is random."""
+
+    random: bool
+    deviation: Mapping[str, float]
+    freedom: int
+
+    def half_width(self, name: str, seeds: Sequence[int]) -> float | None:
+        """Returns that of the difference of means over so many seeds each."""
+        if not self.random:
+            return 0.0
+        if self.freedom == 0 or name not in self.deviation:
+            return None
+        quantile = float(student.ppf((1 + CONFIDENCE) / 2, self.freedom))
+        return quantile * self.deviation[name] * math.sqrt(sum(1 / n for n in seeds))
+
+
+EXACT = Scatter(False, {}, 0)
+"""No chance: every difference counts."""
+
+
+def scatter(every: Iterable[Combination], random: bool) -> Scatter:
+    """Returns how points scatter.
+
+    Every point has the same random numbers, so that what a seed does to all of them alike is no
+    scatter between them: the residual of points and seeds (randomised blocks).  Points are taken to
+    scatter alike, so that two or three seeds each are enough.
+    """
+    every = list(every)
+    seeds = max((len(one.metrics) for one in every), default=0)
+    freedom, deviation = 0, {}
+    for name in COMPARED:
+        rows = [v for one in every if len(v := one.values(name)) == seeds and np.mean(v)]
+        if seeds < 2 or len(rows) < 2:
+            continue
+        values = np.array(rows)
+        relative_to_mean = values / values.mean(axis=1, keepdims=True)
+        left = relative_to_mean - relative_to_mean.mean(axis=0)
+        own = (len(values) - 1) * (seeds - 1)
+        freedom = max(freedom, own)
+        deviation[name] = math.sqrt(float((left**2).sum()) / own)
+    return Scatter(random, deviation, freedom)
+
+
+def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[str, Error]:
+    """Returns the errors of every quantity that both have, relative to the reference; shapes seed by
+    seed."""
+    seeds = (len(point.metrics), len(reference.metrics))
+    differences = {}
+    for name in COMPARED:
+        ours, theirs = point.mean(name), reference.mean(name)
+        if ours is not None and theirs:
+            off = abs(ours - theirs) / abs(theirs)
+            differences[name] = Error(off, spread.half_width(name, seeds))
+    pairs = [
+        relative(a.shapes_m, b.shapes_m)
+        for a, b in zip(point.metrics, reference.metrics, strict=True)
+        if a.shapes_m.size and a.shapes_m.shape == b.shapes_m.shape
+    ]
+    if pairs and np.isfinite(pairs).all():  # else nothing is bent
+        differences["shape"] = Error(float(np.mean(pairs)))
+    return differences
+
+
+def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, float]:
+    """Returns relative errors against known answers, mean over the seeds."""
+    every = {row.what: [answer_error(row, run.folder) for run in point.runs] for row in known}
+    told = {name: [x for x in each if x is not None] for name, each in every.items()}
+    return {name: float(np.mean(each)) for name, each in told.items() if each}
+
+
+def worst(found: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
+    """Returns the largest of the errors that decide, with its name."""
+    deciding = [(name, found[name]) for name in judged_by if name in found]
+    return max(deciding, key=lambda pair: pair[1].value, default=None)

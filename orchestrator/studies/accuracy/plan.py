@@ -12,7 +12,6 @@ from __future__ import annotations
 import json
 import math
 import shlex
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -29,7 +28,6 @@ from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.output.cycles import cycle_s
 from orchestrator.output.records import trust
-from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports.plans import SolverFailed
 from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
@@ -37,9 +35,8 @@ from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
-from orchestrator.studies.metrics import DECISIVE, happens
-from orchestrator.studies.points import point, run_points
-from orchestrator.studies.workers import Crew
+from orchestrator.studies.points import RunFailed, check_case, run_in_scratch
+from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
 
@@ -58,21 +55,20 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Stored:
-    """``found``: as ``tables.as_json`` wrote it."""
+    """A study of accuracy, as ``report.as_json`` wrote it into a file."""
 
     file: Path
     found: dict[str, Any]
 
+    @cached_property
     def model(self) -> Model:
-        axes = {
-            axis: [
-                Option(axis, Setting(one["label"], tuple(one["sets"])), one["error"], one["ratio"])
-                for one in options
-            ]
-            for axis, options in self.found["options"].items()
-        }
-        parts_s = self.found["base"]["processor_by_part_s"]
-        return Model(axes, parts_s, self.found["remaining"], self.found["judged_by"])
+        """What predicts settings taken together."""
+        found, axes = self.found, {}
+        for axis, every in found["options"].items():
+            settings = (Setting(one["label"], tuple(one["sets"])) for one in every)
+            pairs = zip(every, settings, strict=True)
+            axes[axis] = [Option(axis, setting, one["error"], one["ratio"]) for one, setting in pairs]
+        return Model(axes, found["base"]["processor_by_part_s"], found["remaining"], found["judged_by"])
 
     @property
     def of_nothing(self) -> bool:
@@ -80,13 +76,8 @@ class Stored:
         base = [one for one in self.found["points"] if one.get("point") == BASE]
         return bool(base) and not any(happens(one) for one in base)
 
-    @property
-    def chance(self) -> float:
-        """By which a prediction may be off although all adds up."""
-        return float(self.found["chance"] or 0.0)
-
     def measured(self) -> list[Candidate]:
-        """Points with their errors at the upper end of their confidence intervals."""
+        """Returns the points with their errors at the upper end of their confidence intervals."""
         return [
             Candidate(
                 one["settings"],
@@ -100,21 +91,27 @@ class Stored:
         ]
 
     def cheapest(self, tolerance: float) -> Candidate | None:
-        """Measured, or predicted where nothing measured is so cheap."""
+        """Returns the cheapest within a tolerance: measured, or predicted where nothing measured is so
+        cheap."""
         within = [each for each in self.measured() if each.error <= tolerance]
-        within += self._predicted(self.model().cheapest(tolerance - self.chance))
+        within += self._predicted(self.model.cheapest(tolerance - self._chance))
         return min(within, key=lambda each: each.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
-        """With the least error for so much processor time."""
+        """Returns that of the least error for so much processor time."""
         within = [each for each in self.measured() if each.processor_s <= budget_s]
-        within += self._predicted(self.model().best(budget_s, "cheapest"))
+        within += self._predicted(self.model.best(budget_s, "cheapest"))
         return min(within, key=lambda each: each.error, default=None)
+
+    @property
+    def _chance(self) -> float:
+        """By how much a prediction may be off although all adds up."""
+        return float(self.found["chance"] or 0.0)
 
     def _predicted(self, proposal: Proposal | None) -> list[Candidate]:
         if proposal is None:
             return []
-        label, error = joint_label(proposal.settings) or "the case as it is", proposal.error + self.chance
+        label, error = joint_label(proposal.settings) or "the case as it is", proposal.error + self._chance
         return [Candidate(label, joint_sets(proposal.settings), error, proposal.processor_s, False)]
 
 
@@ -154,30 +151,31 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
 
 
 def stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
-    """The study in the file given, or beside the case, or in its usual folder, if it is of this
-    case and level; None where there is none.  Raises CaseError for a file that is none."""
+    """Returns the study in the file given, or beside the case, or in its usual folder, if it is of
+    this case and level; None where there is none.  Raises CaseError for a file that is none."""
+
+    def problem(file: Path, what: str) -> CaseError:
+        return CaseError([CaseProblem((), what, file=str(file))])
+
+    if given and not given.is_file():
+        raise problem(given, "no such file")
     usual = (loaded.folder / NAME, Path("runs") / f"{loaded.name}-accuracy" / NAME)
-    for file in (given,) if given else usual:
-        if not file.is_file():
-            continue
+    for file in (given,) if given else filter(Path.is_file, usual):
         try:
             found = json.loads(file.read_text(encoding="utf-8"))
-            same = (found["case"], found["level"]) == (loaded.name, loaded.level)
+            case, level = found["case"], found["level"]
         except (ValueError, KeyError, TypeError):
-            raise CaseError([CaseProblem((), "is no study of accuracy", file=str(file))]) from None
-        if same:
+            raise problem(file, "is no study of accuracy") from None
+        if (case, level) == (loaded.name, loaded.level):
             return Stored(file, found)
         if given:
-            what = f'is of case "{found["case"]}", level "{found["level"]}"'
-            raise CaseError([CaseProblem((), what, file=str(file))])
-    if given and not given.is_file():
-        raise CaseError([CaseProblem((), "no such file", file=str(given))])
+            raise problem(file, f'is of case "{case}", level "{level}"')
     return None
 
 
 def filling(case: Case, study_s: float) -> Callable[[float], float]:
-    """For a run of so many seconds: its particles, in the mean over the run, relative to those of a
-    run of ``study_s``."""
+    """Returns what tells, of a run of so many seconds, its particles in the mean over the run, relative
+    to those of a run of ``study_s``."""
     if not case.bed.feeds:
         return lambda duration_s: 1.0
     bed = THIN if case.particles.adhesion == "none" else THICK
@@ -218,8 +216,8 @@ class Timing:
         return self.start_s + self.factor * study_s * self._lasts(duration_s)
 
     def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
-        """How long a run may last, at most ``longest_s``, to take so much wall time; 0 if not even
-        its start fits."""
+        """Returns how long a run may last, at most ``longest_s``, to take so much wall time; 0 if not
+        even its start fits."""
         if self.wall_s(processor_s, longest_s) <= wall_s:
             return longest_s
         if wall_s <= self.start_s:
@@ -227,30 +225,30 @@ class Timing:
         return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
 
     def affordable_s(self, wall_s: float, duration_s: float) -> float:
-        """The study's processor time of settings that take so much wall time here."""
+        """Returns the study's processor time of settings that take so much wall time here."""
         stepping_s = max(wall_s - self.start_s, 0.0) / self.factor
         return self.study_start_s + stepping_s / self._lasts(duration_s)
 
     def _lasts(self, duration_s: float) -> float:
-        """The stepping of a run of ``duration_s``, relative to the study's."""
+        """Returns the stepping of a run of ``duration_s``, relative to the study's."""
         more = 1.0 + self.particles * (self.filling(duration_s) - 1.0)
         return more * duration_s / self.simulated_s
 
 
 def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
-    """The summary of a run that nobody keeps; only its times are asked for, so that it may be a
-    doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
-    with tempfile.TemporaryDirectory(prefix="flipflow-plan-") as scratch:
-        one = point(case, level, sets, "short", Path(scratch) / "short")
-        list(run_points([one], Crew(1)))
-        if not trust.came_to_its_end(one.status()):
-            said = (Path(scratch) / "short.log").read_text(encoding="utf-8").strip()
-            raise SolverFailed(f"the calibration run failed: {said.splitlines()[-1:]}")
-        return RunReader(one.folder).summary
+    """Returns the summary of a run that nobody keeps; only its times are asked for, so that it may be
+    a doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
+    try:
+        summary = run_in_scratch(case, check_case(case, level, sets).level, sets)
+    except RunFailed as why:
+        raise SolverFailed(f"the calibration run {why}") from None
+    if not trust.came_to_its_end(str(summary["status"])):
+        raise SolverFailed(f"the calibration run failed: {summary.get('reason', '')}")
+    return summary
 
 
 def by_study(study: Stored, case: Path, level: str | None) -> Timing:
-    """From the study's short run, made again here."""
+    """Returns what runs take here, from the study's short run, made again here."""
     base = study.found["base"]
     (short,) = study.found["short"].values()
     here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
@@ -267,7 +265,7 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
 
 
 def as_it_is_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
-    """Wall time here of a case without a study, from a short run."""
+    """Returns the wall time here of a case without a study, from a short run."""
     duration_s = part_s(case, PART)
     short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
     wall_s = timed(path, level, short)["wall_by_part_s"]
@@ -303,74 +301,56 @@ class Plan:
 
     @property
     def wall_s(self) -> float:
+        """The wall time that the chosen settings take here."""
         return math.inf if self.chosen is None else self._wall_s(self.chosen)
 
     @property
     def fits(self) -> bool:
+        """Whether that is within the budget."""
         return self.wall_s <= self.budget_s
 
-    def _wall_s(self, one: Candidate) -> float:
-        return self.timing.wall_s(one.processor_s, self.case.duration_s)
-
-    def coarser(self) -> Candidate | None:
-        """The least error within the time."""
-        return self.study.best(self.timing.affordable_s(self.budget_s, self.case.duration_s))
+    def _wall_s(self, candidate: Candidate) -> float:
+        return self.timing.wall_s(candidate.processor_s, self.case.duration_s)
 
     def remedies(self) -> Iterator[str]:
-        """What would make it fit, in words."""
+        """Yields what would make it fit, in words."""
         if self.chosen is not None:
             yield from self._shorter(self.chosen)
-        coarser = self.coarser()
+        coarser = self.study.best(self.timing.affordable_s(self.budget_s, self.case.duration_s))
         if coarser is not None:
-            yield (
-                f"coarser: {_sets(coarser)} is off by {100 * coarser.error:.2g} % and takes "
-                f"{in_words(self._wall_s(coarser))}"
-            )
+            sets = " ".join(f"--set {each}" for each in coarser.sets) or "the case as it is"
+            takes = in_words(self._wall_s(coarser))
+            yield f"coarser: {sets} is off by {100 * coarser.error:.2g} % and takes {takes}"
         if self.chosen is not None:
-            yield from self._more_ranks()
-            yield from self._narrower()
+            yield from self._more_ranks_or_narrower()
 
-    def _shorter(self, one: Candidate) -> Iterator[str]:
-        longest_s = self.case.duration_s
-        duration_s = self.timing.duration_s(one.processor_s, self.budget_s, longest_s)
-        cycle = cycle_s(self.case)
-        if cycle < self.case.duration_s:
-            cycles, every = math.floor(duration_s / cycle), round(self.case.duration_s / cycle)
+    def _shorter(self, candidate: Candidate) -> Iterator[str]:
+        longest_s, cycle = self.case.duration_s, cycle_s(self.case)
+        duration_s = self.timing.duration_s(candidate.processor_s, self.budget_s, longest_s)
+        if cycle < longest_s:
+            cycles, every = math.floor(duration_s / cycle), round(longest_s / cycle)
             if cycles:
-                seconds = f"duration_s={cycles * cycle:.4g}"
-                yield f"fewer cycles: {cycles} of {every} ({seconds})"
+                yield f"fewer cycles: {cycles} of {every} (duration_s={cycles * cycle:.4g})"
         elif duration_s > 0:
             yield f"a shorter run: duration_s={duration_s:.3g}"
 
-    def _more_ranks(self) -> Iterator[str]:
-        shared_s, alone_s = self._parts_s()
-        if alone_s < self.budget_s:
-            ranks = math.ceil(shared_s / (self.budget_s - alone_s))
-            if ranks <= MOST_RANKS:
-                yield f"more ranks: mpirun -n {max(2, ranks)}, if they share their work perfectly"
-                return
-        yield "more ranks would not do: what they do not share takes too long"
-
-    def _narrower(self) -> Iterator[str]:
-        """A slice, where particles and panels are what takes the time."""
-        shared_s, alone_s = self._parts_s()
-        if not has_particles(self.case) or self.case.bed.particles or alone_s >= self.budget_s:
+    def _more_ranks_or_narrower(self) -> Iterator[str]:
+        """Yields ranks, and a slice where particles and panels are what takes the time."""
+        case, parts_s = self.case, self.study.found["base"]["processor_by_part_s"]
+        share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
+        shared_s, left_s = share * self.wall_s, self.budget_s - (1 - share) * self.wall_s
+        ranks = math.ceil(shared_s / left_s) if left_s > 0 else math.inf
+        if ranks <= MOST_RANKS:
+            yield f"more ranks: mpirun -n {max(2, ranks)}, if they share their work perfectly"
+        else:
+            yield "more ranks would not do: what they do not share takes too long"
+        if not has_particles(case) or case.bed.particles or left_s <= 0:
             return
         try:
-            low, high = full_width_m(self.case.whole)
+            low, high = full_width_m(case.whole)
         except CaseError:
             return
-        now_m = self.case.slice.width_m if self.case.slice else high - low
-        width_m = now_m * (self.budget_s - alone_s) / shared_s
-        if width_m >= ENOUGH_DIAMETERS * largest_diameter_m(self.case):
+        now_m = case.slice.width_m if case.slice else high - low
+        width_m = now_m * left_s / shared_s
+        if width_m >= ENOUGH_DIAMETERS * largest_diameter_m(case):
             yield f"a slice: slice.width_m={width_m:.3g} instead of {now_m:.3g} m"
-
-    def _parts_s(self) -> tuple[float, float]:
-        """Wall time of what ranks share, and of the rest."""
-        parts_s = self.study.found["base"]["processor_by_part_s"]
-        share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
-        return share * self.wall_s, (1 - share) * self.wall_s
-
-
-def _sets(one: Candidate) -> str:
-    return " ".join(f"--set {each}" for each in one.sets) or "the case as it is"

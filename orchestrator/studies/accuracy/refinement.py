@@ -1,14 +1,15 @@
 """Refinement parameters: what buys accuracy, and which values of it a case has.
 
-A parameter is intervals, steps, meshes, sizes or models of one solver.  Its settings form series from
-coarse to fine, each of which goes to one answer; series that exclude each other share an axis.
+A parameter is intervals, steps, meshes, sizes or models of one solver (``PARAMETERS``).  Its settings
+form series from coarse to fine, each of which goes to one answer; series that exclude each other share
+an axis.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, cast
 
 from orchestrator.case import solvers
@@ -83,10 +84,9 @@ class RefinementSeries:
     ``length``: what ``h`` is; ``expected``: order in h that theory gives, None where there is none;
     ``rank``: on one axis the series of the highest is nearest to the truth; ``note``: what a reader
     must know; ``is_choice``: whether one of its settings may be recommended, rather than only
-    compared.
+    compared; ``parameter``: filled in by ``offer``.
     """
 
-    parameter: str
     axis: str
     variant: str
     settings: tuple[Setting, ...]
@@ -95,6 +95,7 @@ class RefinementSeries:
     rank: float = 0.0
     note: str = ""
     is_choice: bool = True
+    parameter: str = ""
 
 
 class NotOffered(Exception):
@@ -103,10 +104,15 @@ class NotOffered(Exception):
 
 @dataclass(frozen=True)
 class Parameter:
-    """``series``: of a case, with so many values each; raises NotOffered."""
+    """What can be refined.
+
+    ``series``: those of a case, with so many values each; raises NotOffered.  ``needs``: names of
+    ``NEEDS`` that the case must meet first.
+    """
 
     title: str
-    series: Callable[[Case, int], list[RefinementSeries]]
+    series: Callable[[Case, int], Iterable[RefinementSeries]]
+    needs: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -122,16 +128,11 @@ class Offer:
 
     @property
     def titles(self) -> dict[str, str]:
-        """Of each axis: its parameters, in words."""
-        return {
-            axis: " or ".join(dict.fromkeys(PARAMETERS[one.parameter].title for one in self.of(axis)))
-            for axis in self.axes
-        }
-
-    @property
-    def axes(self) -> list[str]:
-        """The names of the axes."""
-        return list(dict.fromkeys(series.axis for series in self.series))
+        """The axes, each with its parameters in words."""
+        titles: dict[str, list[str]] = {}
+        for series in self.series:
+            titles.setdefault(series.axis, []).append(PARAMETERS[series.parameter].title)
+        return {axis: " or ".join(dict.fromkeys(names)) for axis, names in titles.items()}
 
 
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
@@ -141,15 +142,19 @@ def offer(case: Case, names: Sequence[str], points: int) -> Offer:
     missing = {}
     for each in names:
         name, _, only = each.partition("=")
+        parameter = PARAMETERS[name]
         try:
-            series = PARAMETERS[name].series(case, points)
-            every += _chosen(series, only.split("+")) if only else series
+            for is_met, why in map(NEEDS.__getitem__, parameter.needs):
+                if not is_met(case):
+                    raise NotOffered(why)
+            series = [replace(one, parameter=name) for one in parameter.series(case, points)]
+            every += _variants(series, only.split("+")) if only else series
         except NotOffered as why:
             missing[name] = str(why)
     return Offer(tuple(every), missing)
 
 
-def _chosen(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
+def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
     """Raises NotOffered for a variant that there is not."""
     known = [each.variant for each in series]
     for name in variants:
@@ -165,107 +170,102 @@ def _degrees(points: int) -> list[int]:
     return list(range(-coarser, points - coarser))
 
 
-def _sync(case: Case, points: int) -> list[RefinementSeries]:
+def _settings(
+    values: Mapping[int, float],
+    label: str,
+    key: str | Callable[[float], tuple[str, ...]],
+    h: Callable[[float], float] = float,
+) -> tuple[Setting, ...]:
+    """Returns settings of values by degree, of which 0 is the case's own: ``label`` and ``key`` are
+    formats of a value, or ``key`` makes the overlays."""
+    make = (lambda value: (key.format(value),)) if isinstance(key, str) else key
+    return tuple(
+        Setting(label.format(value), make(value) if degree else (), h(value))
+        for degree, value in values.items()
+    )
+
+
+def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
     """The interval of the case's own scheme, or of the one that is taken for it, halved and
     doubled."""
     name = case_with_scheme(case).coupling.scheme
-    overlay = f"coupling.scheme={name}" if case.coupling.scheme != name else ""
-    return [_intervals("sync", case, name, overlay, points)]
+    overlay = (f"coupling.scheme={name}",) if case.coupling.scheme != name else ()
+    series = _intervals(case, name, (), overlay, points)
+    yield replace(series, rank=series.rank + 0.5)
 
 
-def _scheme(case: Case, points: int) -> list[RefinementSeries]:
+def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
     """Every other scheme, at the same intervals.  Raises NotOffered."""
-    if not (case.screen.panels and (has_particles(case) or case.screen.frames)):
-        raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
     some, own = has_particles(case), case_with_scheme(case).coupling.scheme
-    return [
-        _intervals("scheme", case, name, f"coupling.scheme={name}", points)
-        for name in SCHEMES
-        if name != own and (some or name in WITHOUT_PARTICLES)
-    ]
+    if not (case.screen.panels and (some or case.screen.frames)):
+        raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
+    for name in SCHEMES:
+        if name != own and (some or name in WITHOUT_PARTICLES):
+            overlay = (f"coupling.scheme={name}",)
+            yield _intervals(case, name, overlay, overlay, points)
 
 
-def _intervals(parameter: str, case: Case, name: str, overlay: str, points: int) -> RefinementSeries:
+def _intervals(
+    case: Case, name: str, at_own: tuple[str, ...], elsewhere: tuple[str, ...], points: int
+) -> RefinementSeries:
+    """Returns a scheme's series, with overlays at the case's own interval and at others."""
     own_s = exact(case.coupling.sync_interval_s)
     settings = []
     for halved in _degrees(points):
         length_s = float(own_s / 2**halved if halved >= 0 else own_s * 2**-halved)
-        sets = (f"coupling.sync_interval_s={length_s!r}",) if halved else ()
-        label = f"{name}, {length_s:g} s"
-        named = (overlay,) if overlay and (sets or parameter == "scheme") else ()
-        settings.append(Setting(label, (*named, *sets), length_s))
+        sets = (*elsewhere, f"coupling.sync_interval_s={length_s!r}") if halved else at_own
+        settings.append(Setting(f"{name}, {length_s:g} s", sets, length_s))
     order = SCHEME_ORDERS.get(name)
-    rank = (order or 0.0) + (0.5 if parameter == "sync" else 0.0)
     note = DAMPED_COUPLING if name == "particles-first" and damped_contacts(case) else ""
-    return RefinementSeries(
-        parameter, "coupling", name, tuple(settings), "sync interval / s", order, rank, note
-    )
+    return RefinementSeries("coupling", name, tuple(settings), "sync interval / s", order, order or 0.0, note)
 
 
-def _panel_mesh(case: Case, points: int) -> list[RefinementSeries]:
+def _panel_mesh(case: Case, points: int) -> Iterable[RefinementSeries]:
     """Cells of the case's own model.  Raises NotOffered."""
-    _need_panels(case)
     if not case.panel.adapter.refined_by:
         raise NotOffered(f"panels of solver {case.panel.solver} have no mesh")
-    return [_meshes("panel-mesh", case, case.panel.solver, case.panel.cells, points)]
+    yield _meshes(case, case.panel.solver, case.panel.cells, points)
 
 
-def _panel_model(case: Case, points: int) -> list[RefinementSeries]:
-    """Every other model, at a few meshes each.  Raises NotOffered."""
-    _need_panels(case)
+def _panel_model(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """Every other model, at a few meshes each."""
     own = case.panel.adapter
     along, across = case.panel.cells if own.refined_by and own.varies_across else USUAL_CELLS
-    every = []
     for name in _by_fidelity("panel"):
         adapter = _panel_adapter(name)
         if name == case.panel.solver:
             continue
         if adapter.refined_by:
             wide = 1 if not adapter.varies_across else max(1, across // 2) if adapter.mesh_size else across
-            every.append(_meshes("panel-model", case, name, (along, wide), min(points, 3)))
+            yield _meshes(case, name, (along, wide), min(points, 3))
         elif own.deforms or not adapter.plays_back:
             sets = (f"panel.solver={name}", "panel.integrator=explicit", "panel.step_s=0")
             made = adapter.plays_back and not case.panel.recording
-            every.append(_model("panel", Setting(name, sets, made_from_run="recording" if made else "")))
-    return every
+            yield _model("panel", Setting(name, sets, made_from_run="recording" if made else ""))
 
 
-def _need_panels(case: Case) -> None:
-    if not case.screen.panels:
-        raise NotOffered("the case has no panels")
-
-
-def _meshes(parameter: str, case: Case, name: str, cells: tuple[int, int], points: int) -> RefinementSeries:
-    adapter = _panel_adapter(name)
+def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> RefinementSeries:
+    adapter, own = _panel_adapter(name), name == case.panel.solver
+    solver: tuple[str, ...] = ()
+    if not own:
+        integrator = "implicit" if adapter.mesh_size else "explicit"  # cells of any size
+        solver = (f"panel.solver={name}", f"panel.integrator={integrator}", "panel.step_s=0")
     settings = []
     for degree in _degrees(points):
         factor = adapter.refined_by**degree
         along = max(2, math.ceil(factor * cells[0]))
         across = max(1, math.ceil(factor * cells[1])) if adapter.varies_across else 1
         label = f"{name}, {along} x {across} cells" if across > 1 else f"{name}, {along} cells"
-        own = name == case.panel.solver and degree == 0
-        sets = () if own else _mesh_overlays(name, along, across, case)
+        sets = () if own and degree == 0 else (*solver, f"panel.cells=[{along},{across}]")
         settings.append(Setting(label, sets, cells[0] / along))
     length, rank = "cell length / own", _fidelity("panel", name)
-    return RefinementSeries(parameter, "panel", name, tuple(settings), length, adapter.order, rank)
+    return RefinementSeries("panel", name, tuple(settings), length, adapter.order, rank)
 
 
-def _mesh_overlays(name: str, along: int, across: int, case: Case) -> tuple[str, ...]:
-    """Returns a mesh, and with another model the solver with its own step."""
-    mesh = f"panel.cells=[{along},{across}]"
-    if name == case.panel.solver:
-        return (mesh,)
-    integrator = "implicit" if _panel_adapter(name).mesh_size else "explicit"  # cells of any size
-    return (f"panel.solver={name}", f"panel.integrator={integrator}", "panel.step_s=0", mesh)
-
-
-def _model(port: solvers.Port, setting: Setting, is_choice: bool = True) -> RefinementSeries:
+def _model(port: solvers.Port, setting: Setting) -> RefinementSeries:
     """Returns the series of one setting, a model, which is named after its solver."""
-    name = setting.label
-    is_choice = is_choice and not setting.made_from_run
-    return RefinementSeries(
-        f"{port}-model", port, name, (setting,), rank=_fidelity(port, name), is_choice=is_choice
-    )
+    rank, is_choice = _fidelity(port, setting.label), not setting.made_from_run
+    return RefinementSeries(port, setting.label, (setting,), rank=rank, is_choice=is_choice)
 
 
 def _by_fidelity(port: solvers.Port) -> list[str]:
@@ -284,12 +284,11 @@ def _panel_adapter(name: str) -> PanelAdapter:
     return cast("PanelAdapter", solvers.adapter("panel", name))
 
 
-def _panel_step(case: Case, points: int) -> list[RefinementSeries]:
+def _panel_step(case: Case, points: int) -> Iterable[RefinementSeries]:
     """The panels' own step, its half and its quarter.  Raises NotOffered."""
-    _need_panels(case)
     own_s = min(case.coupling.sync_interval_s, _usual_panel_step_s(case))
     settings = _steps(case, "panel.step_s", own_s, points)
-    return [RefinementSeries("panel-step", "panel-step", "", settings, "panel's step / s", 2.0)]
+    yield RefinementSeries("panel-step", "", settings, "panel's step / s", 2.0)
 
 
 def _usual_panel_step_s(case: Case) -> float:
@@ -311,50 +310,35 @@ def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ..
     """Returns a step, its half and its quarter, whole parts of the sync interval."""
     interval_s = case.coupling.sync_interval_s
     first = steps_in(interval_s, own_s)
-    settings = []
-    for halved in range(min(points, FINEST_STEPS)):
-        step_s = float(exact(interval_s) / (first * 2**halved))
-        sets = (f"{key}={step_s * (1 + 1e-9)!r}",) if halved else ()
-        settings.append(Setting(f"{step_s:.3g} s", sets, step_s))
-    return tuple(settings)
+    halves = range(min(points, FINEST_STEPS))
+    values = {halved: float(exact(interval_s) / (first * 2**halved)) for halved in halves}
+    return _settings(values, "{:.3g} s", lambda step_s: (f"{key}={step_s * (1 + 1e-9)!r}",))
 
 
-def _frames_model(case: Case, points: int) -> list[RefinementSeries]:
-    """Every model of the frames.  Raises NotOffered."""
-    if not case.screen.frames:
-        raise NotOffered("the case has no frames")
+def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """Every model of the frames."""
     driven = all(frame.drive for frame in case.screen.frames.values())
-    every = []
     for name in _by_fidelity("frames"):
         own = name == case.frames.solver
         free = cast("FramesAdapter", solvers.adapter("frames", name)).moved_by_forces
         made: Literal["", "motion"] = "" if own or free or driven else "motion"
         sets = () if own else (f"frames.solver={name}",)
-        every.append(_model("frames", Setting(name, sets, made_from_run=made)))
-    return every
+        yield _model("frames", Setting(name, sets, made_from_run=made))
 
 
-def _particle_model(case: Case, points: int) -> list[RefinementSeries]:
-    """No particles at all, and every solver of them.  Raises NotOffered."""
-    _need_particles(case)
-    own, empty = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
-    without = RefinementSeries(
-        "particles-model", "particles", solvers.NONE, (empty,), rank=-1.0, is_choice=False
-    )
-    every = [
-        _model("particles", Setting(name, () if name == own else (f"particles.solver={name}",)))
-        for name in _by_fidelity("particles")
-    ]
-    return [without, *every]
+def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """No particles at all, and every solver of them."""
+    own, without = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
+    yield RefinementSeries("particles", solvers.NONE, (without,), rank=-1.0, is_choice=False)
+    for name in _by_fidelity("particles"):
+        yield _model("particles", Setting(name, () if name == own else (f"particles.solver={name}",)))
 
 
-def _particle_step(case: Case, points: int) -> list[RefinementSeries]:
-    """The particles' step, its half and its quarter.  Raises NotOffered."""
-    _need_particles(case)
+def _particle_step(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """The particles' step, its half and its quarter."""
     settings = _steps(case, "particles.step_s", particle_step_s(case), points)
     note = DAMPED_STEPS if damped_contacts(case) else JUMPING if _surface_jumps(case) else ""
-    name, order = "particle-step", 1.0 if note else 2.0
-    return [RefinementSeries(name, name, "", settings, "step / s", order, note=note)]
+    yield RefinementSeries("particle-step", "", settings, "step / s", 1.0 if note else 2.0, note=note)
 
 
 def _surface_jumps(case: Case) -> bool:
@@ -366,40 +350,30 @@ def _surface_jumps(case: Case) -> bool:
     return moves and extrapolated.get(case_with_scheme(case).coupling.scheme, False)
 
 
-def _stiffness(case: Case, points: int) -> list[RefinementSeries]:
+def _stiffness(case: Case, points: int) -> Iterable[RefinementSeries]:
     """The largest Young's modulus in contacts, up to the materials' own.  Raises NotOffered."""
-    _need_particles(case)
     used_Pa = [m.youngs_modulus_Pa for m in case.materials.values() if m.youngs_modulus_Pa]
     if not used_Pa:
         raise NotOffered("no material has a Young's modulus of its own")
     true_Pa, cap_Pa = max(used_Pa), case.particles.largest_youngs_modulus_Pa
     own_Pa = true_Pa if cap_Pa is None else min(true_Pa, cap_Pa)
-    settings = []
-    for degree in _degrees(points):
-        modulus_Pa = own_Pa * SOFTER**degree
-        if modulus_Pa < true_Pa * SOFTER**0.5:
-            sets = (f"particles.largest_youngs_modulus_Pa={modulus_Pa:.4g}",) if degree else ()
-            settings.append(Setting(f"{modulus_Pa:.3g} Pa", sets, (own_Pa / modulus_Pa) ** HERTZ))
-    name, length = "stiffness", "duration of an impact / own"
-    return [RefinementSeries(name, name, "", tuple(settings), length)]
+    every_Pa = {degree: own_Pa * SOFTER**degree for degree in _degrees(points)}
+    moduli_Pa = {degree: modulus for degree, modulus in every_Pa.items() if modulus < true_Pa * SOFTER**0.5}
+    key = "particles.largest_youngs_modulus_Pa={:.4g}"
+    settings = _settings(moduli_Pa, "{:.3g} Pa", key, lambda modulus: float((own_Pa / modulus) ** HERTZ))
+    yield RefinementSeries("stiffness", "", settings, "duration of an impact / own")
 
 
-def _number(case: Case, points: int) -> list[RefinementSeries]:
-    """Coarser particles, each for several.  Raises NotOffered."""
-    _need_many_particles(case)
+def _number(case: Case, points: int) -> Iterable[RefinementSeries]:
+    """Coarser particles, each for several."""
     own = case.particles.coarse_graining
-    settings = []
-    for degree in range(1 - min(points, 3), 1):
-        k = own * COARSER**-degree
-        sets = (f"particles.coarse_graining={k:.4g}",) if degree else ()
-        settings.append(Setting(f"diameters x {k:.3g}", sets, k))
-    length = "diameters, of the real ones"
-    return [RefinementSeries("number", "number", "", tuple(settings), length)]
+    values = {degree: own * COARSER**-degree for degree in range(1 - min(points, 3), 1)}
+    settings = _settings(values, "diameters x {:.3g}", "particles.coarse_graining={:.4g}")
+    yield RefinementSeries("number", "", settings, "diameters, of the real ones")
 
 
-def _cut_off(case: Case, points: int) -> list[RefinementSeries]:
+def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
     """The finest size that is fed.  Raises NotOffered."""
-    _need_particles(case)
     rows = [
         (f"bed.{kind}.{name}.smallest_fed_m", row.smallest_fed_m)
         for kind, table in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
@@ -408,17 +382,17 @@ def _cut_off(case: Case, points: int) -> list[RefinementSeries]:
     ]
     if not rows:
         raise NotOffered("no block or feed has a smallest_fed_m")
-    settings = []
-    for degree in _degrees(min(points, 3)):
-        factor = COARSER ** (-degree / 2)
-        sets = tuple(f"{key}={factor * size_m:.4g}" for key, size_m in rows) if degree else ()
-        settings.append(Setting(f"{factor * rows[0][1]:.3g} m", sets, factor * rows[0][1]))
-    return [RefinementSeries("cut-off", "cut-off", "", tuple(settings), "finest size fed / m")]
+    first_m = rows[0][1]
+    sizes_m = {degree: COARSER ** (-degree / 2) * first_m for degree in _degrees(min(points, 3))}
+
+    def overlays(size_m: float) -> tuple[str, ...]:
+        return tuple(f"{key}={size_m / first_m * own_m:.4g}" for key, own_m in rows)
+
+    yield RefinementSeries("cut-off", "", _settings(sizes_m, "{:.3g} m", overlays), "finest size fed / m")
 
 
-def _width(case: Case, points: int) -> list[RefinementSeries]:
+def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
     """A slice, up to the whole width.  Raises NotOffered."""
-    _need_many_particles(case)
     try:
         low, high = full_width_m(case.whole)
     except CaseError as error:
@@ -427,39 +401,34 @@ def _width(case: Case, points: int) -> list[RefinementSeries]:
     if case.whole.slice is None and solver is not None and not solver.periodic:
         raise NotOffered(f"solver {case.particles.solver} knows no slice between periodic sides")
     own_m = case.whole.slice.width_m if case.whole.slice else high - low
-    settings = []
-    for degree in _degrees(points):
-        width_m = own_m * 2.0**degree
-        if width_m <= (high - low) * (1 + 1e-9):
-            sets = (f"slice.width_m={width_m:.6g}",) if degree else ()
-            settings.append(Setting(f"{width_m:.3g} m", sets, own_m / width_m))
-    if len(settings) < 2:
+    every_m = {degree: own_m * 2.0**degree for degree in _degrees(points)}
+    widths_m = {
+        degree: width_m for degree, width_m in every_m.items() if width_m <= (high - low) * (1 + 1e-9)
+    }
+    if len(widths_m) < 2:
         raise NotOffered("there is one width only")
-    return [RefinementSeries("slice", "slice", "", tuple(settings), "own width / width")]
+    settings = _settings(widths_m, "{:.3g} m", "slice.width_m={:.6g}", lambda width_m: own_m / width_m)
+    yield RefinementSeries("slice", "", settings, "own width / width")
 
 
-def _need_particles(case: Case) -> None:
-    if not has_particles(case):
-        raise NotOffered("the case has no particles")
-
-
-def _need_many_particles(case: Case) -> None:
-    _need_particles(case)
-    if case.bed.particles:
-        raise NotOffered("single particles stand for themselves")
-
-
+NEEDS: dict[str, tuple[Callable[[Case], bool], str]] = {
+    "panels": (lambda case: bool(case.screen.panels), "the case has no panels"),
+    "frames": (lambda case: bool(case.screen.frames), "the case has no frames"),
+    "particles": (has_particles, "the case has no particles"),
+    "many": (lambda case: not case.bed.particles, "single particles stand for themselves"),
+}
+"""What a parameter needs of a case, and what is said where it is missing."""
 PARAMETERS = {
     "sync": Parameter("sync interval", _sync),
     "scheme": Parameter("coupling scheme", _scheme),
-    "panel-mesh": Parameter("panel mesh", _panel_mesh),
-    "panel-model": Parameter("panel model", _panel_model),
-    "panel-step": Parameter("panel's time step", _panel_step),
-    "frames-model": Parameter("model of the frames", _frames_model),
-    "particles-model": Parameter("solver of the particles", _particle_model),
-    "particle-step": Parameter("particles' time step", _particle_step),
-    "stiffness": Parameter("stiffness of contacts", _stiffness),
-    "slice": Parameter("slice of the width", _width),
-    "number": Parameter("number of particles", _number),
-    "cut-off": Parameter("finest size fed", _cut_off),
+    "panel-mesh": Parameter("panel mesh", _panel_mesh, ("panels",)),
+    "panel-model": Parameter("panel model", _panel_model, ("panels",)),
+    "panel-step": Parameter("panel's time step", _panel_step, ("panels",)),
+    "frames-model": Parameter("model of the frames", _frames_model, ("frames",)),
+    "particles-model": Parameter("solver of the particles", _particle_model, ("particles",)),
+    "particle-step": Parameter("particles' time step", _particle_step, ("particles",)),
+    "stiffness": Parameter("stiffness of contacts", _stiffness, ("particles",)),
+    "slice": Parameter("slice of the width", _width, ("particles", "many")),
+    "number": Parameter("number of particles", _number, ("particles", "many")),
+    "cut-off": Parameter("finest size fed", _cut_off, ("particles",)),
 }

@@ -7,10 +7,10 @@ the diagonal: for each tolerance the settings that should meet it at the least c
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass, replace
-from math import ceil
-from pathlib import Path
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import ceil, inf
 
 from orchestrator.case import recording_file
 from orchestrator.case.file.errors import CaseError, CaseProblem
@@ -20,218 +20,292 @@ from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
     CALIBRATION,
+    EXACT,
     REFERENCE,
     TOGETHER,
     Asked,
     Combination,
+    Error,
+    Scatter,
+    afford,
+    answer_errors,
     combination,
-    common,
-    named,
+    errors,
+    folder_name,
     part_s,
-    scale,
+    scatter,
+    shared_sets,
+    worst,
 )
-from orchestrator.studies.accuracy.convergence import Converged, all_converged, options, remaining
-from orchestrator.studies.accuracy.measured import EXACT, Measured, Scatter, read, scatter
+from orchestrator.studies.accuracy.convergence import (
+    Compared,
+    Converged,
+    best_of,
+    compare_axis,
+    converged,
+    options,
+)
 from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Offer, Setting, joint_sets, offer
-from orchestrator.studies.criteria import known_answers
-from orchestrator.studies.criterion import Criterion
-from orchestrator.studies.metrics import QUANTITIES, happens
-from orchestrator.studies.points import Point, check_case, is_random, run_points
+from orchestrator.studies.criteria import Criterion, known_answers
+from orchestrator.studies.points import Point, is_random, run_points
+from orchestrator.studies.quantities import COMPARED, happens
 from orchestrator.studies.record import drives, record
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
+RECOMMENDED = (0.01, 0.05, 0.1)
 RECORDING = "panels.h5"
 SHORT = 5  # the short part is one of so many of the run
 
 
 @dataclass(frozen=True)
-class Listed:
-    """What is known before anything is run; ``shared``: ``--set`` overlays of all points."""
+class Row:
+    """A point: its errors against the reference by quantity, the ``worst`` of those that decide,
+    and those against known answers."""
+
+    point: Combination
+    errors: dict[str, Error]
+    worst: tuple[str, Error] | None
+    answers: dict[str, float]
+    proposal: Proposal | None
+
+    @property
+    def error(self) -> Error | None:
+        """The largest error that decides."""
+        return self.worst[1] if self.worst else None
+
+    @property
+    def why(self) -> str:
+        """Why nothing was measured."""
+        if self.point.metrics:
+            return ""
+        states = {run.status() for run in self.point.runs}
+        return self.point.omitted or f"{', '.join(sorted(states))}: {self.point.runs[0].folder}"
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """The cheapest row within a tolerance, None where there is none; ``proven``: also at the upper
+    end of its confidence interval."""
+
+    tolerance: float
+    row: Row | None
+    proven: bool = False
+
+
+@dataclass(frozen=True)
+class AccuracyStudy:
+    """A study as far as it was run.
+
+    ``shared``: ``--set`` overlays of all points; ``known``: answers known from elsewhere;
+    ``proposals``: what was predicted of points, by name; ``reference``: name of a point.
+    """
 
     asked: Asked
     loaded: JudgedCase
     offer: Offer
     shared: tuple[str, ...]
-    points: list[Combination]
     known: tuple[Criterion, ...]
+    points: tuple[Combination, ...] = ()
+    proposals: dict[str, Proposal] = field(default_factory=dict)
+    reference: str = BASE
+
+    def combine(self, kind: str, settings: dict[str, Setting]) -> Combination:
+        """Returns settings as a point of this study."""
+        return combination(self.asked, self.loaded.case, self.shared, kind, settings)
+
+    def run(self, points: Sequence[Combination]) -> Generator[str, None, AccuracyStudy]:
+        """Runs points that are not done, yields a line for each run, and returns the study with them
+        and their metrics.  Runs that have failed are results, too, and not run again."""
+        todo = [run for one in points for run in one.runs if run.status() != "failed"]
+        yield from run_points(todo, self.asked.study.crew)
+        return self.with_points([one.measured() for one in points])
+
+    def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
+        """Returns the study with these points in the place of those of the same names, or added."""
+        every = {one.name: one for one in (*self.points, *points)}
+        return replace(self, points=tuple(every.values()))
+
+    @cached_property
+    def measured(self) -> dict[str, Combination]:
+        """The points that have metrics, by name."""
+        return {one.name: one for one in self.points if one.metrics}
 
     @property
-    def random(self) -> bool:
-        return is_random(self.loaded.case)
-
-
-@dataclass(frozen=True)
-class Study:
-    """All that was found.  ``reference``: name of a point; ``proposals``: what was predicted of
-    points, by name."""
-
-    listed: Listed
-    points: list[Combination]
-    measured: dict[str, Measured]
-    spread: Scatter
-    families: list[Converged]
-    options: dict[str, list[Option]]
-    remaining: dict[str, float]
-    judged_by: list[str]
-    proposals: dict[str, Proposal]
-    reference: str
-
-    @property
-    def base(self) -> Measured:
+    def base(self) -> Combination:
+        """The case as it is."""
         return self.measured[BASE]
 
-    def model(self) -> Model:
-        return Model(self.options, self.base.processor_by_part_s, self.remaining, self.judged_by)
+    @property
+    def judged_by(self) -> list[str]:
+        """The quantities that decide, as far as the case has them."""
+        return [name for name in self.asked.judged_by if self.base.mean(name)]
+
+    @cached_property
+    def spread(self) -> Scatter:
+        """How points scatter by chance."""
+        return scatter(self.measured.values(), is_random(self.loaded.case))
+
+    @cached_property
+    def converged(self) -> list[Converged]:
+        """Every series of which something was measured."""
+        every = (converged(one, self.measured, self.spread, self.known) for one in self.offer.series)
+        return [one for one in every if one is not None]
+
+    def compared(self, axis: str) -> list[Compared]:
+        """Returns every setting of an axis that was measured, against the best of them."""
+        return compare_axis(axis, self.converged, self.spread)
+
+    def options(self, spread: Scatter | None = None) -> dict[str, list[Option]]:
+        """Returns the choices by axis; another ``spread`` says what counts as chance."""
+        spread = spread or self.spread
+        every = {axis: options(axis, self.converged, self.base, spread) for axis in self.offer.titles}
+        return {axis: choices for axis, choices in every.items() if choices}
+
+    @cached_property
+    def remaining(self) -> dict[str, float]:
+        """What errors add up to where every axis has its best setting."""
+        best = [one for axis in self.offer.titles if (one := best_of(axis, self.converged)) is not None]
+        return {name: sum(one.remaining(name) for one in best) for name in self.judged_by}
+
+    def model(self, spread: Scatter | None = None) -> Model:
+        """Returns what predicts settings taken together."""
+        return Model(self.options(spread), self.base.processor_by_part_s, self.remaining, self.judged_by)
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """The points in the order in which they were run; the short part is not among them."""
+        best, rows = self.measured[self.reference], []
+        for one in self.points:
+            if one.kind != CALIBRATION:
+                off = errors(one, best, self.spread) if one.metrics and one is not best else {}
+                answers = answer_errors(one, self.known) if one.metrics else {}
+                proposal = self.proposals.get(one.name)
+                rows.append(Row(one, off, worst(off, self.judged_by), answers, proposal))
+        return rows
+
+    @cached_property
+    def by_cost(self) -> list[Row]:
+        """The rows of points that were measured, from cheap to dear."""
+        return sorted((r for r in self.rows if r.point.metrics), key=lambda row: row.point.processor_s)
+
+    def front(self) -> list[Row]:
+        """Returns the rows that no other beats in both error and processor time, cheap ones first."""
+        front: list[Row] = []
+        least = inf
+        for row in self.by_cost:
+            if row.error is not None and row.error.value < least:
+                front.append(row)
+                least = row.error.value
+        return front
+
+    def recommend(self, tolerance: float) -> Recommendation:
+        """Returns the cheapest of all points that were measured; where chance leaves none proven, the
+        one of which most is sure.  The reference is no candidate: nobody knows its error."""
+        within = [(row, row.error) for row in self.by_cost if row.error and row.error.value <= tolerance]
+        for row, error in within:
+            if error.half_width is not None and error.at_most <= tolerance:
+                return Recommendation(tolerance, row, True)
+        surest = min(within, key=lambda pair: pair[1].at_most, default=None)
+        return Recommendation(tolerance, surest[0] if surest else None)
 
 
-def listed(asked: Asked) -> Listed:
-    """Raises CaseError."""
-    loaded = check_case(asked.case, asked.level, asked.sets)
-    there = offer(loaded.case, asked.parameters, asked.values)
-    lengths_s = [one.h or 0.0 for series in there.of("coupling") for one in series.settings]
-    shared = common(loaded.case, max([loaded.case.coupling.sync_interval_s, *lengths_s]))
-    base = combination(asked, loaded.case, shared, BASE, {})
-    points = [base, combination(replace(asked, seeds=1), loaded.case, shared, CALIBRATION, _short(base))]
-    for series in there.series:
+def plan_study(asked: Asked) -> AccuracyStudy:
+    """Returns what is known before anything is run, with the points that need no other run: first the
+    case as it is and its short part.  Raises CaseError."""
+    loaded = asked.study.check()
+    offered = offer(loaded.case, asked.parameters, asked.values)
+    lengths_s = [one.h or 0.0 for series in offered.of("coupling") for one in series.settings]
+    shared = shared_sets(loaded.case, max([loaded.case.coupling.sync_interval_s, *lengths_s]))
+    # answers are of the case as it is described: they do not hold for another physics
+    numerics = all(overlay.partition(".")[0] in NUMERICS for overlay in asked.study.sets)
+    study = AccuracyStudy(asked, loaded, offered, shared, known_answers(asked.study.case) if numerics else ())
+    base = study.combine(BASE, {})
+    points = [base, study.combine(CALIBRATION, _short(base))]
+    for series in offered.series:
         for setting in series.settings:
             if setting.sets and not setting.made_from_run:
-                points.append(combination(asked, loaded.case, shared, ALONE, {series.axis: setting}))
-    return Listed(asked, loaded, there, shared, points, _known(asked))
-
-
-def _known(asked: Asked) -> tuple[Criterion, ...]:
-    """Answers are of the case as it is described: they do not hold for another physics."""
-    numerics = all(one.partition(".")[0] in NUMERICS for one in asked.sets)
-    return known_answers(asked.case) if numerics else ()
+                points.append(study.combine(ALONE, {series.axis: setting}))
+    return replace(study, points=tuple(points))
 
 
 def _short(base: Combination) -> dict[str, Setting]:
-    """A whole number of samples."""
+    """Returns a whole number of samples."""
     case = base.runs[0].loaded.case
     sample_s = exact(case.output.series_s)
     short_s = float(ceil(exact(part_s(case, SHORT)) / sample_s) * sample_s)
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
 
-def studied(asked: Asked) -> Generator[str, None, Study]:
+def studied(asked: Asked) -> Generator[str, None, AccuracyStudy]:
     """Runs what is not done yet, yields a line for each run, and returns what was found.  Raises
     CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable."""
-    there = listed(asked)
-    start = there.points[:2]
-    yield from _run(start, asked)
-    first = read(start)
-    if BASE not in first:
-        one = next((run for run in start[0].runs if run.status() != "done"), start[0].runs[0])
+    study = plan_study(asked)
+    study = yield from study.run(study.points[:2])
+    runs = study.points[0].runs
+    if BASE not in study.measured:
+        run = next((run for run in runs if run.status() != "done"), runs[0])
         raise _unmeasured(
-            one,
-            f"the run of the case as it is is {one.status()}, so that there is nothing to compare with",
-            f"{one.folder}.log says why",
+            run,
+            f"the run of the case as it is is {run.status()}, so that there is nothing to compare with",
+            f"{run.folder}.log says why",
         )
-    if not happens({name: first[BASE].mean(name) for name in QUANTITIES}):
+    if not happens({name: study.base.mean(name) for name in COMPARED}):
         raise _unmeasured(
-            start[0].runs[0],
+            runs[0],
             "nothing happens in the case as it is: no panel, frame or particle moves by more than "
             "can be resolved (a nanometre), and no clamp's pull changes, so that there are no errors "
             "to compare",
             "let it last until something does",
         )
-    points = afford([*there.points, *_made_points(there, start[0].runs[0].folder)], asked, first)
-    yield from _run(points[2:], asked)
-    before = _evaluated(there, points, {}, BASE)
-    proposed = _proposed(before)
-    there_already = {one.name for one in points}
-    new = list({one.name: one for one, _ in proposed if one.name not in there_already}.values())
-    yield from _run(new, asked)
-    reference = next((one.name for one, _ in proposed if one.done), BASE)
-    proposals = {one.name: proposal for one, proposal in proposed}
-    return _evaluated(there, [*points, *new], proposals, reference)
+    points = afford([*study.points, *_made_points(study, runs[0])], asked.budget_s)
+    study = yield from study.with_points(points).run(points[2:])
+    proposed, there = _proposals(study), {one.name for one in study.points}
+    study = yield from study.run([one for one, _ in proposed if one.name not in there])
+    reference = next((one.name for one, _ in proposed if one.name in study.measured), BASE)
+    return replace(study, proposals={one.name: each for one, each in proposed}, reference=reference)
 
 
-def _made_points(there: Listed, run: Path) -> list[Combination]:
-    """Returns the points whose settings are made from the run of the case as it is."""
-    points = []
-    for series in there.offer.series:
+def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
+    """Yields the points whose settings are made from the run of the case as it is."""
+    for series in study.offer.series:
         for setting in series.settings:
             if not setting.made_from_run:
                 continue
             try:
                 if setting.made_from_run == "recording":
-                    file = there.asked.out / RECORDING
-                    recording_file.write(file, record(run, None).file)
+                    file = study.asked.study.folder / RECORDING
+                    recording_file.write(file, record(run.folder, None).file)
                     sets = [f"panel.recording={file.resolve()}"]
                 else:
-                    sets = list(drives(run))
+                    sets = list(drives(run.folder))
                 made = replace(setting, sets=(*setting.sets, *sets))
-                point = combination(there.asked, there.loaded.case, there.shared, ALONE, {series.axis: made})
+                yield study.combine(ALONE, {series.axis: made})
             except CaseError as error:
-                name = named(ALONE, {series.axis: setting})
-                point = Combination(ALONE, name, {series.axis: setting}, omitted=str(error.problems[0]))
-            points.append(point)
-    return points
+                settings = {series.axis: setting}
+                name, why = folder_name(ALONE, settings), str(error.problems[0])
+                yield Combination(ALONE, name, settings, omitted=why)
 
 
 def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
     return CaseError([CaseProblem((), why, hint, str(run.folder))])
 
 
-def _evaluated(
-    there: Listed, points: list[Combination], proposals: dict[str, Proposal], reference: str
-) -> Study:
-    measured = read(points)
-    spread = scatter([*measured.values()], there.random)
-    families = all_converged(there.offer, measured, spread, there.known)
-    judged_by = [name for name in there.asked.judged_by if measured[BASE].mean(name)]
-    return Study(
-        there,
-        points,
-        measured,
-        spread,
-        families,
-        options(there.offer, families, measured[BASE], spread),
-        remaining(there.offer, families, judged_by),
-        judged_by,
-        proposals,
-        reference,
-    )
-
-
-def _proposed(before: Study) -> list[tuple[Combination, Proposal]]:
-    """The reference first, then the diagonal; a point that is there already stands for itself."""
-    asked, model = before.listed.asked, before.model()
+def _proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
+    """Returns the reference first, then the diagonal; a point that is there already stands for
+    itself."""
+    model, budget_s = study.model(), study.asked.budget_s
     # chance is no reason to take less than the best for what all are compared with
-    careful = options(before.listed.offer, before.families, before.base, EXACT)
-    finest = replace(before, options=careful).model().best(asked.budget_s, "finest")
-    wanted = [(REFERENCE, finest)]
+    wanted = [(REFERENCE, study.model(EXACT).best(budget_s, "finest"))]
     wanted += [(TOGETHER, model.cheapest(tolerance)) for tolerance in TOLERANCES]
-    known = {one.sets: one for one in before.points if one.kind != CALIBRATION}
-    found = []
+    known = {one.sets: one for one in study.points if one.kind != CALIBRATION}
+    proposed = []
     for kind, proposal in wanted:
         if proposal is None:
             continue
         sets = joint_sets(proposal.settings)
         if sets not in known:
-            case, shared = before.listed.loaded.case, before.listed.shared
-            known[sets] = combination(asked, case, shared, kind, proposal.settings)
-            known[sets] = replace(known[sets], predicted_s=proposal.processor_s)
-        found.append((known[sets], proposal))
-    return found
-
-
-def afford(points: Sequence[Combination], asked: Asked, measured: dict[str, Measured]) -> list[Combination]:
-    """Those predicted to take more than the budget are left out, if they have not been run."""
-    factor = scale(points, {name: one.processor_s for name, one in measured.items()})
-    return [_affordable(one, factor * one.predicted_s, asked.budget_s) for one in points]
-
-
-def _affordable(one: Combination, cost_s: float, budget_s: float) -> Combination:
-    if one.ended or one.omitted or one.kind in (BASE, CALIBRATION) or cost_s <= budget_s:
-        return replace(one, predicted_s=cost_s)
-    why = f"predicted {cost_s:.0f} s of processor time, more than --budget {budget_s:g}"
-    return replace(one, runs=(), predicted_s=cost_s, omitted=why)
-
-
-def _run(points: Sequence[Combination], asked: Asked) -> Iterator[str]:
-    """Runs that have failed are results, too, and not run again."""
-    todo = [run for one in points for run in one.runs if run.status() != "failed"]
-    yield from run_points(todo, asked.crew)
+            point = study.combine(kind, proposal.settings)
+            known[sets] = replace(point, predicted_s=proposal.processor_s)
+        proposed.append((known[sets], proposal))
+    return proposed

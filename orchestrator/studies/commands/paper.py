@@ -2,31 +2,13 @@
 
 from __future__ import annotations
 
-from orchestrator.output.records.run_folder import study_folder
 from orchestrator.studies.commands.sweep import write_sweep
-from orchestrator.studies.criteria import criteria_runs, judge, read_criteria, verdict_table, write_verdicts
-from orchestrator.studies.options import (
-    CasePath,
-    Level,
-    Out,
-    Overrides,
-    Scheduler,
-    Told,
-    Workers,
-    crew,
-    folder_of,
-)
-from orchestrator.studies.points import run_points
+from orchestrator.studies.options import Told
+from orchestrator.studies.points import CaseStudy
+from orchestrator.studies.verdicts import case_criteria, verdict_table, write_verdicts
 
 
-def command(
-    case: CasePath,
-    level: Level = None,
-    out: Out = None,
-    workers: Workers = None,
-    scheduler: Scheduler = "",
-    overrides: Overrides = None,
-) -> Told:
+def command(study: CaseStudy) -> Told:
     """Compare a case with the paper it comes from: what is printed there, ours, and the error.
 
     The case's criteria.toml has the paper's values, their acceptance bands, and the runs they need;
@@ -35,15 +17,12 @@ def command(
 
     Exit code 4: a run failed, or a value that was not fitted is out of its band.
     """
-    folder = folder_of(case, "paper", out)
-    criteria = read_criteria(case)
-    runs = criteria_runs(criteria, case, level, overrides or [], folder)
-    with study_folder(folder):
-        yield from run_points([p for each in runs.values() for p in each.points], crew(workers, scheduler))
-    results = [judge(case.resolve().name, row, runs) for row in criteria.criteria]
-    yield verdict_table(criteria.source, results)
-    for name, each in runs.items():
-        if each.vary:
-            yield from write_sweep(each.vary, each.points, folder / name)
-    yield from write_verdicts(results, folder, "paper")
+    paper = case_criteria(study)
+    yield from study.run(paper.points)
+    results = paper.results()
+    yield verdict_table(paper.criteria.source, results)
+    for name, runs in paper.runs.items():
+        if runs.vary:
+            yield from write_sweep(runs.vary, runs.points, study.folder / name)
+    yield from write_verdicts(results, study.folder, "paper")
     return all(result.is_good for result in results)

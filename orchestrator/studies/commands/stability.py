@@ -25,26 +25,22 @@ from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
-from orchestrator.output.records.run_folder import study_folder, write_text
-from orchestrator.output.report.drawing import data_uri, figure, fill_template, save
-from orchestrator.preflight.judge import load_judged
+from orchestrator.output.records.run_folder import study_folder
+from orchestrator.output.report.drawing import save
 from orchestrator.preflight.scene.scene import bed_kg
-from orchestrator.studies.criteria import (
-    FILE,
+from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
+from orchestrator.studies.options import Told
+from orchestrator.studies.points import CaseStudy, Point, run_points, summary_of
+from orchestrator.studies.quantities import outcome
+from orchestrator.studies.report import figure_parts, write_csv, write_page
+from orchestrator.studies.verdicts import (
+    CaseCriteria,
     CriterionResult,
-    criteria_runs,
-    interval_sets,
-    judge,
-    read_criteria,
-    refuse_former,
+    case_criteria,
     verdict_table,
     write_verdicts,
 )
-from orchestrator.studies.criterion import Criteria
-from orchestrator.studies.measures import Runs, outcome
-from orchestrator.studies.options import Scheduler, Told, Workers, crew
-from orchestrator.studies.points import Point, point, run_points, summary_of
-from orchestrator.studies.tables import write_csv
+from orchestrator.studies.workers import Crew
 
 MAP_FILE = "map.toml"
 PLAIN = "particles-first"
@@ -59,14 +55,13 @@ SHOWN = {
 
 
 def command(
+    crew: Crew,
     cases: Annotated[Path, typer.Argument(help="folder with the benchmarks")] = Path("cases/hard"),
     part: Annotated[str, typer.Option("--part", help="hard, map, or both with a comma between")] = "hard,map",
     base: Annotated[
         str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
     ] = "interval",
     out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
-    workers: Workers = None,
-    scheduler: Scheduler = "",
 ) -> Told:
     """Run all hard cases, and draw the map of what stays stable.
 
@@ -84,38 +79,39 @@ def command(
     spots = map_spots(cases / base, out / "map") if "map" in parts else []
     points = [*(p for each in benchmarks for p in each.points), *(spot.run for spot in spots)]
     with study_folder(out):
-        yield from run_points(points, crew(workers, scheduler))
-    results = [result for each in benchmarks for result in each.results()]
+        yield from run_points(points, crew)
+    results = {each.name: each.results() for each in benchmarks}
+    every = [result for of_case in results.values() for result in of_case]
     picture = None
-    if results:
-        yield verdict_table("hard cases", results)
-        yield from write_verdicts(results, out, "hard")
+    if every:
+        yield verdict_table("hard cases", every)
+        yield from write_verdicts(every, out, "hard")
     if spots:
         picture = draw_map(spots, out / "stability-map.png")
         yield from (write_csv([spot.words for spot in spots], out / "map.csv"), picture)
-    yield write_page(benchmarks, spots, picture, out)
-    return all(each.is_good for each in results) and all(spot.outcome != "not run" for spot in spots)
+    yield write_stability_page([(each, results[each.name]) for each in benchmarks], spots, picture, out)
+    return all(each.is_good for each in every) and all(spot.outcome != "not run" for spot in spots)
 
 
-@dataclass(frozen=True)
-class Benchmark:
-    """A case with its criteria, and its runs by name."""
+def write_stability_page(
+    cases: Sequence[tuple[CaseCriteria, Sequence[CriterionResult]]],
+    spots: Sequence[Spot],
+    picture: Path | None,
+    folder: Path,
+) -> Path:
+    """Writes ``stability.html``."""
+    verdicts = [result.verdict for _, results in cases for result in results]
+    return write_page(
+        "commands/stability.html",
+        folder / "stability.html",
+        cases=cases,
+        map_file=picture,
+        spots=[spot.words for spot in spots],
+        counts={name: verdicts.count(name) for name in dict.fromkeys(verdicts)},
+    )
 
-    name: str
-    criteria: Criteria
-    runs: dict[str, Runs]
 
-    @property
-    def points(self) -> list[Point]:
-        """All runs that it needs."""
-        return [point for runs in self.runs.values() for point in runs.points]
-
-    def results(self) -> list[CriterionResult]:
-        """Returns every criterion, as far as the runs are made."""
-        return [judge(self.name, row, self.runs) for row in self.criteria.criteria]
-
-
-def find_benchmarks(folder: Path, out: Path) -> list[Benchmark]:
+def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
     """Returns every case of a folder with criteria, in the order of their numbers; nothing is run.
     Raises CaseError if one of them is wrong or there is none."""
     for case in folder.glob("*/"):
@@ -127,12 +123,9 @@ def find_benchmarks(folder: Path, out: Path) -> list[Benchmark]:
     return sorted(benchmarks, key=lambda each: each.criteria.number or 0)
 
 
-def benchmark(case: Path, out: Path) -> Benchmark:
+def benchmark(case: Path, out: Path) -> CaseCriteria:
     """Returns one case at its default level.  Raises CaseError."""
-    criteria = read_criteria(case)
-    return Benchmark(
-        case.name, criteria, criteria_runs(criteria, case, None, QUIET, out / case.name, was_run)
-    )
+    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), was_run)
 
 
 def was_run(run: Path) -> bool:
@@ -192,17 +185,16 @@ def map_spots(case: Path, out: Path) -> list[Spot]:
         wanted = MapAxes.model_validate(read_toml(case / MAP_FILE, case))
     except ValidationError as error:
         raise CaseError([*from_validation(error, MapAxes)]) from None
-    spots = []
+    study, spots = CaseStudy(case, None, (*QUIET, *wanted.sets), out), []
     for value in wanted.values:
-        sets = [*QUIET, *wanted.sets, f"{wanted.key}={value!r}"]
-        mass_ratio = _bed_over_panels(load_judged(case, None, sets).case)
+        mass = f"{wanted.key}={value!r}"
+        mass_ratio = _bed_over_panels(study.check([mass]).case)
         for multiple in wanted.multiples:
-            interval = interval_sets(case, None, [*sets, f"coupling.scheme={PLAIN}"], multiple)
+            interval = interval_sets(study, [mass, f"coupling.scheme={PLAIN}"], multiple)
             for scheme in SCHEMES:
                 name = f"{scheme}-{mass_ratio:.3g}-{multiple:g}"
-                own = [*sets, f"coupling.scheme={scheme}", *interval]
-                run = replace(point(case, None, own, name, out / name), ended=was_run)
-                spots.append(Spot(scheme, mass_ratio, multiple, run))
+                run = study.point(name, [mass, f"coupling.scheme={scheme}", *interval])
+                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=was_run)))
     return spots
 
 
@@ -219,12 +211,8 @@ def _bed_over_panels(case: Case) -> float:
 def draw_map(spots: Sequence[Spot], file: Path) -> Path:
     """Draws a panel for each scheme: sync interval across, mass of the bed upwards."""
     schemes = list(dict.fromkeys(spot.scheme for spot in spots))
-    columns = min(3, len(schemes))
-    rows = -(-len(schemes) // columns)
-    drawn, grid = figure(rows, columns, 3.6 * columns + 0.4, 3.0 * rows + 0.6)
-    for axis in grid.ravel()[len(schemes) :]:
-        axis.set_visible(False)
-    for axis, scheme in zip(grid.ravel(), schemes, strict=False):
+    drawn, parts = figure_parts(len(schemes), min(3, len(schemes)), 3.75, 3.3)
+    for axis, scheme in zip(parts, schemes, strict=True):
         _draw_scheme(axis, scheme, [spot for spot in spots if spot.scheme == scheme])
     handles = [
         Line2D([], [], color=colour, marker=mark, ls="", ms=9, label=text)
@@ -253,20 +241,3 @@ def _draw_scheme(axis: Any, scheme: str, spots: Sequence[Spot]) -> None:
     axis.minorticks_off()
     axis.margins(0.12)
     axis.grid(alpha=0.25)
-
-
-def write_page(
-    benchmarks: Sequence[Benchmark], spots: Sequence[Spot], picture: Path | None, folder: Path
-) -> Path:
-    """Writes ``stability.html``, which holds everything in itself."""
-    cases = [(each, each.results()) for each in benchmarks]
-    verdicts = [result.verdict for _, results in cases for result in results]
-    text = fill_template(
-        "studies/commands/stability.html",
-        cases=cases,
-        picture=data_uri(picture.read_bytes(), "image/png") if picture else "",
-        spots=[spot.words for spot in spots],
-        counts={name: verdicts.count(name) for name in dict.fromkeys(verdicts)},
-    )
-    write_text(folder / "stability.html", text)
-    return folder / "stability.html"

@@ -4,29 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from orchestrator.output.records import trust
-from orchestrator.output.records.run_folder import study_folder
-from orchestrator.output.report.drawing import figure, save
+from orchestrator.output.report.drawing import save
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
-from orchestrator.studies.options import (
-    CasePath,
-    Level,
-    Out,
-    Overrides,
-    Scheduler,
-    Told,
-    Workers,
-    crew,
-    folder_of,
-)
-from orchestrator.studies.points import Point, Vary, parse_vary, run_points, summary_of
-from orchestrator.studies.tables import Cell, write_csv
+from orchestrator.studies.options import Told
+from orchestrator.studies.points import CaseStudy, Point, Vary, parse_vary, summary_of
+from orchestrator.studies.report import Cell, figure_parts, write_csv
 
 AXES = {0: "x", 2: "z"}
 SETTLED, NOT_SETTLED = "yes", "no"
@@ -49,15 +39,10 @@ Part = tuple[str, list[tuple[str, str]], float]
 
 
 def command(
-    case: CasePath,
+    study: CaseStudy,
     vary: Annotated[
         str, typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)")
     ],
-    level: Level = None,
-    out: Out = None,
-    workers: Workers = None,
-    scheduler: Scheduler = "",
-    overrides: Overrides = None,
 ) -> Told:
     """Run a case over values of one key.
 
@@ -68,11 +53,10 @@ def command(
     draws what has not settled open, and what is not to be trusted as a cross.
     """
     wanted = parse_vary(vary)
-    folder = folder_of(case, wanted.name, out)
-    points = wanted.points(case, level, overrides or [], folder)
-    with study_folder(folder):
-        yield from run_points(points, crew(workers, scheduler))
-    yield from write_sweep(wanted, points, folder)
+    study = replace(study, name=wanted.name)
+    points = wanted.points(study)
+    yield from study.run(points)
+    yield from write_sweep(wanted, points, study.folder)
     return all(point.status() == trust.DONE for point in points)
 
 
@@ -173,16 +157,13 @@ def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
 def _plot(
     rows: Sequence[Row], values: Sequence[float], parts: Sequence[Part], vary: Vary, file: Path
 ) -> Path:
-    lines = -(-len(parts) // 2)
-    drawn, grid = figure(lines, 2, 11, 4.2 * lines + 0.5)
-    for axes, (label, names, scale) in zip(grid.flat, parts, strict=False):
+    drawn, every = figure_parts(len(parts), 2, 5.5, 4.5)
+    for axes, (label, names, scale) in zip(every, parts, strict=True):
         for number, (column, name) in enumerate(names):
             _draw(axes, rows, values, column, name, scale, f"C{number}")
         axes.set(xlabel=vary.key, ylabel=label, ylim=(0, 1.05 * axes.get_ylim()[1]))
         if any(name for _, name in names):
             axes.legend(fontsize=8)
-    for axes in grid.flat[len(parts) :]:
-        axes.axis("off")
     drawn.suptitle(
         f"filled: settled; open: not settled (drift above {100 * LARGEST_DRIFT:g} %; no steady "
         "state of the bed) or unknown; cross: the run is not to be trusted, or incomplete",

@@ -1,13 +1,18 @@
-"""Tables of studies: for the terminal, for other programs and for the manual."""
+"""What studies write: tables for the terminal, for other programs and for the manual, pictures of
+several parts, and pages that hold everything in themselves."""
 
 from __future__ import annotations
 
 import csv
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich import box
 from rich.table import Table
+
+from orchestrator.output.records.run_folder import write_text
+from orchestrator.output.report.drawing import data_uri, figure, fill_template
 
 Cell = str | float | int | None
 
@@ -62,3 +67,23 @@ def percent(share: float | None) -> str:
     if share is None:
         return ""
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+
+
+def figure_parts(count: int, columns: int, width: float, height: float) -> tuple[Any, list[Any]]:
+    """Returns a figure of ``count`` parts, each so wide and high in inches, and their axes."""
+    rows = -(-count // columns)
+    drawn, grid = figure(rows, columns, width * columns, height * rows)
+    for axis in grid.flat[count:]:
+        axis.axis("off")
+    return drawn, list(grid.flat[:count])
+
+
+def write_page(template: str, file: Path, **values: Any) -> Path:
+    """Fills a template that extends ``studies/page.html``, named by its place in ``studies/``.  It
+    can embed pictures, given as files: ``picture(file)``."""
+    write_text(file, fill_template(f"studies/{template}", picture=_picture, **values))
+    return file
+
+
+def _picture(file: Path) -> str:
+    return data_uri(file.read_bytes(), "image/png")

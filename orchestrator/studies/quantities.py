@@ -1,0 +1,393 @@
+"""The numbers of one run by which criteria judge it and studies compare it; all in SI.
+
+A question (``Question``) asks for a number by the name of a measure (``MEASURES``), and says what
+the measure looks at.  The quantities among the measures (``QUANTITIES``) need to be told nothing:
+they are over the last whole cycles of a run (at most four, never the run-up's first half), those of
+panels means over the panels, and studies of accuracy compare runs by them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.scalars import SCALARS, value_at
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.quantities import Number, OneLine, Table
+from orchestrator.coupling.ledger import share_created
+from orchestrator.output.cycles import cycle_numbers, cycle_s
+from orchestrator.output.records import trust
+from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
+from orchestrator.output.results.machine import acceleration_m_per_s2
+from orchestrator.output.results.run_reader import RunReader
+from orchestrator.ports import Array
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
+from orchestrator.ports.recording import RecordedGrid
+from orchestrator.studies.points import summary_of
+
+
+class Unknown(Exception):
+    """A number that a run does not tell; the message says why."""
+
+
+class Question(Table):
+    """Which number of a run is asked for."""
+
+    measure: OneLine
+    """How the number is found (``quantities.MEASURES``)."""
+    of: OneLine = ""
+    """What the measure looks at: a dataset of history.h5, keys of summary.json with dots or a short
+    name of a result, a frame, a probe or a pair of frames."""
+    axis: Literal["", "x", "y", "z", "size"] = ""
+    """The component of vectors (x along the deck, z normal to it, for amplitudes), or their size."""
+    take: OneLine = "last"
+    """What of a series (``quantities.TAKES``)."""
+    between_s: tuple[Number, Number] | None = None
+    """Part of a series."""
+
+
+AXES = {"x": 0, "y": 1, "z": 2}
+TAKES: dict[str, Callable[[Array, Array], float]] = {
+    "first": lambda time_s, values: float(values[0]),
+    "last": lambda time_s, values: float(values[-1]),
+    "mean": lambda time_s, values: float(values.mean()),
+    "lowest": lambda time_s, values: float(values.min()),
+    "highest": lambda time_s, values: float(values.max()),
+    "range": lambda time_s, values: float(np.ptp(values)),
+    "largest": lambda time_s, values: float(np.abs(values).max()),
+    "impulse": lambda time_s, values: float(np.diff(time_s) @ values[1:]),  # rows are means
+}
+
+
+def number_of(question: Question, run: Path) -> float:
+    """Returns the number that is asked of one run.  Only a run that can be trusted has one, unless
+    the question is just that.  Raises Unknown."""
+    state = str(summary_of(run).get("status", "missing"))
+    if question.measure not in ABOUT_TRUST and state != trust.DONE:
+        raise Unknown(f"{run.name}: {state}")
+    return MEASURES[question.measure](question, run)
+
+
+def _result(question: Question, run: Path) -> float:
+    return _value_at(run, question.of)
+
+
+def _value_at(run: Path, path: str) -> float:
+    """Returns a number of summary.json; per cents are shares."""
+    value = value_at(summary_of(run), path)
+    if value is None:
+        raise Unknown(f"{run.name}: {path} is not known")
+    words = SCALARS[path].words if path in SCALARS else path
+    return value.value * (0.01 if words.endswith(("_percent", "/ %")) else 1.0)
+
+
+def _series(question: Question, run: Path) -> float:
+    group = question.of.rpartition("/")[0]
+    time_s, values = read_dataset(run, f"{group}/time_s"), read_dataset(run, question.of)
+    if question.axis == "size":
+        values = np.linalg.norm(values, axis=-1)
+    elif question.axis:
+        values = values[..., AXES[question.axis]]
+    low, high = question.between_s or (-np.inf, np.inf)
+    inside = (low <= time_s) & (time_s <= high)
+    if not inside.any():
+        raise Unknown(f"{question.of} has no row between {low:g} and {high:g} s")
+    return TAKES[question.take](time_s[inside], values[inside])
+
+
+def _amplitude(question: Question, run: Path) -> float:
+    results = RunReader(run).results
+    if not (orbits := find_orbits(results)):
+        raise Unknown(f"{run.name}: {why_no_orbits(results)}")
+    if question.of not in orbits:
+        raise Unknown(f'no point "{question.of}"; there are {", ".join(orbits)}')
+    return float(orbits[question.of]["amplitude_m"][AXES.get(question.axis, 0)])
+
+
+def _arch(question: Question, run: Path) -> float:
+    names = (f"panel_cycles/{question.of}/{name}" for name in ("time_s", "sag_most_m"))
+    time_s, sag_m = (read_dataset(run, name) for name in names)
+    return float(sag_m[time_s > 0.5 * time_s[-1]].max())
+
+
+def _rise(question: Question, run: Path) -> float:
+    before, _, after = question.of.partition(".*.")
+    values: list[float] = []
+    while value_at(summary_of(run), f"{before}.{len(values)}.{after}") is not None:
+        values.append(_value_at(run, f"{before}.{len(values)}.{after}"))
+    if len(values) < 2:
+        raise Unknown(f"{run.name}: {question.of} is not known")
+    return float(np.diff(values).max())
+
+
+def read_dataset(run: Path, name: str) -> Array:
+    """Returns a dataset of ``history.h5``.  Raises Unknown where there is none."""
+    try:
+        with RunReader(run) as reader:
+            return np.asarray(reader.read(name), dtype=float)
+    except (OSError, KeyError):
+        raise Unknown(f"{run.name}: history.h5 has no {name}") from None
+
+
+def _energy_J(run: Path) -> dict[str, Array]:
+    """Returns the accounts of the energy ledger at all output times."""
+    with RunReader(run) as reader:
+        return {name: reader.read(f"energy/{name}") for name in reader.names("energy")}
+
+
+def _largest_sum_J(run: Path, **signs: float) -> float:
+    """Returns the largest size of the sum over whole accounts, each with its sign."""
+    accounts = ((name.partition(".")[0], values_J) for name, values_J in _energy_J(run).items())
+    terms = [signs[account] * values_J for account, values_J in accounts if account in signs]
+    return float(np.abs(np.sum(terms, axis=0)).max())
+
+
+def _unexplained_J(question: Question, run: Path) -> float:
+    return _largest_sum_J(run, stored=1.0, lost=1.0, supplied=-1.0)
+
+
+def _share_unexplained(question: Question, run: Path) -> float:
+    last_J = {name: float(values_J[-1]) for name, values_J in _energy_J(run).items()}
+    turned_over_J = sum(abs(last) for name, last in last_J.items() if name.startswith(("supplied.", "lost.")))
+    return _unexplained_J(question, run) / turned_over_J
+
+
+Outcome = Literal["stable", "warned", "stopped", "not run"]
+OF_THE_COUPLING = ("created_energy", "created_in_total", "growing_modes")  # of the monitor
+INTERNAL_ERROR = "internal error"
+
+
+def outcome(run: Path) -> Outcome:
+    """Returns how a run came out.
+
+    ``stable``: it came to its end, the monitor of the coupling had nothing to say of its energy and
+    modes, and it is not doubtful; ``warned``: it came to its end, and one of them; ``stopped``: it
+    ended early with a reason (exit code 4); ``not run``: interrupted, missing, or an internal error.
+    """
+    summary = summary_of(run)
+    state, reason = str(summary.get("status")), str(summary.get("reason"))
+    if state == "failed" and not reason.startswith(INTERNAL_ERROR):
+        return "stopped"
+    if not trust.came_to_its_end(state):
+        return "not run"
+    monitored = summary.get("monitor", {}).get("figures", {})
+    amiss = any(monitored[key]["times"] for key in OF_THE_COUPLING if key in monitored)
+    return "warned" if amiss or state == trust.DOUBTFUL else "stable"
+
+
+def _outcome_is(*wanted: Outcome) -> Callable[[Question, Path], float]:
+    def measure(question: Question, run: Path) -> float:
+        if (known := outcome(run)) == "not run":
+            raise Unknown(f"{run.name}: not run")
+        return float(known in wanted)
+
+    return measure
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that runs are compared by.
+
+    ``short`` heads columns.  A value up to ``resolved`` is rounding or what a solver's tolerance
+    leaves, and is not compared: coordinates of a few metres are rounded at 1e-15 m, resting shapes
+    are found to 1e-11 m, and a nanometre at a machine's speed of 100 rad/s is 1e-6 g.
+    ``is_decisive``: it repeats itself well enough to decide, unlike single peaks and shapes of slack
+    panels.  ``is_extensive``: a slice of the width has its share of it.  ``is_defect``: it ought to
+    be nothing, so that it needs no reference.
+    """
+
+    words: str
+    short: str
+    resolved: float = 0.0
+    is_decisive: bool = True
+    is_extensive: bool = False
+    is_defect: bool = False
+
+
+QUANTITIES = {
+    "deflection_m": Quantity("panel: half range of the middle in a cycle / m", "deflection", 1e-9),
+    "shape": Quantity("panel: shape over the cycles", "shape", 0.0, False),
+    "clamp_peak_N": Quantity("clamp force: peak / N", "clamp peak", 1e-6, False, True),
+    "clamp_rms_N": Quantity("clamp force: rms / N", "clamp rms", 1e-6, True, True),
+    "peak_g": Quantity("panel's middle: peak acceleration / g", "acc. peak", 1e-6, False),
+    "rms_g": Quantity("panel's middle: rms acceleration / g", "acc. rms", 1e-6),
+    "frame_m": Quantity("frames: largest half range / m", "frame", 1e-9),
+    "passing_kg_per_s": Quantity("passing: through the exits / (kg/s)", "passing", 0.0, True, True),
+    "efficiency_percent": Quantity("screening efficiency / %", "efficiency"),
+    "velocity_m_per_s": Quantity("bed: mean velocity / (m/s)", "velocity", 1e-6),
+    "energy_defect": Quantity(
+        "energy created by the coupling, of what was exchanged and lost",
+        "energy",
+        is_decisive=False,
+        is_defect=True,
+    ),
+    "momentum_defect": Quantity(
+        "momentum residual of the worst member", "momentum", is_decisive=False, is_defect=True
+    ),
+}
+COMPARED = tuple(name for name, quantity in QUANTITIES.items() if not quantity.is_defect)
+DECISIVE = tuple(name for name, quantity in QUANTITIES.items() if quantity.is_decisive)
+MOVING = tuple(name for name in DECISIVE if name != "clamp_rms_N")
+"""Clamps pull while nothing happens, too: what tells of them is whether their pull changes."""
+CYCLES = 4
+STEADY = 1e-6
+"""A pull whose peak is above its root mean square by no more than this share does not change."""
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """``values`` by QUANTITIES (without "shape" and what a case does not have; 0 for what is not
+    resolved, with which nothing is compared), of the whole width where a slice was run; ``shapes_m``
+    (rows, values) to be compared; ``summary`` of the run."""
+
+    values: dict[str, float]
+    shapes_m: Array
+    summary: Mapping[str, Any]
+
+
+def measure(folder: Path) -> Metrics:
+    """Returns the metrics of a finished run with ``output.shapes_s``.  Raises KeyError without."""
+    with RunReader(folder) as run:
+        summary, case, history = run.summary, run.case, run.history
+        end_s, cycle = summary["simulated_s"], cycle_s(case)
+        count = max(1, min(CYCLES, int(end_s / 2 / cycle + 1e-9)))
+        start_s = max(0.0, end_s - count * cycle)
+        panels = [_panel_metrics(history, case, panel, start_s, cycle) for panel in single_panels(case)]
+        values = {"frame_m": _frame_m(history, start_s)} if case.screen.frames else {}
+        if case.screen.exits:  # else nothing flows, and a mean velocity is that of a swing
+            values |= _exit_values(history, summary, start_s, end_s)
+    for name in panels[0][0] if panels else ():
+        values[name] = float(np.mean([of_panel[name] for of_panel, _ in panels]))
+    for name, value in values.items():
+        share = summary["share_of_width"] if QUANTITIES[name].is_extensive else 1.0
+        values[name] = value / share if is_resolved(name, value / share) else 0.0
+    values["energy_defect"] = abs(share_created(summary))
+    values["momentum_defect"] = summary["momentum_residual_relative"]
+    shapes_m = np.hstack([shape_m for _, shape_m in panels]) if panels else np.empty((0, 0))
+    if not values.get("deflection_m"):  # a shape that is no more than rounding is not compared either
+        shapes_m = shapes_m[:, :0]
+    return Metrics(values, shapes_m, summary)
+
+
+def is_resolved(name: str, value: float) -> bool:
+    """Whether the value of a quantity is more than rounding and the solvers' noise."""
+    return abs(value) > QUANTITIES[name].resolved
+
+
+def happens(values: Mapping[str, float | None]) -> bool:
+    """Returns whether anything that can be resolved moves in a run with such ``values`` (by
+    QUANTITIES), or changes the pull of a clamp, as a particle does on a rigid panel."""
+    if any((value := values.get(name)) is not None and is_resolved(name, value) for name in MOVING):
+        return True
+    peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
+    if peak_N is None or rms_N is None:
+        return False
+    return peak_N - rms_N > max(QUANTITIES["clamp_peak_N"].resolved, STEADY * peak_N)
+
+
+def relative(values: Array, reference: Array) -> float:
+    """Returns the L2 norm of the difference over that of the reference about its mean over time."""
+    size = float(np.linalg.norm(reference - reference.mean(axis=0)))
+    return float(np.linalg.norm(values - reference)) / size if size else math.inf
+
+
+def _frame_m(history: Any, start_s: float) -> float:
+    """Returns half the range, as a vector's size, of the frame that moves most."""
+    return max(
+        float(np.linalg.norm(np.ptp(group["displacement_m"][:][group["time_s"][:] >= start_s], axis=0) / 2))
+        for group in history["frames"].values()
+    )
+
+
+def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s: float) -> dict[str, float]:
+    """Returns what the run's own results say, as far as it is defined, and the mass that left
+    through exits, over time, if any did."""
+    known = {
+        "efficiency_percent": value_at(summary, "efficiency"),
+        "velocity_m_per_s": value_at(summary, "velocity"),
+    }
+    values = {name: value.value for name, value in known.items() if value is not None}
+    if "removed" in history and "time_s" in history["removed"]:
+        gone = history["removed"]
+        late = (gone["time_s"][:] > start_s) & (gone["exit"][:] >= 0)
+        mass_kg = sphere_mass_kg(gone["diameter_m"][:], gone["density_kg_per_m3"][:])
+        values["passing_kg_per_s"] = float(mass_kg[late].sum() / (end_s - start_s))
+    return values
+
+
+def _panel_metrics(
+    history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float
+) -> tuple[dict[str, float], Array]:
+    """Returns values by ``QUANTITIES``, and the shape (rows, values) of the middle line, from
+    ``start_s`` on, of a run with ``output.shapes_s``; ``cycle`` in s."""
+    shapes = history[f"shapes/{panel.name}"]
+    time_s = shapes["time_s"][:]
+    last = time_s >= start_s - 1e-9
+    grid, at = RecordedGrid.of(panel.rectangle, case.panel.surface_cells), panel.rectangle
+    turn = np.stack([at.along, at.across, at.normal], axis=1)
+    place_m, velocity_m_per_s = shapes["position_m"][:], shapes["velocity_m_per_s"][:]
+    carried = grid.carried(at)
+    corners = [int(number) for number in carried.argmax(axis=0)]
+    shape_m = (place_m - carried @ place_m[:, corners])[last] @ turn
+    # the line along the middle, or beside it where no grid line runs there
+    line = np.arange(len(grid.rows_m)) * len(grid.columns_m) + len(grid.columns_m) // 2
+    middle = line[len(line) // 2]
+    step_s = float(np.diff(time_s).mean())
+    acceleration = acceleration_m_per_s2(velocity_m_per_s[:, middle], step_s)[last]
+    size_g = np.linalg.norm(acceleration, axis=1) / STANDARD_GRAVITY_M_PER_S2
+    forces = history[f"forces/{panel.name}"]
+    pull_N = np.linalg.norm(forces["first_clamp_N"][:], axis=1)[forces["time_s"][:] > start_s]
+    values = {
+        "deflection_m": _cycle_mean(np.ptp, shape_m[:, middle, 2], time_s[last], cycle) / 2,
+        "clamp_peak_N": float(pull_N.max()),
+        "clamp_rms_N": float(np.sqrt(np.mean(pull_N**2))),
+        "peak_g": _cycle_mean(np.max, size_g, time_s[last], cycle),
+        "rms_g": float(np.sqrt(np.mean(size_g**2))),
+    }
+    return values, shape_m[:, line][:, :, [0, 2]].reshape(len(shape_m), -1)
+
+
+def _cycle_mean(statistic: Callable[[Array], Any], values: Array, time_s: Array, cycle: float) -> float:
+    """Returns the mean over the cycles of a statistic of each."""
+    number = cycle_numbers(time_s, cycle, float(time_s[0]))
+    return float(np.mean([statistic(values[number == each]) for each in range(max(1, number.max()))]))
+
+
+def _quantity(question: Question, run: Path) -> float:
+    try:
+        values = measure(run).values
+    except KeyError:
+        raise Unknown(f"{run.name}: no shapes were recorded; run it with --set output.shapes_s=") from None
+    if question.measure not in values:
+        raise Unknown(f"{run.name}: {question.measure} is not known")
+    return values[question.measure]
+
+
+ABOUT_TRUST = ("trusted", "clear")
+MEASURES: dict[str, Callable[[Question, Path], float]] = {
+    "result": _result,
+    "series": _series,
+    "amplitude": _amplitude,  # the first harmonic of a point in m
+    # of a panel, the largest distance of its middle line from the straight line between its ends in
+    # the cycles that end in the run's second half, in m, on either side
+    "arch": _arch,
+    # the largest rise from one entry of a list of results to the next (* in the keys): negative if
+    # they fall all the way
+    "rise": _rise,
+    "created": lambda question, run: abs(share_created(summary_of(run))),
+    # the largest size, at any output time, of stored + lost - supplied: the energy, in J, that came
+    # from nowhere, by the coupling or by a solver; and over all that was supplied and lost by the end
+    "unexplained": _unexplained_J,
+    "share_unexplained": _share_unexplained,
+    # the same of stored - supplied, in J: the change of all energy where nothing may take any
+    "kept": lambda question, run: _largest_sum_J(run, stored=1.0, supplied=-1.0),
+    "trusted": _outcome_is("stable"),
+    "clear": _outcome_is("stable", "stopped"),  # 0 if it went on to its end although it warns of itself
+    **{name: _quantity for name in QUANTITIES if name != "shape"},
+}

@@ -1,0 +1,182 @@
+"""Verdicts on criteria, and the tables of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.table import Table
+
+from orchestrator.output.records.run_folder import write_text
+from orchestrator.studies.criteria import (
+    UNITS,
+    Criteria,
+    Criterion,
+    Runs,
+    evaluate,
+    read_criteria,
+    wanted_runs,
+)
+from orchestrator.studies.points import CaseStudy, Point, came_to_its_end
+from orchestrator.studies.quantities import Unknown
+from orchestrator.studies.report import Cell, console_table, markdown_table, percent, write_csv
+
+
+@dataclass(frozen=True)
+class CriterionResult:
+    """A criterion with what was measured, in its unit; ``why`` says why there is nothing."""
+
+    case: str
+    row: Criterion
+    measured: float | None
+    why: str = ""
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether there is a number, in the band if there is one."""
+        if self.measured is None:
+            return False
+        low, high = self.row.band or self.row.ratio or (None, None)
+        value = self.measured / (self.row.reference or 1.0) if self.row.ratio else self.measured
+        return (low is None or low <= value) and (high is None or value <= high)
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it is met, fitted, or not met for the known reason."""
+        return self.row.fitted or self.is_inside != bool(self.row.known_failure)
+
+    @property
+    def verdict(self) -> str:
+        """What the band makes of the number, in words."""
+        row = self.row
+        if row.known_failure:
+            return "MET, but marked as failing" if self.is_inside else "known failure"
+        if row.band is None and row.ratio is None:
+            return "not compared" if self.measured is not None else "no number"
+        return ("met" if self.is_inside else "NOT MET") + (" (fitted)" if row.fitted else "")
+
+    @property
+    def error(self) -> float | None:
+        """The error relative to the reference."""
+        if self.measured is None or not self.row.reference:
+            return None
+        return self.measured / self.row.reference - 1
+
+    @property
+    def run(self) -> str:
+        """The run or runs that the number is of."""
+        return " ".join(filter(None, [self.row.run, self.row.at]))
+
+    @property
+    def asked(self) -> str:
+        """The band, in words."""
+        row = self.row
+        if row.band is None and row.ratio is None:
+            return ""
+        low, high = row.band or row.ratio or (None, None)
+        unit = f" {row.unit}" if row.unit != "1" else ""
+        if row.ratio is not None and row.reference is not None:
+            unit = f" x {self._in_unit(row.reference)}"
+        if low is None:
+            return f"at most {high:g}{unit}"
+        if high is None:
+            return f"at least {low:g}{unit}"
+        return f"{low:g}{unit}" if low == high else f"{low:g} to {high:g}{unit}"
+
+    @property
+    def answer(self) -> str:
+        """What was measured, or why there is nothing, in words."""
+        if self.measured is None:
+            return self.why
+        shown = self._in_unit(self.measured)
+        if self.row.ratio is None or not self.row.reference:
+            return shown
+        return f"{shown} ({self.measured / self.row.reference:.4g})"
+
+    def _in_unit(self, value: float) -> str:
+        return f"{value:.4g} {self.row.unit}".removesuffix(" 1")
+
+    @property
+    def cells(self) -> dict[str, Cell]:
+        """The row of the CSV table."""
+        row = self.row
+        return {
+            "case": self.case,
+            "run": self.run,
+            "criterion": row.what,
+            "reference": row.reference,
+            "experiment": row.experiment,
+            "value": self.measured,
+            "unit": row.unit,
+            "error": self.error,
+            "asked for": self.asked,
+            "measured": self.answer,
+            "verdict": self.verdict,
+            "why": row.why,
+            "known failure": row.known_failure,
+        }
+
+
+@dataclass(frozen=True)
+class CaseCriteria:
+    """A case with its criteria, and the runs that they need by name."""
+
+    name: str
+    criteria: Criteria
+    runs: dict[str, Runs]
+
+    @property
+    def points(self) -> list[Point]:
+        """All runs that it needs."""
+        return [point for runs in self.runs.values() for point in runs.points]
+
+    def results(self) -> list[CriterionResult]:
+        """Returns every criterion, as far as the runs are made."""
+        return [judge(self.name, row, self.runs) for row in self.criteria.criteria]
+
+
+def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResult:
+    """Returns a criterion with its number, as far as the runs are made."""
+    try:
+        return CriterionResult(case, row, evaluate(row, runs) / UNITS[row.unit])
+    except Unknown as error:
+        return CriterionResult(case, row, None, str(error))
+
+
+def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end) -> CaseCriteria:
+    """Returns the criteria of a case with the runs that they need; nothing is run.  ``ended`` tells of
+    a folder whether its run is over.  Raises CaseError."""
+    criteria = read_criteria(study.case)
+    return CaseCriteria(study.case.resolve().name, criteria, wanted_runs(criteria, study, ended))
+
+
+COLUMNS = ("criterion", "case", "run", "reference", "experiment", "measured", "error", "asked for", "verdict")
+TEXTS = ("case", "run", "measured", "asked for", "verdict")
+
+
+def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
+    """Returns the table of verdicts for the terminal, without columns in which nothing stands."""
+    rows = []
+    for each in results:
+        known = {"reference": each.row.reference, "experiment": each.row.experiment}
+        shown = {name: f"{value:.4g}" for name, value in known.items() if value is not None}
+        rows.append(each.cells | dict.fromkeys(known, "") | shown | {"error": percent(each.error)})
+    head = [name for name in COLUMNS if any(row[name] not in ("", None) for row in rows)]
+    return console_table(title, head, ([str(row[name]) for name in head] for row in rows), left=TEXTS)
+
+
+def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) -> list[Path]:
+    """Writes the table of verdicts as CSV and, for the manual, in Markdown."""
+    write_text(folder / f"{name}.md", verdict_markdown(results))
+    return [write_csv([each.cells for each in results], folder / f"{name}.csv"), folder / f"{name}.md"]
+
+
+def verdict_markdown(results: Sequence[CriterionResult]) -> str:
+    """Returns the table of verdicts for the manual."""
+    head = ("case, run", "criterion", "why", "asked for", "measured", "")
+    rows = (
+        (f"{each.case}, {each.run}", each.row.what, each.row.why, each.asked, each.answer, each.verdict)
+        for each in results
+    )
+    return markdown_table(head, rows)
