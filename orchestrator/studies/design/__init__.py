@@ -1,0 +1,1 @@
+"""Design studies: from a question to a measured best setting."""

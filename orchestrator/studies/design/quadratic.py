@@ -1,0 +1,201 @@
+"""Quadratic response surface by least squares, with its analysis of variance.
+
+Source: G. E. P. Box, K. B. Wilson, J. R. Stat. Soc. B 13 (1951) 1, doi:10.1111/j.2517-6161.1951.tb00067.x;
+R. H. Myers, D. C. Montgomery, C. M. Anderson-Cook, Response Surface Methodology, Wiley 2016, chapters
+2 and 6; statsmodels does the algebra.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import numpy.typing as npt
+import statsmodels.api as sm
+from scipy import stats
+
+from orchestrator.studies.design.surrogates import TooFewPoints
+
+Array = npt.NDArray[np.float64]
+Term = tuple[int, ...]  # the factors whose product a term is: () 1, (0,) x0, (0, 0) x0 squared
+
+
+def quadratic_terms(factors: int) -> list[Term]:
+    """List the terms of the full quadratic: 1, linear, products of two, squares."""
+    single = [(i,) for i in range(factors)]
+    return [(), *single, *combinations(range(factors), 2), *[(i, i) for i in range(factors)]]
+
+
+def model_matrix(x: Array, terms: list[Term]) -> Array:
+    """Compute the values, (n, terms), of the terms at settings, (n, factors)."""
+    return np.column_stack([np.prod(x[:, list(term)], axis=1) for term in terms])
+
+
+class Quadratic:
+    """The full quadratic of each response, by ordinary least squares.
+
+    The error is estimated from the residuals, so that what the surface cannot follow counts as error.
+    """
+
+    def fit(self, x: Array, y: Array, variance: Array, seed: int) -> FittedQuadratic:
+        """Fit each response.
+
+        Raises
+        ------
+        TooFewPoints : a response is known at no more points than the quadratic has terms.
+        """
+        terms = quadratic_terms(x.shape[1])
+        return FittedQuadratic([Surface.fit(x, y[:, i], terms) for i in range(y.shape[1])], len(x))
+
+
+@dataclass(frozen=True)
+class FittedQuadratic:
+    """The surfaces of all responses."""
+
+    surfaces: list[Surface]
+    points: int
+
+    def predict(self, x: Array) -> tuple[Array, Array]:
+        """Predict means, (m, p), and covariances, (m, p, p), of the responses at settings, (p, f)."""
+        predicted = [surface.predict(x) for surface in self.surfaces]
+        return np.array([mean for mean, _ in predicted]), np.array([cov for _, cov in predicted])
+
+    def left_out(self) -> tuple[Array, Array]:
+        """Predict each response, (n, m), from the others."""
+        mean, deviation = np.full((2, self.points, len(self.surfaces)), np.nan)
+        for i, surface in enumerate(self.surfaces):
+            mean[surface.known, i], deviation[surface.known, i] = surface.left_out()
+        return mean, deviation
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One response as a sum of terms; ``x``, ``y`` are the points at which it is known."""
+
+    terms: list[Term]
+    x: Array
+    y: Array
+    known: npt.NDArray[np.bool_]
+    fitted: sm.regression.linear_model.RegressionResultsWrapper
+
+    @classmethod
+    def fit(cls, x: Array, y: Array, terms: list[Term]) -> Surface:
+        """Fit the terms to a response, (n,), which may hold values that are not numbers.
+
+        Raises
+        ------
+        TooFewPoints : there are fewer points with a response than terms, plus one for the error.
+        """
+        known = np.isfinite(y)
+        matrix = model_matrix(x[known], terms)
+        rank = int(np.linalg.matrix_rank(matrix)) if known.any() else 0
+        if rank < len(terms) or known.sum() <= len(terms):
+            raise TooFewPoints(
+                f"{known.sum()} points, of rank {rank}, for {len(terms)} terms and their error"
+            )
+        return cls(terms, x[known], y[known], known, sm.OLS(y[known], matrix).fit())
+
+    @property
+    def coefficients(self) -> dict[Term, float]:
+        """The coefficient of each term, for coded settings."""
+        return dict(zip(self.terms, map(float, self.fitted.params), strict=True))
+
+    def predict(self, x: Array) -> tuple[Array, Array]:
+        """Predict means, (p,), and the covariance of their errors, (p, p)."""
+        matrix = model_matrix(x, self.terms)
+        return matrix @ self.fitted.params, matrix @ self.fitted.cov_params() @ matrix.T
+
+    def left_out(self) -> tuple[Array, Array]:
+        """Predict each of its points from the others: mean and standard deviation of the mean's error."""
+        leverage = self.fitted.get_influence().hat_matrix_diag
+        residual = self.fitted.resid / (1.0 - leverage)
+        return self.y - residual, np.sqrt(self.fitted.scale * leverage / (1.0 - leverage))
+
+    def studentised_residuals(self) -> Array:
+        """Compute the residual of each point over its error, both estimated without the point."""
+        return np.asarray(self.fitted.get_influence().resid_studentized_external)
+
+    def quality(self) -> dict[str, float]:
+        """Compute R squared, adjusted and predicted (PRESS), and the F test of the whole surface."""
+        press = float(((self.y - self.left_out()[0]) ** 2).sum())
+        total = float(self.fitted.centered_tss)
+        return {
+            "r2": float(self.fitted.rsquared),
+            "r2_adjusted": float(self.fitted.rsquared_adj),
+            "r2_predicted": 1.0 - press / total,
+            "sst": total,
+            "sse": float(self.fitted.ssr),
+            "press": press,
+            "standard_error": float(np.sqrt(self.fitted.scale)),
+            "rmse": float(np.sqrt(self.fitted.ssr / len(self.y))),
+            "f": float(self.fitted.fvalue),
+            "p": float(self.fitted.f_pvalue),
+        }
+
+    def anova(self) -> list[dict[str, float | str]]:
+        """List each term's coefficient, standard error, F and p (one degree of freedom each)."""
+        f = self.fitted.tvalues**2
+        p = stats.f.sf(f, 1, self.fitted.df_resid)
+        columns = zip(self.terms, self.fitted.params, self.fitted.bse, f, p, strict=True)
+        return [
+            {"term": term, "coefficient": b, "standard_error": e, "f": one_f, "p": one_p}
+            for term, b, e, one_f, one_p in columns
+        ]
+
+    def lack_of_fit(self) -> dict[str, float] | None:
+        """Test the lack of fit against the scatter of repeated settings; None without any.
+
+        Source: Myers, Montgomery, Anderson-Cook 2016, section 2.7.
+        """
+        _, group = np.unique(self.x.round(9), axis=0, return_inverse=True)
+        means = np.bincount(group, self.y) / np.bincount(group)
+        error = float(((self.y - means[group]) ** 2).sum())
+        error_df = len(self.y) - int(group.max()) - 1
+        lack, lack_df = float(self.fitted.ssr) - error, int(self.fitted.df_resid) - error_df
+        if error_df < 1 or lack_df < 1 or error <= 0:
+            return None
+        f = lack / lack_df / (error / error_df)
+        return {
+            "error_ss": error,
+            "error_df": error_df,
+            "lack_ss": lack,
+            "lack_df": lack_df,
+            "f": f,
+            "p": float(stats.f.sf(f, lack_df, error_df)),
+        }
+
+    def sequential(self) -> list[dict[str, float | str]]:
+        """Test the groups of terms one after the other: linear, products, squares."""
+        rows: list[dict[str, float | str]] = []
+        groups = {
+            "linear": [t for t in self.terms if len(t) < 2],
+            "products": [t for t in self.terms if len(t) < 2 or t[0] != t[1]],
+            "squares": self.terms,
+        }
+        before = sm.OLS(self.y, np.ones((len(self.y), 1))).fit()
+        for name, terms in groups.items():
+            model = sm.OLS(self.y, model_matrix(self.x, terms)).fit()
+            if model.df_resid < before.df_resid:
+                f, p, df = model.compare_f_test(before)
+                rows.append({"terms": name, "df": df, "f": float(f), "p": float(p)})
+            before = model
+        return rows
+
+    def sobol_indices(self) -> tuple[float, Array, Array]:
+        """Compute variance, first-order and total Sobol indices over the coded cube in closed form.
+
+        With uniform factors, Var(x) = 1/3 and Var(x^2) = 4/45.  Source: I. M. Sobol', Math. Comput.
+        Simul. 55 (2001) 271, doi:10.1016/S0378-4754(00)00270-6.
+        """
+        factors = self.x.shape[1]
+        first, total = np.zeros((2, factors))
+        for term, b in self.coefficients.items():
+            if len(term) == 1 or (len(term) == 2 and term[0] == term[1]):
+                share = b**2 / 3.0 if len(term) == 1 else 4.0 * b**2 / 45.0
+                first[term[0]] += share
+                total[term[0]] += share
+            elif term:
+                total[list(term)] += b**2 / 9.0
+        variance = float(first.sum() + (total - first).sum() / 2.0)
+        return variance, first / variance, total / variance

@@ -1,0 +1,61 @@
+"""Surrogates behind one port: what a design study needs of a model of its responses.
+
+A surrogate is fitted to noisy responses at coded settings, and predicts them, with the covariance of
+its errors, at others.  Each one is a class of its own file, chosen by its name in ``study.toml``.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+class Fitted(Protocol):
+    """A surrogate that has seen its data: n settings, of f factors, with m responses."""
+
+    def predict(self, x: Array) -> tuple[Array, Array]:
+        """Predict the responses at settings, (p, f), without the noise of a run.
+
+        Returns
+        -------
+        means, (m, p), and the covariances of their errors, (m, p, p).
+        """
+        ...
+
+    def left_out(self) -> tuple[Array, Array]:
+        """Predict each response of the data from the others (leave-one-out).
+
+        Returns
+        -------
+        means, (n, m), and standard deviations of the errors without the noise of the run, (n, m);
+        not a number where a response is missing.
+        """
+        ...
+
+
+class Surrogate(Protocol):
+    """A kind of model, before it has seen data."""
+
+    def fit(self, x: Array, y: Array, variance: Array, seed: int) -> Fitted:
+        """Fit to data.
+
+        Parameters
+        ----------
+        x : coded settings, (n, f).
+        y : responses, (n, m); not a number where a run gave none.
+        variance : of the noise of each response, (n, m).
+        seed : for whatever is drawn at random.
+
+        Raises
+        ------
+        TooFewPoints : there is less data than the model has terms.
+        """
+        ...
+
+
+class TooFewPoints(ValueError):
+    """A model has more terms than there are points with a response."""
