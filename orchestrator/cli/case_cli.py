@@ -90,7 +90,7 @@ def _stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
     """Makes runs with and without effects for results that are ``asked`` for; None where none are."""
     from orchestrator.case.scalars import scalar
-    from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, for_results
+    from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, try_all_effects
 
     try:
         for name in asked:
@@ -100,7 +100,7 @@ def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> Tried
     if not asked:
         return None
     limit_s = max(LIMIT_S, budget_s / RUNS_IN_BUDGET)
-    return for_results(loaded, Pairs(limit_s, ERRORS.print), budget_s)
+    return try_all_effects(loaded, Pairs(limit_s, ERRORS.print), budget_s)
 
 
 def list_cases(

@@ -39,7 +39,7 @@ from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
 from orchestrator.run.run import Run
-from orchestrator.studies.pairs import before
+from orchestrator.studies.pairs import try_before_run
 
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
 OUT = "out of memory"
@@ -70,7 +70,7 @@ def _decide_effects(
     if not loaded.choice.asked:
         return loaded
     say = _console().print
-    made = mpi.first_rank_does(world, lambda: before(loaded, say))
+    made = mpi.first_rank_does(world, lambda: try_before_run(loaded, say))
     if not made and world is None:
         return loaded
     known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})

@@ -52,9 +52,9 @@ def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
 
 
 def _tried_before(loaded: JudgedCase) -> tuple[str, ...]:
-    from orchestrator.studies.pairs import wanted_before
+    from orchestrator.studies.pairs import effects_to_try
 
-    return wanted_before(loaded)
+    return effects_to_try(loaded)
 
 
 def _machine(loaded: JudgedCase) -> Iterator[str]:

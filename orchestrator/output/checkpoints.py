@@ -22,33 +22,6 @@ from orchestrator.coupling.mpi import first_rank_does
 from orchestrator.output.records.run_folder import check_format
 from orchestrator.ports import Saved
 
-
-def array_names(saved: Saved) -> set[str]:
-    """Returns the names of all arrays in a state, as a checkpoint has them."""
-    return set(_flat(saved))
-
-
-def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
-    """Names with slashes; one that ends with a slash stands for "nothing in here"."""
-    table: dict[str, Any] = {} if saved else {within: np.empty(0)}
-    for name, value in saved.items():
-        table |= _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
-    return table
-
-
-def _nested(table: dict[str, Any]) -> Saved:
-    """What ``_flat`` was made of."""
-    saved: Saved = {}
-    for path, value in table.items():
-        *parents, name = path.split("/")
-        inner = saved
-        for parent in parents:
-            inner = inner.setdefault(parent, {})
-        if name:
-            inner[name] = value
-    return saved
-
-
 KEPT = 2
 FOLDER, ABOUT = "saves", "save.json"
 FORMAT = 3
@@ -58,12 +31,25 @@ SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
 class TornCheckpoint(Exception):
-    """A save that is not as it was written; the message says what is wrong with it."""
+    """A checkpoint that is not as it was written; the message says what is wrong with it."""
+
+
+def array_names(saved: Saved) -> set[str]:
+    """Returns the names of all arrays in a state, as a checkpoint has them."""
+    return set(_flat(saved))
+
+
+def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
+    """Returns the arrays by names with slashes; one that ends with a slash stands for "nothing in here"."""
+    table: dict[str, Any] = {} if saved else {within: np.empty(0)}
+    for name, value in saved.items():
+        table |= _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
+    return table
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A whole save; ``about``: what ``save.json`` says, ``torn``: what is wrong with later ones."""
+    """A whole checkpoint; ``about``: what ``save.json`` says, ``torn``: what is wrong with later ones."""
 
     folder: Path
     about: dict[str, Any]
@@ -84,8 +70,16 @@ class Checkpoint:
 
     def state(self, world: Any) -> Saved:
         """Returns this rank's arrays."""
+        saved: Saved = {}
         with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
-            return _nested({name: file[name] for name in file.files})
+            for path in file.files:
+                *parents, name = path.split("/")
+                inner = saved
+                for parent in parents:
+                    inner = inner.setdefault(parent, {})
+                if name:
+                    inner[name] = file[path]
+        return saved
 
     def put_back(self, run: Path) -> None:
         """Copies the recorded files back, into the folder of the run."""
@@ -98,13 +92,13 @@ class Checkpoint:
 def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
     """Writes a new checkpoint into the folder of a run, of every rank of ``world``; ``about`` needs
     ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one cannot
-    write; the saves before stay."""
-    name = _name(about["sync_points"])
-    aside = run / FOLDER / f".{name}"
+    write; the checkpoints before stay."""
+    folder = _folder(run, about["sync_points"])
+    aside = folder.with_name(f".{folder.name}")
     try:
         first_rank_does(world, lambda: _open(aside))
-        sums = _parts(aside / _of_rank(world), state, world)
-        first_rank_does(world, lambda: _complete(aside, name, copies, about, sums))
+        sums = _write_arrays(aside / _of_rank(world), state, world)
+        first_rank_does(world, lambda: _complete(aside, folder, copies, about, sums))
     except OSError:  # what is half written takes the room that the run's last words need
         first_rank_does(world, lambda: shutil.rmtree(aside, ignore_errors=True))
         raise
@@ -116,12 +110,12 @@ def _open(aside: Path) -> None:
     aside.mkdir()
 
 
-def _parts(mine: Path, state: Saved, world: Any) -> dict[str, str]:
-    """Writes the part of every rank; their checksums.  What one of them cannot write, all raise,
-    when none is at work on its own any more."""
+def _write_arrays(mine: Path, state: Saved, world: Any) -> dict[str, str]:
+    """Writes the arrays of every rank, and returns their checksums.  What one of them cannot write, all
+    raise, when none is at work on its own any more."""
     try:
         np.savez(mine, **_flat(state))
-        written: dict[str, str] | OSError = {mine.name: _on_disk(mine)}
+        written: dict[str, str] | OSError = {mine.name: _sync(mine)}
     except OSError as error:
         written = error
     sums: dict[str, str] = {}
@@ -133,31 +127,31 @@ def _parts(mine: Path, state: Saved, world: Any) -> dict[str, str]:
 
 
 def _complete(
-    aside: Path, name: str, copies: Sequence[Path], about: dict[str, Any], sums: dict[str, str]
+    aside: Path, folder: Path, copies: Sequence[Path], about: dict[str, Any], sums: dict[str, str]
 ) -> None:
-    """The rest of the save, its ``name``, and one of the saves before less."""
-    parent = aside.parent
+    """Writes the rest, gives the checkpoint its name, and removes an older one."""
     for copy in copies:
         shutil.copyfile(copy, aside / copy.name)
-        sums = sums | {copy.name: _on_disk(aside / copy.name)}
+        sums = sums | {copy.name: _sync(aside / copy.name)}
     about = {"format_version": FORMAT} | about | {"copies": [copy.name for copy in copies], "sha256": sums}
     (aside / ABOUT).write_text(json.dumps(about, indent=2, default=float), encoding="utf-8")
-    _on_disk(aside / ABOUT)
+    _sync(aside / ABOUT)
     _sync(aside)
-    shutil.rmtree(parent / name, ignore_errors=True)
-    aside.replace(parent / name)
-    _sync(parent)
-    for old in _names(parent)[:-KEPT]:
-        if old != _name(about["good"]):
-            shutil.rmtree(parent / old)
+    shutil.rmtree(folder, ignore_errors=True)
+    aside.replace(folder)
+    _sync(folder.parent)
+    good = _folder(folder.parents[1], about["good"])
+    for old in _in_order(folder.parents[1])[:-KEPT]:
+        if old != good:
+            shutil.rmtree(old)
 
 
 def newest(run: Path) -> Checkpoint | None:
     """Returns the last checkpoint that is whole."""
     torn: list[str] = []
-    for name in reversed(_names(run / FOLDER)):
+    for folder in reversed(_in_order(run)):
         try:
-            return Checkpoint(run / FOLDER / name, _checked(run / FOLDER / name), tuple(torn))
+            return Checkpoint(folder, _read_about(folder), tuple(torn))
         except TornCheckpoint as wrong:
             torn.append(f"{wrong}; the one before is taken")
     return None
@@ -166,9 +160,9 @@ def newest(run: Path) -> Checkpoint | None:
 def find_damage(run: Path) -> list[str]:
     """Returns what is wrong with the checkpoints that are not whole."""
     damage = []
-    for name in _names(run / FOLDER):
+    for folder in _in_order(run):
         try:
-            _checked(run / FOLDER / name)
+            _read_about(folder)
         except TornCheckpoint as wrong:
             damage.append(str(wrong))
     return damage
@@ -176,31 +170,38 @@ def find_damage(run: Path) -> list[str]:
 
 def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
     """Returns the checkpoint of a sync point, if there is one and it is whole."""
-    folder = run / FOLDER / _name(sync_points)
+    folder = _folder(run, sync_points)
     try:
-        return Checkpoint(folder, _checked(folder))
+        return Checkpoint(folder, _read_about(folder))
     except TornCheckpoint:
         return None
 
 
-def remove_later(run: Path, save: Checkpoint) -> None:
-    """Removes what came after ``save``, and what was left half written."""
+def remove_later(run: Path, checkpoint: Checkpoint) -> None:
+    """Removes what came after ``checkpoint``, and what was left half written."""
     for folder in (run / FOLDER).iterdir():
-        if folder.name.startswith(".") or folder.name > save.folder.name:
+        if folder.name.startswith(".") or folder.name > checkpoint.folder.name:
             shutil.rmtree(folder)
 
 
-def _checked(folder: Path) -> dict[str, Any]:
-    """What ``save.json`` says, if the files are as it says.  Raises TornCheckpoint."""
+def _read_about(folder: Path) -> dict[str, Any]:
+    """Returns what ``save.json`` says, if it says all with which a run is taken up, and the files are as
+    it says.  Raises TornCheckpoint."""
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         check_format(folder / ABOUT, about.get("format_version"), FORMAT)
-        _must_say(about)
+        for key in ("name", "level", "case", "files"):
+            about[key]
+        for key in SAID_OF_ORIGIN:
+            about["provenance"][key]
+        int(about["provenance"]["ranks"])
+        int(about["sync_points"])
+        float(about["progress"]["figures"]["simulated_s"])
         for name in about["copies"]:
             if Path(name).name != name:
                 raise TornCheckpoint(f"{folder / ABOUT} names a file elsewhere: {name}")
-        for name, digest in about["sha256"].items():
-            if _digest(folder / name) != digest:
+        for name, checksum in about["sha256"].items():
+            if _checksum(folder / name) != checksum:
                 raise TornCheckpoint(f"{folder / name} is not what was written")
     except KeyError as error:
         raise TornCheckpoint(f"{folder / ABOUT} does not say {error}") from error
@@ -209,47 +210,29 @@ def _checked(folder: Path) -> dict[str, Any]:
     return about
 
 
-def _must_say(about: dict[str, Any]) -> None:
-    """Raises KeyError for what is missing of that which a run is taken up with; ValueError or
-    TypeError for what is something else."""
-    for key in ("name", "level", "case", "files", "copies", "sha256"):
-        about[key]
-    for key in SAID_OF_ORIGIN:
-        about["provenance"][key]
-    int(about["provenance"]["ranks"])
-    int(about["sync_points"])
-    float(about["progress"]["figures"]["simulated_s"])
+def _in_order(run: Path) -> list[Path]:
+    """Returns the folders of all checkpoints in the order of time."""
+    return sorted(folder for folder in (run / FOLDER).glob("*") if folder.name.isdigit())
 
 
-def _names(parent: Path) -> list[str]:
-    """Saves in order of time."""
-    if not parent.is_dir():
-        return []
-    return sorted(folder.name for folder in parent.iterdir() if folder.name.isdigit())
-
-
-def _name(sync_points: int) -> str:
-    return f"{sync_points:012d}"
+def _folder(run: Path, sync_points: int) -> Path:
+    return run / FOLDER / f"{sync_points:012d}"
 
 
 def _of_rank(world: Any) -> str:
     return f"rank-{0 if world is None else world.rank}.npz"
 
 
-def _on_disk(file: Path) -> str:
-    """Waits until the file is there to stay; its checksum."""
-    _sync(file)
-    return _digest(file)
-
-
-def _digest(file: Path) -> str:
+def _checksum(file: Path) -> str:
     with file.open("rb") as opened:
         return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
-def _sync(path: Path) -> None:
+def _sync(path: Path) -> str:
+    """Waits until a file or folder is on the disk to stay, and returns the checksum of a file."""
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)
     finally:
         os.close(number)
+    return _checksum(path) if path.is_file() else ""

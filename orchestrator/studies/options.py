@@ -15,8 +15,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 from rich.table import Table
 
-from orchestrator.studies.points import CaseStudy
-from orchestrator.studies.workers import Crew, workers_that_fit
+from orchestrator.studies.points import CaseStudy, Crew, workers_that_fit
 
 Told = Generator[str | Table | Path, None, bool]
 """What a study's command yields to be said, files that it wrote among it; it returns whether all is

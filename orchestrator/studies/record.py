@@ -10,7 +10,6 @@ with its velocity, and sampled at equal angles of the machine.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,24 +39,20 @@ class TooShort(Exception):
 
 @dataclass(frozen=True)
 class Window:
-    """The last ``cycles`` before ``end_s``, with the times ``sampled_s`` that belong to equal
-    angles from 0."""
+    """The last whole cycles of a run, ``length_s`` long, with the times ``sampled_s`` that belong to
+    equal angles from 0; what is at ``earlier_s``, one window before, is faded in with a ``share``
+    (samples,), which changes at the rate ``rate_per_s``."""
 
     cycles: int
-    start_s: float
-    end_s: float
-    cycle_s: float
     sampled_s: Array
+    length_s: float
+    share: Array
+    rate_per_s: Array
 
     @property
-    def length_s(self) -> float:
-        return self.end_s - self.start_s
-
-    def faded(self) -> tuple[Array, Array]:
-        """Share (samples,) of what is taken from one window earlier, and its rate in 1/s."""
-        fade_s = FADE * self.cycle_s
-        turn = np.pi * np.clip(1 - (self.end_s - self.sampled_s) / fade_s, 0.0, 1.0)
-        return (1 - np.cos(turn)) / 2, np.pi / (2 * fade_s) * np.sin(turn)
+    def earlier_s(self) -> Array:
+        """The same times one window earlier."""
+        return self.sampled_s - self.length_s
 
 
 @dataclass(frozen=True)
@@ -71,41 +66,35 @@ class Recorded:
 
 
 def record(run: Path, cycles: int | None) -> Recorded:
-    """Of all panels; without ``cycles`` as many as it takes them to repeat themselves, or to come
-    nearest to it.  Raises CaseError for a run that does not hold what is needed."""
+    """Returns a recording of all panels; without ``cycles`` of as many as it takes them to repeat
+    themselves, or to come nearest to it.  Raises CaseError for a run that does not hold what is
+    needed."""
+    case = load_judged(run).case
+    machine = turning(case)
+    if machine is None:
+        raise _refusal(run, "nothing turns this machine: it has no cycle")
     best = None
     for count in range(1, MOST_CYCLES + 1) if cycles is None else (cycles,):
+        panels, change = {}, {}
         try:
-            found = _recorded(run, count)
+            with RunReader(run) as reader:
+                for panel in single_panels(case):
+                    if f"shapes/{panel.name}" not in reader.history:
+                        raise _refusal(run, "no shapes were recorded; run it with --set output.shapes_s=")
+                    recording, change[panel.name] = _panel(case, reader.history, panel, machine, count)
+                    panels[panel.name] = recording_file.RecordedShape(recording, shape_of(panel))
+        except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
+            raise _refusal(run, f"history.h5 cannot be read: {error}") from None
         except TooShort as short:
             if best is None:
-                raise _refused(run, str(short)) from None
+                raise _refusal(run, str(short)) from None
             return best
-        if best is None or max(found.change.values()) < max(best.change.values()):
-            best = found
+        if best is None or max(change.values()) < max(best.change.values()):
+            best = Recorded(count, recording_file.File(machine.speed_rad_per_s, panels), change)
         if max(best.change.values()) < ALIKE:
             break
     assert best is not None
     return best
-
-
-def _recorded(run: Path, cycles: int) -> Recorded:
-    case = load_judged(run).case
-    machine = turning(case)
-    if machine is None:
-        raise _refused(run, "nothing turns this machine: it has no cycle")
-    panels, change = {}, {}
-    try:
-        with RunReader(run) as reader:
-            history = reader.history
-            for panel in single_panels(case):
-                if f"shapes/{panel.name}" not in history:
-                    raise _refused(run, "no shapes were recorded; run it with --set output.shapes_s=")
-                recording, change[panel.name] = _panel(case, history, panel, machine, cycles)
-                panels[panel.name] = recording_file.RecordedShape(recording, shape_of(panel))
-    except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
-        raise _refused(run, f"history.h5 cannot be read: {error}") from None
-    return Recorded(cycles, recording_file.File(machine.speed_rad_per_s, panels), change)
 
 
 def _panel(
@@ -123,58 +112,58 @@ def _panel(
     shape_m = (shapes["position_m"] - carried @ clamps_m) @ turn
     rate_m_per_s = (shapes["velocity_m_per_s"] - carried @ shapes["velocity_m_per_s"][:, corners]) @ turn
     middle_s, pull_N, rest_pull_N = _pull(history, case, panel, shapes, grid)
-    sampled_m, sampled_m_per_s, change = _closed(window, CubicHermiteSpline(time_s, shape_m, rate_m_per_s))
-    pulls = [
-        np.column_stack([np.interp(at_s, middle_s, one) for one in pull_N.T])
-        for at_s in (window.sampled_s, window.sampled_s - window.length_s)
-    ]
-    share = window.faded()[0][:, None]
+    sampled_m, sampled_m_per_s, change = _close(window, CubicHermiteSpline(time_s, shape_m, rate_m_per_s))
+    share = window.share[:, None]
+    now_N, earlier_N = (_interpolate(at_s, middle_s, pull_N) for at_s in (window.sampled_s, window.earlier_s))
     recording = Recording(
         grid,
         cycles,
         sampled_m,
         sampled_m_per_s / machine.speed_rad_per_s,
         shape_m[0],
-        (1 - share) * pulls[0] + share * pulls[1],
+        (1 - share) * now_N + share * earlier_N,
         rest_pull_N,
     )
     return recording, change
 
 
+def _interpolate(at_s: Array, time_s: Array, values: Array) -> Array:
+    return np.column_stack([np.interp(at_s, time_s, column) for column in values.T])
+
+
 def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
     cycle_s, end_s = 2 * math.pi / machine.speed_rad_per_s, float(time_s.max(initial=0.0))
-    start_s = end_s - cycles * cycle_s
-    if start_s - FADE * cycle_s < machine.start_s + machine.run_up_s:
+    length_s, fade_s = cycles * cycle_s, FADE * cycle_s
+    start_s = end_s - length_s
+    if start_s - fade_s < machine.start_s + machine.run_up_s:
         raise TooShort(
             f"{cycles} cycles of {cycle_s:.4g} s and a quarter do not fit between the run-up and "
             f"the end at {end_s:g} s"
         )
-    samples = math.ceil(cycles * cycle_s / float(np.diff(time_s).min()))
-    angle_s = cycles * cycle_s * np.arange(samples) / samples
-    sampled_s = start_s + (angle_s - (start_s - machine.zero_s)) % (cycles * cycle_s)
-    return Window(cycles, start_s, end_s, cycle_s, sampled_s)
+    samples = math.ceil(length_s / float(np.diff(time_s).min()))
+    angle_s = length_s * np.arange(samples) / samples
+    sampled_s = start_s + (angle_s - (start_s - machine.zero_s)) % length_s
+    turn = np.pi * np.clip(1 - (end_s - sampled_s) / fade_s, 0.0, 1.0)
+    return Window(cycles, sampled_s, length_s, (1 - np.cos(turn)) / 2, np.pi / (2 * fade_s) * np.sin(turn))
 
 
-def _closed(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:
-    """Shape and velocity (samples, points, 3), and how much was faded over."""
-    velocity, before_s = spline.derivative(), window.sampled_s - window.length_s
-    share, rate_1_s = (value[:, None, None] for value in window.faded())
-    now_m, earlier_m = spline(window.sampled_s), spline(np.maximum(before_s, spline.x[0]))
-    away_m = earlier_m - now_m
-    shape_m = now_m + share * away_m
-    rate_m_per_s = (1 - share) * velocity(window.sampled_s) + share * velocity(
-        np.maximum(before_s, spline.x[0])
-    )
-    faded = window.faded()[0] > 0
+def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:
+    """Returns shape and velocity (samples, points, 3), and how much was faded over."""
+    velocity, before_s = spline.derivative(), np.maximum(window.earlier_s, spline.x[0])
+    share, rate_per_s = window.share[:, None, None], window.rate_per_s[:, None, None]
+    now_m = spline(window.sampled_s)
+    away_m = spline(before_s) - now_m
+    rate_m_per_s = (1 - share) * velocity(window.sampled_s) + share * velocity(before_s)
     moving_m = float(np.std(now_m, axis=0).max())
-    changed_m = float(np.sqrt(np.mean(away_m[faded] ** 2, axis=0).max()))
-    return shape_m, rate_m_per_s + rate_1_s * away_m, changed_m / moving_m if moving_m else 0.0
+    changed_m = float(np.sqrt(np.mean(away_m[window.share > 0] ** 2, axis=0).max()))
+    change = changed_m / moving_m if moving_m else 0.0
+    return now_m + share * away_m, rate_m_per_s + rate_per_s * away_m, change
 
 
 def _pull(
     history: Any, case: Case, panel: SinglePanel, shapes: dict[str, Array], grid: RecordedGrid
 ) -> tuple[Array, Array, Array]:
-    """Times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
+    """Returns times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
     the clamps' forces, less what weight and inertia give by the lever rule."""
     at, time_s = panel.rectangle, shapes["time_s"]
     share = panel.apertures.material_share(at) if panel.apertures else 1.0
@@ -185,8 +174,8 @@ def _pull(
     difference_N = forces["first_clamp_N"][:] - forces["second_clamp_N"][:]
     impulse_N_s = np.cumsum(np.diff(forces["time_s"][:])[:, None] * difference_N[1:], axis=0)
     impulse_N_s = np.vstack([np.zeros(3), impulse_N_s])
-    at_rows = np.column_stack([np.interp(time_s, forces["time_s"][:], one) for one in impulse_N_s.T])
-    mean_N = np.diff(at_rows, axis=0) / np.diff(time_s)[:, None]
+    at_rows_N_s = _interpolate(time_s, forces["time_s"][:], impulse_N_s)
+    mean_N = np.diff(at_rows_N_s, axis=0) / np.diff(time_s)[:, None]
     weight_N = mass_kg * np.array(case.gravity_m_per_s2)
     ends = at.end(grid.corners_m(at))
     lever = grid.carried(at) @ (1.0 - 2.0 * ends)  # 1 at the first clamp, -1 at the second
@@ -197,50 +186,43 @@ def _pull(
     return (time_s[1:] + time_s[:-1]) / 2, pull_N, rest_N
 
 
-def _refused(run: Path, why: str) -> CaseError:
+def _refusal(run: Path, why: str) -> CaseError:
     return CaseError([CaseProblem((), why, file=str(run))])
 
 
-def drives(folder: Path) -> Iterator[str]:
+def drives(folder: Path) -> list[str]:
     """Returns ``--set`` overlays of drives that move frames alike, one for each frame: the first
     harmonics of a run in deck axes.  Raises CaseError for a run too short."""
+    overlays = []
     with RunReader(folder) as run:
-        yield from _drives(run)
-
-
-def _drives(run: RunReader) -> Iterator[str]:
-    case = run.case
-    machine = turning(case)
-    if machine is None:
-        raise CaseError([CaseProblem((), "nothing turns this machine", file=str(run.folder))])
-    speed, turn = machine.speed_rad_per_s, axes(case)
-    cycle_s = 2 * math.pi / speed
-    start_s, end_s = run.second_half_s
-    if end_s - start_s < 1.5 * cycle_s:
-        what = "too short to find the frames' steady motion in its second half"
-        raise CaseError([CaseProblem((), what, file=str(run.folder))])
-    for name, frame in case.screen.frames.items():
-        time_s = run.read(f"frames/{name}/time_s")
-        moved, turned = (
-            first_harmonic(time_s, run.read(f"frames/{name}/{what}") @ turn, cycle_s, start_s, end_s).phasor
-            for what in ("displacement_m", "rotation_rad")
-        )
-        values = {
-            "speed_rad_per_s": repr(speed),
-            "center_m": _list(np.array(frame.center_of_mass_m)),
-            "amplitude_m": _list(np.abs(moved)),
-            "phase_rad": _list(_sine(moved)),
-            "rotation_rad": _list(np.abs(turned)),
-            "rotation_phase_rad": _list(_sine(turned)),
-            "run_up_s": repr(max(machine.run_up_s, 2 * math.pi / speed)),
-        }
-        table = ", ".join(f"{key} = {value}" for key, value in values.items())
-        yield f"screen.frames.{name}.drive={{{table}}}"
-
-
-def _sine(phasor: Array) -> Array:
-    """Phases of sines; ``first_harmonic``'s are those of cosines."""
-    return np.asarray(np.angle(phasor) + np.pi / 2)
+        case, (start_s, end_s) = run.case, run.second_half_s
+        machine = turning(case)
+        if machine is None:
+            raise _refusal(folder, "nothing turns this machine")
+        cycle_s = 2 * math.pi / machine.speed_rad_per_s
+        if end_s - start_s < 1.5 * cycle_s:
+            raise _refusal(folder, "too short to find the frames' steady motion in its second half")
+        for name, frame in case.screen.frames.items():
+            time_s = run.read(f"frames/{name}/time_s")
+            moved, turned = (
+                first_harmonic(
+                    time_s, run.read(f"frames/{name}/{what}") @ axes(case), cycle_s, start_s, end_s
+                ).phasor
+                for what in ("displacement_m", "rotation_rad")
+            )
+            values = {
+                "speed_rad_per_s": repr(machine.speed_rad_per_s),
+                "center_m": _list(np.array(frame.center_of_mass_m)),
+                "amplitude_m": _list(np.abs(moved)),
+                # phases of sines; first_harmonic's are those of cosines
+                "phase_rad": _list(np.angle(moved) + np.pi / 2),
+                "rotation_rad": _list(np.abs(turned)),
+                "rotation_phase_rad": _list(np.angle(turned) + np.pi / 2),
+                "run_up_s": repr(max(machine.run_up_s, cycle_s)),
+            }
+            table = ", ".join(f"{key} = {value}" for key, value in values.items())
+            overlays.append(f"screen.frames.{name}.drive={{{table}}}")
+    return overlays
 
 
 def _list(values: Array) -> str:

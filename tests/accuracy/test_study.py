@@ -16,9 +16,8 @@ from orchestrator.studies.accuracy.convergence import Converged
 from orchestrator.studies.accuracy.plan import by_study, stored
 from orchestrator.studies.accuracy.report import write_study
 from orchestrator.studies.accuracy.study import AccuracyStudy, studied
-from orchestrator.studies.points import CaseStudy
+from orchestrator.studies.points import CaseStudy, Crew
 from orchestrator.studies.quantities import DECISIVE
-from orchestrator.studies.workers import Crew
 from tests.runs.outside import ROOT, flipflow
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]

@@ -13,9 +13,8 @@ import pytest
 from orchestrator.output.records import trust
 from orchestrator.studies.commands.stability import benchmark
 from orchestrator.studies.criteria import Criterion, read_criteria
-from orchestrator.studies.points import run_points
+from orchestrator.studies.points import Crew, run_points
 from orchestrator.studies.verdicts import CaseCriteria, judge
-from orchestrator.studies.workers import Crew
 from tests.runs.outside import has_results
 
 ROOT = Path(__file__).parents[2]

@@ -19,10 +19,9 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.studies import points
 from orchestrator.studies.commands import stability
 from orchestrator.studies.criteria import interval_sets
-from orchestrator.studies.points import CaseStudy, FolderUnusable, Point, run_points
+from orchestrator.studies.points import CaseStudy, Crew, FolderUnusable, Point, run_points
 from orchestrator.studies.report import write_csv
 from orchestrator.studies.verdicts import CriterionResult
-from orchestrator.studies.workers import Crew
 from tests.cases import case_folder
 from tests.runs.outside import ROOT, flipflow, said_plainly
 

@@ -6,8 +6,12 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid
+from orchestrator.coupling.mapping import mapped
+from orchestrator.ports import Account, Load, Motion, Mount, PanelState, Saved
+from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Rectangle
 
 
@@ -53,3 +57,49 @@ def test_the_centre_line_runs_along_the_middle() -> None:
     line = found.coordinates_m[found.centre_line]
     assert line[:, 1] == pytest.approx(np.full(7, 0.1))
     assert (np.diff(line[:, 0]) > 0).all()
+
+
+class Recorder:
+    """A panel of four points at rest that keeps the load it was given."""
+
+    def __init__(self, rng: np.random.Generator) -> None:
+        self.motion = Motion(*rng.standard_normal((2, 4, 3)))
+        self.mount = Mount(np.zeros((1, 3)), ("frame",))
+        self.load = Load.zero(4)
+
+    def initial(self) -> PanelState:
+        return PanelState(self.motion, Load.zero(1))
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        self.load = load
+        return PanelState(self.motion, Load.zero(1))
+
+    def account(self) -> Account:
+        raise NotImplementedError
+
+    def save(self) -> Saved:
+        return {}
+
+    def restore(self, saved: Saved) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize("points", [4, 9])
+def test_loads_come_down_with_their_force_and_their_work(points: int) -> None:
+    """Motion goes up by H, whose rows sum to one, and loads come down by its transpose, so that force
+    and virtual work are the same on both sides; also with a square H, which fits either way round."""
+    rng = np.random.default_rng(points)
+    dense = rng.random((points, 4))
+    H = csr_array(dense / dense.sum(axis=1, keepdims=True))
+    panel = Recorder(rng)
+    seen = mapped(panel, H)
+    force_N = rng.standard_normal((points, 3))
+    surface = seen.advance(Interval(0, 1e-3), Motion(*np.zeros((2, 1, 3))), Load(force_N)).surface
+    assert surface.position_m == pytest.approx(H @ panel.motion.position_m)
+    assert seen.initial().surface.velocity_m_per_s == pytest.approx(surface.velocity_m_per_s)
+    assert panel.load.force_N.sum(axis=0) == pytest.approx(force_N.sum(axis=0), rel=1e-13)
+    power_W = (panel.load.force_N * panel.motion.velocity_m_per_s).sum()
+    assert (force_N * surface.velocity_m_per_s).sum() == pytest.approx(power_W, rel=1e-12)

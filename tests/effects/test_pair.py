@@ -17,7 +17,7 @@ from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement import pair
 from orchestrator.preflight.judgement.pair import Pair, compute_change, key_of, recall, remember, share_pairs
 from orchestrator.studies import pairs
-from orchestrator.studies.pairs import tried
+from orchestrator.studies.pairs import try_effects
 from tests.cases import CASE, case_folder, load_case, loaded
 
 SHORT = "duration_s=0.02"
@@ -129,7 +129,7 @@ def test_the_budget_holds_also_for_what_was_refused_with_a_smaller_one(
     clock_s = iter(range(0, 1000, 10))
     monkeypatch.setattr(pairs, "_of_children_s", lambda: float(next(clock_s)))
     monkeypatch.setattr(pairs, "_run", lambda *_: summary(velocity_m_per_s=0.4))
-    found = tried(case, names, pairs.Pairs(limit_s=30.0), budget_s=15.0)
+    found = try_effects(case, names, pairs.Pairs(limit_s=30.0), budget_s=15.0)
     assert (found.pairs[names[0]].refused, found.omitted) == ("", names[1:])
     assert found.spent_s == 20.0
 

@@ -107,7 +107,7 @@ def test_the_verdicts_see_the_same_stroke(folder: Path, along: dict[str, Any]) -
     with RunReader(folder) as run:
         motion = compute_results(folder)["motion"]
         observed = ObservedMotion(scene(run.case), run, motion["start_s"], motion["end_s"])
-        one, two = (np.array(observed._moved(name)) for name in ("driving", "driven"))
+        one, two = (np.array(observed.phasor(name)) for name in ("driving", "driven"))
         seen_m = abs((two - one) @ run.deck_axes[:, 0])
     assert seen_m == pytest.approx(along["value"], rel=1e-12)
 

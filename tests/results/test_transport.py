@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from orchestrator.output.results.bed import passing_kg_per_s_m, residence_s
-from orchestrator.output.results.events import LOST, FedParticles, RemovedParticles, per_cycle
+from orchestrator.output.results.events import LOST, EventTable, per_cycle
 
 
-def removed(ids: list[int], time_s: list[float]) -> RemovedParticles:
+def removed(ids: list[int], time_s: list[float]) -> EventTable:
     n = len(ids)
-    whole = (np.full(n, 0.003), np.full(n, 1e-3), np.zeros(n, dtype=int))
-    return RemovedParticles(np.array(ids), np.array(time_s), np.zeros((n, 3)), *whole)
+    sizes = np.full(n, 0.003), np.full(n, 1e-3)
+    return EventTable(np.array(ids), np.array(time_s), *sizes, np.zeros((n, 3)), np.zeros(n, dtype=int))
 
 
 def test_residence_goes_by_id() -> None:
-    fed = FedParticles(np.array([7, 2, 5]), np.array([0.5, 0.0, 0.1]), np.full(3, 0.003), np.full(3, 1e-3))
+    fed = EventTable(np.array([7, 2, 5]), np.array([0.5, 0.0, 0.1]), np.full(3, 0.003), np.full(3, 1e-3))
     found = residence_s(fed, removed([5, 7, 9, 2], [1.0, 2.0, 3.0, 4.0]))
     assert found[[0, 1, 3]] == pytest.approx([0.9, 1.5, 4.0])
     assert np.isnan(found[2])

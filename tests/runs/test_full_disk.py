@@ -20,7 +20,7 @@ SAVED += ["checkpoint.every_s=0.0003"]
 # something else takes what is left of the disk when the save at 0.0057 s begins
 FILLED = """
 from orchestrator.output import checkpoints
-parts = checkpoints._parts
+parts = checkpoints._write_arrays
 def filled(mine, *rest):
     if mine.parent.name == ".000000000057":
         with open({filler!r}, "wb", buffering=0) as filler:
@@ -30,7 +30,7 @@ def filled(mine, *rest):
             except OSError:
                 pass
     return parts(mine, *rest)
-checkpoints._parts = filled
+checkpoints._write_arrays = filled
 """
 
 

@@ -230,7 +230,7 @@ def stuck(path):
     if path.is_dir() and path.name == ".{at:012d}":
         pathlib.Path({marker!r}).touch()
         time.sleep(300)
-    sync(path)
+    return sync(path)
 checkpoints._sync = stuck
 """
 

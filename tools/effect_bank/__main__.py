@@ -37,8 +37,7 @@ def effects(
     more of what was said to matter does not, or a run is missing; 2: the bank is wrong.
     """
     from orchestrator.output.records.run_folder import study_folder
-    from orchestrator.studies.points import run_points
-    from orchestrator.studies.workers import Crew, workers_that_fit
+    from orchestrator.studies.points import Crew, run_points, workers_that_fit
     from tools.effect_bank import bank as banks
     from tools.effect_bank import tables
     from tools.effect_bank.confusion import confusion

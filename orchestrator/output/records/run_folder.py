@@ -27,6 +27,10 @@ class FolderUnusable(Exception):
     """The output folder exists already, cannot be written or holds what cannot be used (exit code 2)."""
 
 
+class FolderExists(FolderUnusable):
+    """The output folder exists already."""
+
+
 class OtherFormat(FolderUnusable):
     """A file that another version of flipflow wrote, in another format."""
 
@@ -44,23 +48,19 @@ def check_format(file: Path, written: Any, wanted: int) -> None:
 def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
     """Makes the run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case that
     can be run again, with its surfaces beside it) and the provenance.  Raises FolderUnusable."""
-    folder = make_folder(out) if out else next_folder(Path("runs"), loaded.name)
+    folder = make_folder(out) if out else _next_folder(Path("runs"), loaded.name)
     try:
-        _fill(folder, loaded, world.size if world else 1)
+        for name, surface in loaded.case.whole.screen.surfaces.items():
+            if surface.stl is not None:
+                shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
+        if loaded.case.panel.recording is not None:
+            shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
+        write_case(folder, loaded)
+        write_json(folder / "provenance.json", provenance(world.size if world else 1))
     except OSError as error:
         remove_folder(folder)
         raise FolderUnusable(f"{folder}: cannot be written: {error.strerror or error}") from None
     return folder
-
-
-def _fill(folder: Path, loaded: JudgedCase, ranks: int) -> None:
-    for name, surface in loaded.case.whole.screen.surfaces.items():
-        if surface.stl is not None:
-            shutil.copyfile(loaded.folder / surface.stl, folder / f"{name}.stl")
-    if loaded.case.panel.recording is not None:
-        shutil.copyfile(loaded.folder / loaded.case.panel.recording, folder / RECORDING)
-    write_case(folder, loaded)
-    write_json(folder / "provenance.json", provenance(ranks))
 
 
 def write_case(folder: Path, loaded: JudgedCase) -> None:
@@ -100,32 +100,24 @@ def remove_folder(folder: Path) -> None:
 def make_folder(folder: Path) -> Path:
     """Makes a new folder; raises FolderUnusable if it is there already or cannot be made."""
     try:
-        return _new_folder(folder)
-    except FileExistsError:
-        raise FolderUnusable(
-            f"{folder}: exists already; nothing was written. "
-            "Give another folder with --out, or remove this one."
-        ) from None
-
-
-def _new_folder(folder: Path) -> Path:
-    """Raises FileExistsError where it is there, FolderUnusable where it cannot be."""
-    try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir()
     except OSError as error:
         if os.path.lexists(folder):
-            raise
+            raise FolderExists(
+                f"{folder}: exists already; nothing was written. "
+                "Give another folder with --out, or remove this one."
+            ) from None
         raise FolderUnusable(f"{folder}: cannot be made: {error.strerror}") from None
     return folder
 
 
-def next_folder(parent: Path, case: str) -> Path:
+def _next_folder(parent: Path, case: str) -> Path:
     """Makes a new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever asks
     at the same time.  Raises FolderUnusable if it cannot be made."""
     for number in count(1):
-        with suppress(FileExistsError):
-            return _new_folder(parent / f"{case}-{number}")
+        with suppress(FolderExists):
+            return make_folder(parent / f"{case}-{number}")
     raise AssertionError("numbers do not end")
 
 
@@ -140,7 +132,8 @@ class _PrintableFormatter(logging.Formatter):
 def printable(text: str) -> str:
     """Returns lines as they are, and other characters that do not print as Python writes them."""
     return "".join(
-        one if one.isprintable() or one in "\n\t" else one.encode("unicode_escape").decode() for one in text
+        char if char.isprintable() or char in "\n\t" else char.encode("unicode_escape").decode()
+        for char in text
     )
 
 

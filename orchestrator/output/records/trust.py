@@ -33,7 +33,6 @@ LARGEST_MOMENTUM_RESIDUAL = 1e-9  # relative; rounding is below 1e-12 in all run
 LARGEST_SHARE_UNSOLVED = 0.01  # of the sync intervals
 LARGEST_DEVIATION = 0.1  # of the load in an interval that was not solved, of its size
 LARGEST_SHARE_ASTRAY = 0.01  # of the mass that came
-SOLVERS = {"frames": "frames'", "panel": "panels'", "particles": "particles'"}
 
 Summary = Mapping[str, Any]
 
@@ -62,13 +61,18 @@ def is_trusted(state: str) -> bool:
     return state == DONE
 
 
+def _monitored(summary: Summary) -> dict[str, Any]:
+    items: dict[str, Any] = summary.get("monitor", {}).get("figures", {})
+    return items
+
+
 def _energy_created(summary: Summary) -> Iterator[str]:
     """The coupling must not make or destroy more than a small share of the energy that goes through
     it (``ledger.created_shares``); ``monitor.largest_created_in_total`` of the case says how much."""
     if "energy_ledger_J" not in summary:
         return
-    share, watched = share_created(summary), summary.get("monitor", {}).get("figures", {})
-    limit = watched.get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
+    share = share_created(summary)
+    limit = _monitored(summary).get("created_in_total", {}).get("limit", LARGEST_SHARE_CREATED)
     if abs(share) > limit:
         advice = summary.get("stability", {}).get("advice") or "Shorten coupling.sync_interval_s."
         made = "created" if share > 0 else "destroyed"
@@ -92,11 +96,11 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
 
 def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
     """No panel may have gone through a surface that would have held it."""
-    seen = summary.get("monitor", {}).get("figures", {}).get("penetrated_surfaces", {})
-    if seen.get("times"):
+    observed = _monitored(summary).get("penetrated_surfaces", {})
+    if observed.get("times"):
         yield (
-            f"From t = {seen['first_s']:g} s on a panel went through a surface, by up to "
-            f"{seen['worst']:.3g} of its thickness, and nothing held it there; tighten it, move "
+            f"From t = {observed['first_s']:g} s on a panel went through a surface, by up to "
+            f"{observed['worst']:.3g} of its thickness, and nothing held it there; tighten it, move "
             "one of them, or give the panel a stop."
         )
 
@@ -107,16 +111,16 @@ def _energy_of_solvers(summary: Summary) -> Iterator[str]:
         return
     for member, share in defect_shares(summary).items():
         if abs(share) > LARGEST_SHARE_OF_A_SOLVER:
-            made = "made" if share > 0 else "destroyed"
+            whose, made = f"{member.removesuffix('s')}s'", "made" if share > 0 else "destroyed"
             yield (
-                f"The time steps of the {SOLVERS[member]} solver {made} {100 * abs(share):.2g} % "
+                f"The time steps of the {whose} solver {made} {100 * abs(share):.2g} % "
                 f"of the energy that it turned over, more than "
                 f"{100 * LARGEST_SHARE_OF_A_SOLVER:g} %; shorten its step or the sync interval."
             )
 
 
 def _momentum(summary: Summary) -> Iterator[str]:
-    """Momentum is handed over to rounding; more than that is a mistake in the program or in a
+    """Momentum is handed over to rounding; more than that is an error in the program or in a
     solver.  Interfaces whose hand-over is turned off lose it on purpose."""
     closed = summary.get("energy_exchanged_J", {})
     for name, residual in summary.get("momentum_residuals", {}).items():
@@ -140,29 +144,24 @@ def _unsolved_intervals(summary: Summary) -> Iterator[str]:
         )
 
 
-def _particles_astray(summary: Summary) -> Iterator[str]:
-    """Products of a screen are what goes through its exits: where material takes another way, they
-    are wrong by as much."""
+def _material(summary: Summary) -> Iterator[str]:
+    """Products of a screen are what goes through its exits: where material takes another way, they are
+    wrong by as much.  The surface must hold the particles, whose centres stay on their side of it, and
+    contacts must be small against them, or no contact law holds."""
     material = summary.get("material") or {}
     fed_kg = material.get("fed", {}).get("mass_kg", 0.0)
-    if not material.get("exits"):
-        return
-    for key, what in (
-        ("lost", "left elsewhere than through an exit"),
-        ("escaped", "came out with the undersize although they fit through no opening"),
-    ):
+    ways = {
+        "lost": "left elsewhere than through an exit",
+        "escaped": "came out with the undersize although they fit through no opening",
+    }
+    for key, what in ways.items() if material.get("exits") else ():
         amount = material[key]
         if amount["mass_kg"] > LARGEST_SHARE_ASTRAY * fed_kg:
-            share = 100 * amount["mass_kg"] / fed_kg
             yield (
-                f"{amount['number']} particles, {share:.2g} % of the mass that came, {what}: the "
-                "products are off by as much."
+                f"{amount['number']} particles, {100 * amount['mass_kg'] / fed_kg:.2g} % of the mass that "
+                f"came, {what}: the products are off by as much."
             )
-
-
-def _particles_held(summary: Summary) -> Iterator[str]:
-    """The surface must hold the particles: their centres stay on their side of it."""
-    crossings = (summary.get("material") or {}).get("crossings", {"number": 0})
+    crossings = material.get("crossings", {"number": 0})
     if crossings["number"]:
         place = ", ".join(f"{x:.4g}" for x in crossings["first_position_m"])
         yield (
@@ -171,11 +170,7 @@ def _particles_held(summary: Summary) -> Iterator[str]:
             f"{crossings['first_time_s']:.6g} s; raise "
             "particles.largest_youngs_modulus_Pa, or shorten particles.step_s."
         )
-
-
-def _contacts_small(summary: Summary) -> Iterator[str]:
-    """Contacts must be small against the particles, or no contact law holds."""
-    deepest = (summary.get("material") or {}).get("deepest_overlaps", {})
+    deepest = material.get("deepest_overlaps", {})
     for key, what in (("surface", "the surface"), ("between", "each other")):
         overlap = 2.0 * deepest.get(f"{key}_per_diameter", 0.0)
         if overlap > LARGEST_CARRIED_OVERLAP:
@@ -193,7 +188,5 @@ GROUNDS: tuple[Callable[[Summary], Iterator[str]], ...] = (
     _energy_of_solvers,
     _momentum,
     _unsolved_intervals,
-    _particles_astray,
-    _particles_held,
-    _contacts_small,
+    _material,
 )

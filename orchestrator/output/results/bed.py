@@ -9,18 +9,10 @@ import numpy as np
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.output.cycles import cycle_numbers, within
 from orchestrator.output.records.deck_record import bins_m
-from orchestrator.output.results.estimate import Estimate, batch_sums, estimate, mean
-from orchestrator.output.results.events import (
-    OVERSIZE,
-    UNDERSIZE,
-    Events,
-    FedParticles,
-    RemovedParticles,
-    per_cycle,
-)
+from orchestrator.output.results.estimate import mean_by_cycles, ratio_by_cycles, share
+from orchestrator.output.results.events import OVERSIZE, UNDERSIZE, Events, EventTable, per_cycle
 from orchestrator.output.results.run_reader import RunReader
-from orchestrator.output.results.screening import share
-from orchestrator.ports import Array, Indices
+from orchestrator.ports import Array
 
 
 def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
@@ -30,70 +22,49 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
     All are means over time, in which a bin or a deck without particles has no mass and a depth of
     0; velocities are means over the mass, to which an empty one gives nothing.
     """
-    time = run.read("profile/time_s")
-    window = within(time, start_s, end_s, run.cycle_s)
-    mass, velocity, depth = (
+    time_s = run.read("profile/time_s")
+    window = within(time_s, start_s, end_s, run.cycle_s)
+    mass_kg, velocity_m_per_s, depth_m = (
         np.nan_to_num(run.read(f"profile/{name}")[window])
         for name in ("mass_kg", "velocity_m_per_s", "depth_m")
     )
-    along = run.read("profile/along_m")[0]
-    cycle = cycle_numbers(time[window], run.cycle_s, start_s)
-    kg, momentum = mass.sum(axis=1), (mass * velocity).sum(axis=1)
-    total = mass.sum(axis=0)
-    present = run.read_between("bed", "particles", start_s, end_s)
+    along_m = run.read("profile/along_m")[0]
+    cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
+    momentum = mass_kg * velocity_m_per_s
+    on_deck_kg, in_bin_kg = mass_kg.sum(axis=1), mass_kg.sum(axis=0)
+    nowhere = np.full(len(in_bin_kg), np.nan)
     return {
         "output_times": int(window.sum()),
-        "particles": float(present.mean()),
-        "on_deck_kg": mean_by_cycles(kg, cycle, is_steady),
-        "velocity_m_per_s": ratio_by_cycles(momentum, kg, cycle, is_steady),
-        "largest_depth_m": mean_by_cycles(depth.max(axis=1), cycle, is_steady),
+        "particles": float(run.read_between("bed", "particles", start_s, end_s).mean()),
+        "on_deck_kg": mean_by_cycles(on_deck_kg, cycle, is_steady),
+        "velocity_m_per_s": ratio_by_cycles(momentum.sum(axis=1), on_deck_kg, cycle, is_steady),
+        "largest_depth_m": mean_by_cycles(depth_m.max(axis=1), cycle, is_steady),
         "profile": {
-            "along_m": along,
-            "mass_kg_per_m": mass.mean(axis=0) / (along[1] - along[0]),
-            "velocity_m_per_s": np.divide(
-                (mass * velocity).sum(axis=0), total, out=np.full(len(total), np.nan), where=total > 0
-            ),
-            "depth_m": depth.mean(axis=0),
+            "along_m": along_m,
+            "mass_kg_per_m": mass_kg.mean(axis=0) / (along_m[1] - along_m[0]),
+            "velocity_m_per_s": np.divide(momentum.sum(axis=0), in_bin_kg, out=nowhere, where=in_bin_kg > 0),
+            "depth_m": depth_m.mean(axis=0),
         },
     }
 
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
     """Returns stickers and blinded openings over the same times."""
-    time = run.read("held/time_s")
-    window = within(time, start_s, end_s, run.cycle_s)
-    cycle = cycle_numbers(time[window], run.cycle_s, start_s)
+    time_s = run.read_between("held", "time_s", start_s, end_s)
+    cycle = cycle_numbers(time_s, run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
     return {
-        name: mean_by_cycles(run.read(f"held/{series}")[window], cycle, is_steady)
+        name: mean_by_cycles(run.read_between("held", series, start_s, end_s), cycle, is_steady)
         for name, series in names.items()
     }
 
 
-def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Returns the mean of values at output times, with its interval from cycles."""
-    if not is_steady:
-        return Estimate(float(values.mean()))
-    which, index = np.unique(cycle, return_inverse=True)
-    sums = np.bincount(index, values, len(which)) / np.bincount(index)
-    return mean(sums)
-
-
-def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Returns the sum of ``part`` over the sum of ``whole``, both at output times; None where that is 0."""
-    which, index = np.unique(cycle, return_inverse=True)
-    sums = np.array([np.bincount(index, one, len(which)) for one in (part, whole)], float).T
-    if not is_steady:
-        return Estimate(share(*sums.sum(axis=0)))
-    return estimate(lambda total: share(*total), batch_sums(sums))
-
-
-def residence_s(fed: FedParticles, removed: RemovedParticles) -> Array:
+def residence_s(fed: EventTable, removed: EventTable) -> Array:
     """Returns the (removed,) time from entering to leaving; NaN for particles that were never fed."""
     _, known, place = np.intersect1d(removed.id, fed.id, return_indices=True)
-    entered = np.full(len(removed.id), np.nan)
-    entered[known] = fed.time_s[place]
-    return np.asarray(removed.time_s - entered)
+    entered_s = np.full(len(removed.id), np.nan)
+    entered_s[known] = fed.time_s[place]
+    return np.asarray(removed.time_s - entered_s)
 
 
 def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
@@ -107,25 +78,27 @@ def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
     """Returns the residence of the oversize, and where along the deck the undersize passes."""
     removed, counted = events.removed, events.counted
-    over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE))
-    stay = residence_s(events.fed, removed)
-    over &= np.isfinite(stay)
-    sums = per_cycle(
-        np.tile(removed.time_s[over], 2),
-        np.concatenate([(removed.mass_kg * stay)[over], removed.mass_kg[over]]),
-        events.edges_s,
-        np.repeat([0, 1], int(over.sum())),
-        2,
+    stay_s = residence_s(events.fed, removed)
+    over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE)) & np.isfinite(stay_s)
+    sums = np.hstack(
+        [
+            per_cycle(removed.time_s[over], weight[over], events.edges_s)
+            for weight in (removed.mass_kg * stay_s, removed.mass_kg)
+        ]
     )
     table: dict[str, Any] = {"residence_s": events.figure(lambda s: share(s[0], s[1]), sums)}
     if deck is not None:
-        length = deck.length_m
-        table["residence_velocity_m_per_s"] = events.figure(lambda s: length * share(s[1], s[0]), sums)
-        edges = bins_m(deck)
+        length_m = deck.length_m
+        velocity = events.figure(lambda s: length_m * share(s[1], s[0]), sums)
+        edges_m = bins_m(deck)
         under = counted & np.isin(removed.exit, events.exits.of(UNDERSIZE))
-        station = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
+        station_m = np.interp(removed.position_m[under] @ deck.along, deck.over_m, deck.station_m)
+        start_s, end_s = events.window_s
+        table["residence_velocity_m_per_s"] = velocity
         table["passing"] = {
-            "along_m": (edges[1:] + edges[:-1]) / 2,
-            "rate_kg_per_s_m": passing_kg_per_s_m(station, removed.mass_kg[under], edges, events.lasting_s),
+            "along_m": (edges_m[1:] + edges_m[:-1]) / 2,
+            "rate_kg_per_s_m": passing_kg_per_s_m(
+                station_m, removed.mass_kg[under], edges_m, end_s - start_s
+            ),
         }
     return table

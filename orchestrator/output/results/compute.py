@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +13,15 @@ import numpy as np
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.file.slice import share
 from orchestrator.case.tables.case import has_particles
-from orchestrator.output.cycles import within
 from orchestrator.output.results import machine
 from orchestrator.output.results.bed import bed_metrics, retained_metrics, transport
 from orchestrator.output.results.estimate import Estimate
-from orchestrator.output.results.events import Events, balance_events, read_events
+from orchestrator.output.results.events import Events, read_events
 from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.results.sampling import phases_missed, rows_too_seldom
 from orchestrator.output.results.screening import screening
 from orchestrator.output.results.wear import wear_metrics
 
-NO_EXITS = "no exits: undersize and oversize are not told apart"
 NO_CUT = "no openings and no output.cut_size_m: fine and coarse are not told apart"
 NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
@@ -45,22 +44,25 @@ def _gather(run: RunReader) -> dict[str, Any]:
     if len(run.edges_s) < 2:
         table["missing"]["everything"] = "the run did not last for one cycle of the machine"
         return table
-    balance: Events | None = _make(table, "steady", lambda: _add_steady(run, table))
-    if has_particles(run.case):
-        _make(table, "screening", lambda: _add_screening(run, balance, table))
-        _make(table, "bed", lambda: _add_bed(run, table))
-    else:
-        table["missing"]["screening"] = "the case has no particles"
-    _make(table, "motion", lambda: _add_motion(run, balance, table))
-    if run.has("wear"):
-        _make(table, "wear", lambda: _add_wear(run, balance, table))
+    events: Events | None = None
+    with _noted(table, "steady"):
+        events = _add_steady(run, table)
+    for part, add in (
+        ("screening", _add_screening),
+        ("bed", _add_bed),
+        ("motion", _add_motion),
+        ("wear", _add_wear),
+    ):
+        with _noted(table, part):
+            add(run, events, table)
     return table
 
 
-def _make(table: dict[str, Any], part: str, add: Callable[[], Any]) -> Any:
-    """Adds a part, or notes the error that prevented it."""
+@contextmanager
+def _noted(table: dict[str, Any], part: str) -> Iterator[None]:
+    """Notes the error that prevents a part, and goes on."""
     try:
-        return add()
+        yield
     except OSError:
         raise
     except Exception as error:
@@ -71,50 +73,53 @@ def _make(table: dict[str, Any], part: str, add: Callable[[], Any]) -> Any:
 def describe_error(error: Exception) -> str:
     """Names the error, and the line of the program that raised it."""
     place = traceback.extract_tb(error.__traceback__)[-1]
-    file = Path(place.filename).name
-    return f"{type(error).__name__}: {error} ({file}, line {place.lineno})"
+    return f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
 
 
 def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
-    """What went in and out, where that was counted."""
+    """Adds the steady state, and returns what went in and out, where that was counted."""
     tables = read_events(run.history)
     if tables is None:
         return None
-    balance = balance_events(*tables, run.edges_s)
-    state = balance.steady
+    events = Events(*tables, run.edges_s)
+    state, (start_s, end_s) = events.steady, events.window_s
     table["steady"] = {
         "is_steady": not state.reason,
         "reason": state.reason,
-        "start_s": float(run.edges_s[state.first]),
-        "end_s": float(run.edges_s[state.last]),
+        "start_s": start_s,
+        "end_s": end_s,
         "cycles": state.last - state.first if run.is_driven else 0,
         "imbalance_percent": None if state.imbalance is None else 100 * state.imbalance,
         "drift_percent": None if state.drift is None else 100 * state.drift,
     }
-    return balance
+    return events
 
 
 def _add_screening(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
-    if events is None or not events.exits.names:
-        table["missing"]["screening"] = NO_EXITS
+    missing = table["missing"]
+    if not has_particles(run.case):
+        missing["screening"] = "the case has no particles"
+    elif events is None or not events.exits.names:
+        missing["screening"] = "no exits: undersize and oversize are not told apart"
+    else:
+        cut_m = cut_size_m(run.case)
+        table["screening"] = screening(events, cut_m)
+        table["transport"] = transport(events, run.deck)
+        if cut_m is None:
+            missing["efficiency"] = NO_CUT
+        if not table["screening"]["particles"]:
+            missing["products"] = "no particle left through an exit"
+
+
+def _add_bed(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
+    if not has_particles(run.case):
         return
-    cut_m = cut_size_m(run.case)
-    table["screening"] = screening(events, cut_m)
-    table["transport"] = transport(events, run.deck)
-    if cut_m is None:
-        table["missing"]["efficiency"] = NO_CUT
-    if not table["screening"]["particles"]:
-        table["missing"]["products"] = "no particle left through an exit"
-
-
-def _add_bed(run: RunReader, table: dict[str, Any]) -> None:
     if not run.has("profile"):
         table["missing"]["bed"] = "the panels form no deck in which one follows the other"
         return
     steady = table.get("steady", {"start_s": 0.0, "end_s": run.end_s, "is_steady": False})
     start_s, end_s = steady["start_s"], steady["end_s"]
-    time_s = run.read("profile/time_s")
-    time_s = time_s[within(time_s, start_s, end_s, run.cycle_s)]
+    time_s = run.read_between("profile", "time_s", start_s, end_s)
     if why := phases_missed(time_s, run.cycle_s if run.is_driven else None):
         table["missing"]["bed"] = why
         return
@@ -157,20 +162,21 @@ def _add_motion(run: RunReader, events: Events | None, table: dict[str, Any]) ->
 
 
 def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> None:
-    start_s, end_s = motion_window(run, events)
+    if not run.has("wear"):
+        return
     is_steady = table.get("steady", {}).get("is_steady", False)
-    figures = wear_metrics(run, start_s, end_s, is_steady, run.deck)
-    if figures is None:
+    metrics = wear_metrics(run, *motion_window(run, events), is_steady)
+    if metrics is None:
         table["missing"]["wear"] = "fewer than two output times in the part that is averaged over"
     else:
-        table["wear"] = figures
+        table["wear"] = metrics
 
 
 def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:
     """Returns begin and end of the cycles from which motion is taken: the steady state of the bed, or
     else the second half of the whole cycles."""
     if events is not None and not events.steady.reason:
-        return float(run.edges_s[events.steady.first]), float(run.edges_s[events.steady.last])
+        return events.window_s
     return run.second_half_s
 
 

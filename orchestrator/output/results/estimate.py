@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 
 BATCHES = 20  # Schmeiser: 10 to 30; more would be shorter and so less independent
 FEWEST_BATCHES = 5
@@ -68,6 +68,32 @@ def mean(values: Array) -> Estimate:
     """Returns the mean of values (cycles,), by batches."""
     ones = np.column_stack([values, np.ones(len(values))])
     return estimate(lambda sums: sums[0] / sums[1], batch_sums(ones))
+
+
+def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
+    """Returns the mean of values (times,), of which each belongs to a ``cycle``; with its interval from
+    the cycles' means where it is steady."""
+    if not is_steady:
+        return Estimate(float(values.mean()))
+    return mean(_sum_by_cycle(values, cycle) / _sum_by_cycle(np.ones(len(values)), cycle))
+
+
+def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
+    """Returns the sum of ``part`` over the sum of ``whole``, both at the same times; None where that is 0."""
+    sums = np.array([_sum_by_cycle(part, cycle), _sum_by_cycle(whole, cycle)]).T
+    if not is_steady:
+        return Estimate(share(*sums.sum(axis=0)))
+    return estimate(lambda total: share(*total), batch_sums(sums))
+
+
+def _sum_by_cycle(values: Array, cycle: Indices) -> Array:
+    index = np.unique(cycle, return_inverse=True)[1]
+    return np.bincount(index, values).astype(float)
+
+
+def share(part: float, whole: float) -> float:
+    """Returns the part over the whole; NaN where there is nothing to share."""
+    return float(part) / float(whole) if whole > 0 else float("nan")
 
 
 def half_width(values: Array) -> float:

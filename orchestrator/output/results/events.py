@@ -10,7 +10,8 @@ hold-up.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,28 +23,21 @@ from orchestrator.ports.physics import sphere_mass_kg
 
 LOST = -1
 UNDERSIZE, OVERSIZE = "undersize", "oversize"
+FEWEST_CYCLES = 20
+LARGEST_IMBALANCE = 0.02
 
 
 @dataclass(frozen=True)
-class FedParticles:
-    """Particles of t = 0 (with time 0) and those fed since; arrays (n,)."""
+class EventTable:
+    """Particles that came (those of t = 0 with time 0), or that left: arrays (n,).  ``position_m``
+    (n, 3) and ``exit``, its number or ``LOST`` = -1, are of those that left alone."""
 
     id: Indices
     time_s: Array
     diameter_m: Array
     mass_kg: Array
-
-
-@dataclass(frozen=True)
-class RemovedParticles:
-    """Particles that left; ``position_m`` (n, 3), ``exit`` (n,) a number, ``LOST`` = -1."""
-
-    id: Indices
-    time_s: Array
-    position_m: Array
-    diameter_m: Array
-    mass_kg: Array
-    exit: Indices
+    position_m: Array = field(default_factory=lambda: np.empty((0, 3)))
+    exit: Indices = field(default_factory=lambda: np.empty(0, dtype=int))
 
 
 @dataclass(frozen=True)
@@ -58,41 +52,33 @@ class Exits:
         return np.array([i for i, own in enumerate(self.products) if own == product], dtype=int)
 
 
-def read_events(history: Any) -> tuple[FedParticles, RemovedParticles, Exits] | None:
-    """Returns what an open ``history.h5`` says; None if the run counted no particles in and out."""
+def read_events(history: Any) -> tuple[EventTable, EventTable, Exits] | None:
+    """Returns what an open ``history.h5`` says of particles that came and left, and of the exits; None if
+    the run counted none in and out."""
     if "fed/id" not in history or "removed/id" not in history:
         return None
-    fed, removed = history["fed"], history["removed"]
+    removed = history["removed"]
     exits = Exits(*(tuple(map(str, removed.attrs[key])) for key in ("names", "products")))
-    return (
-        FedParticles(fed["id"][:], fed["time_s"][:], fed["diameter_m"][:], _mass_kg(fed)),
-        RemovedParticles(
-            removed["id"][:],
-            removed["time_s"][:],
-            removed["position_m"][:],
-            removed["diameter_m"][:],
-            _mass_kg(removed),
-            removed["exit"][:].astype(int),
-        ),
-        exits,
-    )
+    ways = removed["position_m"][:], removed["exit"][:].astype(int)
+    return EventTable(*_particles(history["fed"])), EventTable(*_particles(removed), *ways), exits
 
 
-def _mass_kg(table: Any) -> Array:
-    return sphere_mass_kg(table["diameter_m"][:], table["density_kg_per_m3"][:])
+def _particles(group: Any) -> tuple[Indices, Array, Array, Array]:
+    diameter_m = group["diameter_m"][:]
+    mass_kg = sphere_mass_kg(diameter_m, group["density_kg_per_m3"][:])
+    return group["id"][:], group["time_s"][:], diameter_m, mass_kg
 
 
-def per_cycle(time_s: Array, mass_kg: Array, edges_s: Array, group: Indices, groups: int) -> Array:
+def per_cycle(
+    time_s: Array, mass_kg: Array, edges_s: Array, group: Indices | None = None, groups: int = 1
+) -> Array:
     """Returns (cycles, groups): mass by cycle and group (a number from 0; others are not counted)."""
     cycle = cycle_numbers(time_s, float(edges_s[1] - edges_s[0]))
+    group = np.zeros(len(time_s), dtype=int) if group is None else group
     counted = (cycle < len(edges_s) - 1) & (group >= 0) & (group < groups)
     table = np.zeros((len(edges_s) - 1, groups))
     np.add.at(table, (cycle[counted], group[counted]), mass_kg[counted])
     return table
-
-
-FEWEST_CYCLES = 20
-LARGEST_IMBALANCE = 0.02
 
 
 @dataclass(frozen=True)
@@ -118,7 +104,6 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     if not len(feeding):
         return SteadyState(0, cycles, "nothing is fed: a batch is never steady")
     last = int(feeding[-1]) + 1
-    held_kg = start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)])
     if cycles - last > 1:
         end = f"the feed stops after cycle {last}"
     else:
@@ -126,6 +111,7 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     if last - feeding[0] < FEWEST_CYCLES:
         fed = f"only {last - int(feeding[0])} cycles are fed before {end}"
         return SteadyState(0, cycles, f"{fed}; {FEWEST_CYCLES} are needed")
+    held_kg = hold_up_kg(fed_kg, out_kg, start_kg)
     mean_kg = (held_kg[:last] + held_kg[1 : last + 1]) / 2
     first = find_truncation(mean_kg)
     window = slice(first, last)
@@ -139,6 +125,11 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
     return SteadyState(first, last, "", imbalance, drift)
 
 
+def hold_up_kg(fed_kg: Array, out_kg: Array, start_kg: float) -> Array:
+    """Returns what is in the machine at the (cycles + 1,) edges of the cycles."""
+    return np.asarray(start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)]))
+
+
 def find_truncation(values: Array) -> int:
     """Returns how many of the first values to leave out: at most half of them, at least ``FEWEST_CYCLES``
     staying."""
@@ -148,7 +139,8 @@ def find_truncation(values: Array) -> int:
 
 
 def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
-    """Little's law: with more on the deck than left it, they stay longer than the cycles last."""
+    """Returns why a state is not steady.  By Little's law, with more on the deck than left it, particles
+    stay longer than the cycles last."""
     largest = 100 * LARGEST_IMBALANCE
     for what, value in (("in less out", imbalance), ("the growth of the hold-up", drift)):
         if abs(value) > LARGEST_IMBALANCE:
@@ -161,29 +153,41 @@ def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_k
 
 @dataclass(frozen=True)
 class Events:
-    """What went in and out, the whole cycles' ``edges_s``, and the steady ones of them."""
+    """What went in and out, and the whole cycles' ``edges_s``.  Particles of t = 0 are there at the start,
+    not fed."""
 
-    fed: FedParticles
-    removed: RemovedParticles
+    fed: EventTable
+    removed: EventTable
     exits: Exits
     edges_s: Array
-    steady: SteadyState
+
+    @cached_property
+    def balance_kg(self) -> tuple[Array, Array, float]:
+        """What was fed and what left in each cycle, (cycles,) each, and what was there at the start."""
+        later = self.fed.time_s > 0
+        fed_kg = per_cycle(self.fed.time_s[later], self.fed.mass_kg[later], self.edges_s)[:, 0]
+        out_kg = per_cycle(self.removed.time_s, self.removed.mass_kg, self.edges_s)[:, 0]
+        return fed_kg, out_kg, float(self.fed.mass_kg[~later].sum())
+
+    @cached_property
+    def steady(self) -> SteadyState:
+        """The cycles over which to average."""
+        return find_steady_state(*self.balance_kg)
 
     @property
     def window(self) -> slice:
-        """The cycles over which to average."""
+        """The same cycles."""
         return slice(self.steady.first, self.steady.last)
 
     @property
-    def lasting_s(self) -> float:
-        """How long these are."""
-        return float(self.edges_s[self.steady.last] - self.edges_s[self.steady.first])
+    def window_s(self) -> tuple[float, float]:
+        """When they begin and end."""
+        return float(self.edges_s[self.steady.first]), float(self.edges_s[self.steady.last])
 
     @property
     def counted(self) -> Any:
         """(removed,) which of the particles left through an exit within them."""
-        start_s, end_s = (float(self.edges_s[edge]) for edge in (self.steady.first, self.steady.last))
-        inside = within(self.removed.time_s, start_s, end_s, float(self.edges_s[1]))
+        inside = within(self.removed.time_s, *self.window_s, float(self.edges_s[1]))
         return inside & (self.removed.exit != LOST)
 
     def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
@@ -193,22 +197,10 @@ class Events:
             return Estimate(float(value) if np.isfinite(value) else None)
         return estimate(statistic, batch_sums(cycles[self.window]))
 
+    def ratio(self, part: Array, whole: Array) -> Estimate:
+        """Returns the sum of ``part`` over the sum of ``whole``, (cycles,) each."""
+        return self.figure(lambda sums: sums[0] / sums[1], np.column_stack([part, whole]))
+
     def rate(self, per_cycle: Array) -> Estimate:
         """Returns the rate of something summed per cycle (cycles,), per second."""
-        length_s = float(self.edges_s[1] - self.edges_s[0])
-        pairs = np.column_stack([per_cycle, np.full(len(per_cycle), length_s)])
-        return self.figure(lambda sums: sums[0] / sums[1], pairs)
-
-
-def balance_events(fed: FedParticles, removed: RemovedParticles, exits: Exits, edges_s: Array) -> Events:
-    """Returns the events with the steady state found.  Particles of t = 0 are there at the start, not fed."""
-    later = fed.time_s > 0
-    fed_kg = sum_per_cycle(fed.time_s[later], fed.mass_kg[later], edges_s)
-    out_kg = sum_per_cycle(removed.time_s, removed.mass_kg, edges_s)
-    start_kg = float(fed.mass_kg[~later].sum())
-    return Events(fed, removed, exits, edges_s, find_steady_state(fed_kg, out_kg, start_kg))
-
-
-def sum_per_cycle(time_s: Array, mass_kg: Array, edges_s: Array) -> Array:
-    """Returns the (cycles,) mass in each of the cycles."""
-    return per_cycle(time_s, mass_kg, edges_s, np.zeros(len(time_s), dtype=int), 1)[:, 0]
+        return self.ratio(per_cycle, np.full(len(per_cycle), float(self.edges_s[1] - self.edges_s[0])))

@@ -89,8 +89,8 @@ def first_harmonic(
     time_s, values = time_s[inside], np.asarray(values, float)[inside]
     if len(time_s) < 4 * cycles:
         raise ValueError(f"{len(time_s)} rows are too few for {cycles} cycles")
+    phasor, slow = _fit(time_s, values, start_s, end_s, cycle_s)
     speed_rad_per_s = 2 * np.pi / cycle_s
-    phasor, slow = _fit(time_s, values, speed_rad_per_s, _weight(time_s, start_s, end_s, cycles))
     wave = np.real(phasor * np.exp(1j * speed_rad_per_s * time_s)[:, None])
     other = np.ptp(values - slow - wave, axis=0) / 2
     batches = min(BATCHES, cycles)
@@ -101,7 +101,8 @@ def first_harmonic(
     if cycles >= FEWEST_CYCLES_FOR_CHANGE:
         half_s = cycles // 2 * cycle_s
         early, late = (
-            _part(time_s, values, begin_s, begin_s + half_s, cycle_s) for begin_s in (start_s, end_s - half_s)
+            _fit(time_s, values, begin_s, begin_s + half_s, cycle_s)[0]
+            for begin_s in (start_s, end_s - half_s)
         )
         change = late - early
     return Harmonic(phasor, width, batches, other, change)
@@ -110,8 +111,8 @@ def first_harmonic(
 def drift(harmonics: list[Harmonic]) -> float | None:
     """Returns the largest change of any component from the first half of the cycles to the second,
     over the largest amplitude; None where too few cycles tell it, or nothing moves."""
-    changes = [np.abs(one.change).max() for one in harmonics if one.change is not None]
-    largest = max((one.amplitude.max() for one in harmonics), default=0.0)
+    changes = [np.abs(each.change).max() for each in harmonics if each.change is not None]
+    largest = max((each.amplitude.max() for each in harmonics), default=0.0)
     return float(max(changes) / largest) if changes and largest > 0 else None
 
 
@@ -142,34 +143,28 @@ def ellipse(x: complex, z: complex) -> tuple[float, float, float]:
     return float(abs(forward) + abs(backward)), float(abs(forward) - abs(backward)), tilt
 
 
-def _weight(time_s: Array, start_s: float, end_s: float, cycles: int) -> Array:
-    """Hann's window over the time, (rows,)."""
-    if cycles < FEWEST_CYCLES_FOR_HANN:
-        return np.ones(len(time_s))
-    return np.asarray(np.sin(np.pi * (time_s - start_s) / (end_s - start_s)) ** 2)
-
-
-def _fit(time_s: Array, values: Array, speed_rad_per_s: float, weight: Array) -> tuple[Phasors, Array]:
-    """Phasors (components,), and the mean place with its drift (rows, components)."""
+def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: float) -> tuple[Phasors, Array]:
+    """Returns of the whole cycles between two times the phasors (components,), and the mean place with
+    its drift (rows, components)."""
+    inside = within(time_s, start_s, end_s, cycle_s)
+    time_s, values = time_s[inside], values[inside]
+    speed_rad_per_s = 2 * np.pi / cycle_s
     phase = speed_rad_per_s * time_s
     slow = np.column_stack([np.ones_like(phase), (time_s - time_s.mean()) * speed_rad_per_s])
     terms = np.column_stack([np.cos(phase), -np.sin(phase), slow])
+    weight = np.ones(len(time_s))
+    if count_whole_cycles(end_s - start_s, cycle_s) >= FEWEST_CYCLES_FOR_HANN:
+        weight = np.sin(np.pi * (time_s - start_s) / (end_s - start_s)) ** 2
     root = np.sqrt(weight)[:, None]
     fitted = np.linalg.lstsq(root * terms, root * values, rcond=None)[0]
     return fitted[0] + 1j * fitted[1], slow @ fitted[2:]
 
 
-def _part(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: float) -> Phasors:
-    """Phasors of whole cycles, two or more."""
-    rows = within(time_s, start_s, end_s, cycle_s)
-    weight = _weight(time_s[rows], start_s, end_s, count_whole_cycles(end_s - start_s, cycle_s))
-    return _fit(time_s[rows], values[rows], 2 * np.pi / cycle_s, weight)[0]
-
-
 def _half_width(
     time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
 ) -> Array:
-    """Of the amplitudes, from batches of ``length`` cycles; those that are left over are the first."""
+    """Returns that of the amplitudes, from batches of ``length`` cycles; those that are left over are the
+    first."""
     phase = 2 * np.pi / cycle_s * time_s
     terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
     lasting_s = length * cycle_s

@@ -22,7 +22,7 @@ LARGEST_BAND = 0.9  # of half the rows' rate: up to there a filter can be made
 LARGEST_DRIFT = 0.05  # of an amplitude or a range, from the first half of the window to the second
 FEWEST_CYCLES = 4  # of a window whose halves are compared
 RANGE_CYCLES = 2  # the last whole ones, of which the ranges of points are taken
-RANGES = ("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s")
+UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s"))
 
 
 def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
@@ -44,8 +44,10 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
 
     single, relative = harmonics(moved_m), harmonics(pairs)
     return {
-        "frames": {name: one.orbit() for name, one in single.items()},
-        "relative": {name: one.orbit() | {"along_m": one.estimate(0)} for name, one in relative.items()},
+        "frames": {name: motion.orbit() for name, motion in single.items()},
+        "relative": {
+            name: motion.orbit() | {"along_m": motion.estimate(0)} for name, motion in relative.items()
+        },
         "drift": drift(list(single.values())),
     }
 
@@ -113,11 +115,6 @@ def band_hz(step_s: float) -> float:
     return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
 
 
-def rms(values: Array) -> float:
-    """Returns the root of the mean square."""
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
     """Returns the accelerations, in g, of the probes on panels; ``band_Hz`` is how far they reach."""
     normals = {panel.name: panel.rectangle.normal for panel in single_panels(run.case)}
@@ -133,18 +130,24 @@ def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]
         normal_g = acceleration @ normals[probe.panel] / STANDARD_GRAVITY_M_PER_S2
         cycle = cycle_numbers(time_s[window], run.cycle_s, start_s)
         parts = [size_g[cycle == number] for number in np.unique(cycle)]
-        square = mean(np.array([float(np.mean(part**2)) for part in parts]))
+        rms_g, square = rms(size_g), mean(np.array([float(np.mean(part**2)) for part in parts]))
+        width = square.half_width
         table[name] = {
             "panel": probe.panel,
             "at": list(probe.at or ()),
             "band_Hz": band_hz(step_s),
             "peak_g": float(size_g.max()),
-            "rms_g": _root(square, rms(size_g)),
+            "rms_g": Estimate(rms_g, width / (2 * rms_g) if width is not None and rms_g else None),
             "peak_normal_g": float(np.abs(normal_g).max()),
             "rms_normal_g": rms(normal_g),
             "cycle_peak_g": mean(np.array([float(part.max()) for part in parts])),
         }
     return table
+
+
+def rms(values: Array) -> float:
+    """Returns the root of the mean square."""
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
@@ -214,10 +217,10 @@ def _range_of_particle(run: RunReader, group: str) -> dict[str, Any]:
     time_s, place_m = run.read(f"{group}/time_s"), run.read(f"{group}/position_m")
     there = np.isfinite(place_m).all(axis=1)
     if not there.any():
-        return _unknown("it never was there")
+        return UNKNOWN | {"reason": "it never was there"}
     span = "a cycle" if run.is_driven else "a fiftieth of the run,"
     if why := rows_too_seldom(time_s, run.cycle_s, run.case.coupling.sync_interval_s, span, 0):
-        return _unknown(why)
+        return UNKNOWN | {"reason": why}
     moved_m, time_s = place_m[there] - place_m[there][0], time_s[there]
     lasting_s = RANGE_CYCLES * run.cycle_s if run.is_driven else np.inf
     last_m = moved_m[time_s >= time_s[-1] - lasting_s]
@@ -228,13 +231,3 @@ def _range_of_particle(run: RunReader, group: str) -> dict[str, Any]:
         "peak_speed_m_per_s": np.linalg.norm(run.read(f"{group}/velocity_m_per_s")[there], axis=1).max(),
         "reason": "",
     }
-
-
-def _unknown(why: str) -> dict[str, Any]:
-    return dict.fromkeys(RANGES) | {"reason": why}
-
-
-def _root(square: Estimate, value: float) -> Estimate:
-    """Of a mean square."""
-    width = square.half_width
-    return Estimate(value, width / (2 * value) if width is not None and value else None)

@@ -18,7 +18,6 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.loss_curve import moduli
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.frames import Exciter
-from orchestrator.output.cycles import within
 from orchestrator.output.records.panel_lines import panel_pull_N
 from orchestrator.output.results.events import read_events
 from orchestrator.output.results.harmonics import Phasors, first_harmonic
@@ -168,47 +167,50 @@ class ObservedMotion:
     def __init__(self, scene: Scene, run: RunReader, start_s: float, end_s: float) -> None:
         self._scene, self._run, self._window_s = scene, run, (start_s, end_s)
         self._cycle_s = 2 * np.pi / scene.speed_rad_per_s
-        self._phasor = cache(self._read_phasor)
+        self._bodies = {body.name: body for body in scene.plan.bodies}
+        self._bend = has_effect(run.case, "panel-deformation")
+        self.phasor = cache(self._read_phasor)
+
+    def _read_phasor(self, frame: str, name: str = "displacement_m") -> Phasors:
+        """Returns the phasor (3,) of a frame's motion, in world axes."""
+        time_s, values = (self._run.read(f"frames/{frame}/{column}") for column in ("time_s", name))
+        return first_harmonic(time_s, values, self._cycle_s, *self._window_s).phasor
 
     def frames_throw(self) -> float:
         """Returns w^2 a / g of the centre of mass that moves most normal to the deck."""
         normal = self._run.deck_axes[:, 2]
-        largest_m = max((abs(self._moved(b.name) @ normal) for b in self._scene.plan.bodies), default=0.0)
+        largest_m = max((abs(self.phasor(name) @ normal) for name in self._bodies), default=0.0)
         return float(self._scene.speed_rad_per_s**2 * largest_m / self._scene.gravity_m_per_s2)
 
     def panels(self) -> tuple[MovedPanel, ...]:
         """Returns the panels with their strokes, and with their shapes where they bend."""
-        bend = has_effect(self._run.case, "panel-deformation")
+        pairs = zip(self._scene.panels, self._scene.springs, strict=True)
         return tuple(
             replace(
                 panel,
                 stroke_m=float(abs(self._stretch_m(spring))),
-                shape=self._shape(panel) if bend else None,
+                shape=self._shape(panel) if self._bend else None,
             )
-            for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True)
+            for panel, spring in pairs
         )
 
     def springs(self) -> tuple[PanelSpring, ...]:
         """Returns the panels' springs as their pull and stretch have them; none where panels do not
         bend, or nothing stretches one."""
-        if not has_effect(self._run.case, "panel-deformation"):
-            return ()
         springs = []
         for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True):
+            stretch_m = self._stretch_m(spring)
+            if not self._bend or abs(stretch_m) < STILL_M:
+                return ()
             time_s, pull_N = self._pull(panel)
             pull = first_harmonic(time_s, pull_N[:, None], self._cycle_s, *self._window_s).phasor[0]
-            stretch_m = self._stretch_m(spring)
-            if abs(stretch_m) < STILL_M:
-                return ()
             springs.append(replace(spring, stiffness_N_per_m=spring_N_per_m(pull, stretch_m)))
         return tuple(springs)
 
     def loss_factor(self) -> float | None:
         """Returns the largest loss factor of a panel's material at the frequencies that move it."""
-        if not has_effect(self._run.case, "panel-deformation"):
-            return None
-        factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels]
-        return max((one for one in factors if one is not None), default=None)
+        factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels if self._bend]
+        return max((factor for factor in factors if factor is not None), default=None)
 
     def turned(self) -> Turned | None:
         """Returns the power of the exciters in the window, and their largest torque before it,
@@ -216,13 +218,12 @@ class ObservedMotion:
         it."""
         exciters = list(self._run.case.screen.exciters.values())
         path = "energy/supplied.frames.exciter_J"
-        if not self._run.has(path) or any(one.motor for one in exciters):
+        if not self._run.has(path) or any(exciter.motor for exciter in exciters):
             return None
         time_s, given_J = self._run.read("energy/time_s"), self._run.read(path)
         start_s, end_s = self._window_s
         inside = (time_s >= start_s - 1e-12) & (time_s <= end_s + 1e-12)
-        slowest = min(exciters, key=lambda one: one.speed_rad_per_s)
-        turned_rad = angle_rad(time_s, slowest)
+        turned_rad = angle_rad(time_s, min(exciters, key=lambda exciter: exciter.speed_rad_per_s))
         before_rad = turned_rad - 2 * np.pi
         before_J = np.interp(before_rad, turned_rad, given_J)
         torque_N_m = (given_J - before_J)[before_rad >= 0] / (2 * np.pi)
@@ -235,58 +236,46 @@ class ObservedMotion:
         """Returns a part of the displacement at a frame's outermost clamp over the translation of its
         centre of mass, of the frame for which it is largest; None where the solver leaves out the
         effect, or nothing moves."""
-        moved_m = {name: np.linalg.norm(self._moved(name)) for name in free_frames(self._scene.plan)}
-        free = [name for name, size_m in moved_m.items() if size_m > 0]
-        if not free or not has_effect(self._run.case, effect):
+        ratios = []
+        for name in free_frames(self._scene.plan) if has_effect(self._run.case, effect) else ():
+            moved_m = self.phasor(name)
+            if size_m := np.linalg.norm(moved_m):
+                arms_m = clamps_m(self._scene, name) - self._bodies[name].center_of_mass_m
+                at_clamps_m = part(moved_m, self.phasor(name, "rotation_rad"), arms_m)
+                ratios.append((float(np.linalg.norm(at_clamps_m, axis=-1).max() / size_m), name))
+        if not ratios:
             return None
-        ratio, name = max((self._part_m(name, part) / moved_m[name], name) for name in free)
-        return float(ratio), f"at the outermost clamp of {name}"
-
-    def _part_m(self, frame: str, part: MotionPart) -> float:
-        body = next(one for one in self._scene.plan.bodies if one.name == frame)
-        arms_m = clamps_m(self._scene, frame) - body.center_of_mass_m
-        at_clamps_m = part(self._moved(frame), self._phasor(frame, "rotation_rad"), arms_m)
-        return float(np.linalg.norm(at_clamps_m, axis=-1).max())
+        ratio, name = max(ratios)
+        return ratio, f"at the outermost clamp of {name}"
 
     def _pull(self, panel: MovedPanel) -> tuple[Array, Array]:
-        """Times (rows,) and pull (rows,) of a panel in the window."""
-        group, along = f"forces/{panel.panel.name}", panel.panel.rectangle.along
-        time_s = self._run.read(f"{group}/time_s")
-        inside = within(time_s, *self._window_s, self._cycle_s)
-        first_N, second_N = (self._run.read(f"{group}/{n}_clamp_N")[inside] for n in ("first", "second"))
-        return time_s[inside], panel_pull_N(first_N, second_N, along)
+        """Returns times (rows,) and pull (rows,) of a panel in the window."""
+        time_s, first_N, second_N = (
+            self._run.read_between(f"forces/{panel.panel.name}", column, *self._window_s)
+            for column in ("time_s", "first_clamp_N", "second_clamp_N")
+        )
+        return time_s, panel_pull_N(first_N, second_N, panel.panel.rectangle.along)
 
     def _stretch_m(self, spring: PanelSpring) -> complex:
-        """Phasor of the panel's second end against the first, along it."""
-        ends = zip(spring.frames, spring.ends_m, (-1.0, 1.0), strict=True)
-        return complex(
-            sum(sign * self._carried(frame, place_m) @ spring.along for frame, place_m, sign in ends)
-        )
+        """Returns the phasor of the panel's second end against the first, along it."""
+        first_m, second_m = map(self._carried, spring.frames, spring.ends_m)
+        return complex((second_m - first_m) @ spring.along)
 
     def _carried(self, frame: str, place_m: Array) -> Phasors:
-        """Phasor (3,) of a place on a frame that turns little; the ground stands."""
-        bodies = [body for body in self._scene.plan.bodies if body.name == frame]
-        if not bodies:
+        """Returns the phasor (3,) of a place on a frame that turns little; the ground stands."""
+        if frame not in self._bodies:
             return np.zeros(3, complex)
-        arm_m = place_m - bodies[0].center_of_mass_m
-        return self._moved(frame) + np.cross(self._phasor(frame, "rotation_rad"), arm_m)
+        arm_m = place_m - self._bodies[frame].center_of_mass_m
+        return self.phasor(frame) + np.cross(self.phasor(frame, "rotation_rad"), arm_m)
 
     def _shape(self, panel: MovedPanel) -> Shape:
-        """From every sync point of the cycles in the window."""
+        """Returns the shape from every sync point of the cycles in the window."""
         rows = self._run.read_cycles(f"panel_cycles/{panel.panel.name}", *self._window_s)
         return Shape(
             sag_m=float(rows["sag_most_m"].max()),
             travel_m=float(rows["middle_most_m"].max() - rows["middle_least_m"].min()),
             strain=max(0.0, float(rows["stretch_most"].max())),
         )
-
-    def _moved(self, frame: str) -> Phasors:
-        return self._phasor(frame, "displacement_m")
-
-    def _read_phasor(self, frame: str, name: str) -> Phasors:
-        """(3,) of a frame's motion, in world axes."""
-        time_s, values = (self._run.read(f"frames/{frame}/{one}") for one in ("time_s", name))
-        return first_harmonic(time_s, values, self._cycle_s, *self._window_s).phasor
 
 
 def spring_N_per_m(pull_N: complex, stretch_m: complex) -> float:

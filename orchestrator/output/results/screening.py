@@ -11,19 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.output.results.estimate import Estimate
-from orchestrator.output.results.events import (
-    LOST,
-    OVERSIZE,
-    UNDERSIZE,
-    Events,
-    Exits,
-    per_cycle,
-    sum_per_cycle,
-)
+from orchestrator.output.results.estimate import Estimate, share
+from orchestrator.output.results.events import LOST, OVERSIZE, UNDERSIZE, Events, Exits, hold_up_kg, per_cycle
 from orchestrator.ports import Array, Indices
 
 FINE, COARSE = 0, 1
+CLASSES, FEWEST_IN_CLASS = 12, 10
 PLACEMENTS = (  # all but the first need a cut size
     *("oversize_yield", "efficiency", "fine_placement", "coarse_placement", "misplaced"),
     "fines_in_oversize",
@@ -67,15 +60,6 @@ def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, fl
         "cumulative_efficiency": share(float(passed_kg[: place + 1].sum()), fines_kg),
         "local_efficiency": share(passed_kg[place], fines_kg - float(passed_kg[:place].sum())),
     }
-
-
-def share(part: float, whole: float) -> float:
-    """Returns the part over the whole; NaN where there is nothing to share."""
-    return float(part) / float(whole) if whole > 0 else float("nan")
-
-
-CLASSES = 12
-FEWEST_IN_CLASS = 10
 
 
 def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
@@ -126,75 +110,66 @@ def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
 
 def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
     """Returns every metric that needs no more than what went in and out."""
-    removed, exits = events.removed, events.exits
+    removed, exits, counted = events.removed, events.exits, events.counted
     fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
     group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
     count = len(exits.names)
-    out = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * count)
-    out = out.reshape(-1, count, 2)
-    lost = int((removed.exit == LOST).sum())
-    counted = events.counted
-    figures: dict[str, Any] = {
-        "cut_size_m": cut_m,
-        "lost_particles": lost,
-        "particles": int(counted.sum()),
-        "fine_particles": int((counted & (fine == FINE)).sum()),
-    }
-    figures |= _flows(events, out)
+    out_kg = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * count)
+    out_kg = out_kg.reshape(-1, count, 2)
 
     def placement(name: str) -> Estimate:
-        return events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out)
+        return events.figure(lambda kg: 100.0 * placements(kg, exits)[name], out_kg)
 
+    table: dict[str, Any] = {
+        "cut_size_m": cut_m,
+        "lost_particles": int((removed.exit == LOST).sum()),
+        "particles": int(counted.sum()),
+        "fine_particles": int((counted & (fine == FINE)).sum()),
+        **_flows(events, out_kg),
+    }
     names = PLACEMENTS if cut_m is not None else PLACEMENTS[:1]
-    figures |= {f"{name}_percent": placement(name) for name in names}
+    table |= {f"{name}_percent": placement(name) for name in names}
     if cut_m is not None:
-        figures["recovered_percent"] = _recovered(events, out, cut_m)
-    figures["sections"] = _sections(events, out, cut_m is not None)
-    figures["partition"] = _partition(events, cut_m)
-    return figures
+        table["recovered_percent"] = _recovered(events, out_kg, cut_m)
+    table["sections"] = _sections(events, out_kg, cut_m is not None)
+    table["partition"] = _partition(events, cut_m)
+    return table
 
 
-def _recovered(events: Events, out: Array, cut_m: float) -> Estimate:
-    """Fines passed over fines that came in: unlike the fine placement, fines that stay on the
+def _recovered(events: Events, out_kg: Array, cut_m: float) -> Estimate:
+    """Returns fines passed over fines that came in: unlike the fine placement, fines that stay on the
     deck count as not recovered."""
     fed = events.fed
     came = np.where(fine_or_coarse(fed.diameter_m, cut_m) == FINE, 0, -1)
-    came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came, 1)[:, 0]
-    passed_kg = out[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
+    came_kg = per_cycle(fed.time_s, fed.mass_kg, events.edges_s, came)[:, 0]
+    passed_kg = out_kg[:, events.exits.of(UNDERSIZE), FINE].sum(axis=1)
     pairs = np.column_stack([passed_kg, came_kg])
     return events.figure(lambda sums: 100.0 * share(sums[0], sums[1]), pairs)
 
 
-def _flows(events: Events, out: Array) -> dict[str, Any]:
-    """Mass rates; ``hold_up_kg`` is all that was fed and has not left."""
-    fed, removed, edges_s = events.fed, events.removed, events.edges_s
-    fed_kg = sum_per_cycle(fed.time_s, np.where(fed.time_s > 0, fed.mass_kg, 0.0), edges_s)
-    held = float(fed.mass_kg[fed.time_s <= 0].sum()) + np.concatenate(
-        [[0.0], np.cumsum(fed_kg - sum_per_cycle(removed.time_s, removed.mass_kg, edges_s))]
-    )
-    mean_kg = np.column_stack([(held[1:] + held[:-1]) / 2, np.ones(len(held) - 1)])
-    length_s = np.diff(edges_s)
-    products = {p: out[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
+def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
+    """Returns mass rates; ``hold_up_kg`` is all that was fed and has not left."""
+    held_kg, length_s = hold_up_kg(*events.balance_kg), np.diff(events.edges_s)
+    flows = {"feed": events.balance_kg[0]}
+    flows |= {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
     return {
-        "feed_kg_per_s": events.rate(fed_kg),
-        **{f"{name}_kg_per_s": events.rate(kg) for name, kg in products.items()},
-        "hold_up_kg": events.figure(lambda sums: sums[0] / sums[1], mean_kg),
+        **{f"{name}_kg_per_s": events.rate(kg) for name, kg in flows.items()},
+        "hold_up_kg": events.ratio((held_kg[1:] + held_kg[:-1]) / 2, np.ones(len(length_s))),
         "in_time": {
-            "time_s": edges_s[1:],
-            "feed_kg_per_s": fed_kg / length_s,
-            **{f"{name}_kg_per_s": kg / length_s for name, kg in products.items()},
-            "hold_up_kg": held[1:],
+            "time_s": events.edges_s[1:],
+            **{f"{name}_kg_per_s": kg / length_s for name, kg in flows.items()},
+            "hold_up_kg": held_kg[1:],
         },
     }
 
 
-def _sections(events: Events, out: Array, divided: bool) -> list[dict[str, Any]]:
-    """Of every exit for undersize, in the case's order."""
+def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, Any]]:
+    """Returns the shares of every exit for undersize, in the case's order."""
     numbers = events.exits.of(UNDERSIZE)
     names = ("yield", "cumulative_efficiency", "local_efficiency") if divided else ("yield",)
 
     def estimate(place: int, name: str) -> Estimate:
-        return events.figure(lambda kg: 100.0 * section_shares(kg, numbers, place)[name], out)
+        return events.figure(lambda kg: 100.0 * section_shares(kg, numbers, place)[name], out_kg)
 
     return [
         {"exit": events.exits.names[number]} | {f"{name}_percent": estimate(place, name) for name in names}
@@ -203,7 +178,7 @@ def _sections(events: Events, out: Array, divided: bool) -> list[dict[str, Any]]
 
 
 def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
-    """Classes, partition numbers, d50 and Ep; None as long as nothing has left."""
+    """Returns classes, partition numbers, d50 and Ep; None as long as nothing has left."""
     removed, counted = events.removed, events.counted
     if not counted.any():
         return None
@@ -212,20 +187,18 @@ def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
     size = np.clip(np.searchsorted(edges, removed.diameter_m, side="right") - 1, 0, classes - 1)
     over = np.isin(removed.exit, events.exits.of(OVERSIZE))
     group = np.where(removed.exit == LOST, -1, 2 * size + over)
-    mass = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * classes)
-    mass = mass.reshape(-1, classes, 2)
+    mass_kg = per_cycle(removed.time_s, removed.mass_kg, events.edges_s, group, 2 * classes)
+    mass_kg = mass_kg.reshape(-1, classes, 2)
     number = np.bincount(size[counted], minlength=classes)
-    summed = np.bincount(size[counted], removed.diameter_m[counted], classes)
-    mean_m = np.divide(summed, number, out=np.full(classes, np.nan), where=number > 0)
-    total = mass[events.window].sum(axis=0)
-    d50 = events.figure(lambda s: cut_and_spread(mean_m, partition(s[:, 0], s[:, 1]))[0], mass)
-    spread = events.figure(lambda s: cut_and_spread(mean_m, partition(s[:, 0], s[:, 1]))[1], mass)
+    summed_m = np.bincount(size[counted], removed.diameter_m[counted], classes)
+    mean_m = np.divide(summed_m, number, out=np.full(classes, np.nan), where=number > 0)
+    total_kg = mass_kg[events.window].sum(axis=0)
     return {
         "edges_m": edges,
         "mean_m": mean_m,
         "particles": number,
-        "feed_percent": 100 * total.sum(axis=1) / total.sum(),
-        "oversize_percent": 100 * partition(total[:, 0], total[:, 1]),
-        "d50_m": d50,
-        "ep_m": spread,
+        "feed_percent": 100 * total_kg.sum(axis=1) / total_kg.sum(),
+        "oversize_percent": 100 * partition(*total_kg.T),
+        "d50_m": events.figure(lambda kg: cut_and_spread(mean_m, partition(*kg.T))[0], mass_kg),
+        "ep_m": events.figure(lambda kg: cut_and_spread(mean_m, partition(*kg.T))[1], mass_kg),
     }

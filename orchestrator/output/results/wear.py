@@ -9,46 +9,42 @@ import numpy as np
 from orchestrator.case.deck.line import DeckLine
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.output.cycles import cycle_numbers
-from orchestrator.output.results.bed import mean_by_cycles
+from orchestrator.output.results.estimate import mean_by_cycles
 from orchestrator.output.results.run_reader import RunReader
 from orchestrator.ports import Array
 
 HOUR_S = 3600.0
 
 
-def wear_metrics(
-    run: RunReader, start_s: float, end_s: float, is_steady: bool, deck: DeckLine | None
-) -> dict[str, Any] | None:
+def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any] | None:
     """Returns the wear from the output times from ``start_s`` to ``end_s``; intervals only where it is
     steady. None if fewer than two output times lie there."""
-    names = [panel.name for panel in single_panels(run.case)]
-    time = run.read(f"wear/{names[0]}/time_s")
-    there = np.flatnonzero((time >= start_s - 1e-9) & (time <= end_s + 1e-9))
+    panels = {panel.name: panel for panel in single_panels(run.case)}
+    time_s = run.read(f"wear/{next(iter(panels))}/time_s")
+    there = np.flatnonzero((time_s >= start_s - 1e-9) & (time_s <= end_s + 1e-9))
     if len(there) < 2:
         return None
-    first, last = int(there[0]), int(there[-1])
-    span = slice(first, last + 1)
-    cycle = cycle_numbers(time[span][1:], run.cycle_s, float(time[first]))
-    panels, rates = {}, []
-    for panel in single_panels(run.case):
-        mean_m, depth_m = (run.read(f"wear/{panel.name}/{name}") for name in ("mean_m", "depth_m"))
-        hours = (time[last] - time[first]) / HOUR_S
-        depth_m_per_h = (depth_m[last] - depth_m[first]) / hours
-        growth_m_per_h = np.diff(mean_m[span]) / np.diff(time[span]) * HOUR_S
-        rates.append(depth_m_per_h)
-        panels[panel.name] = {
-            "worn_m3": float(run.read(f"wear/{panel.name}/worn_m3")[-1]),
-            "mean_m_per_h": mean_by_cycles(growth_m_per_h, cycle, is_steady),
+    time_s = time_s[there]
+    hours = (time_s[-1] - time_s[0]) / HOUR_S
+    cycle = cycle_numbers(time_s[1:], run.cycle_s, float(time_s[0]))
+    table = {}
+    for name, panel in panels.items():
+        mean_m, depth_m = (run.read(f"wear/{name}/{column}")[there] for column in ("mean_m", "depth_m"))
+        depth_m_per_h = (depth_m[-1] - depth_m[0]) / hours
+        table[name] = {
+            "worn_m3": float(run.read(f"wear/{name}/worn_m3")[-1]),
+            "mean_m_per_h": mean_by_cycles(np.diff(mean_m) / np.diff(time_s) * HOUR_S, cycle, is_steady),
             **_deepest(depth_m_per_h, panel.table.thickness_m),
             "depth_m_per_h": depth_m_per_h,
         }
-    table: dict[str, Any] = {"start_s": time[first], "end_s": time[last], "panels": panels}
-    return table | {"profile": _profile(run, names, rates, deck) if deck else None}
+    rates = [panel["depth_m_per_h"] for panel in table.values()]
+    profile = _profile(run, list(panels), rates, run.deck) if run.deck else None
+    return {"start_s": time_s[0], "end_s": time_s[-1], "panels": table, "profile": profile}
 
 
 def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
-    """The patch that wears fastest: its rate, its middle as shares of length and width, and when
-    it is worn through."""
+    """Returns of the patch that wears fastest: its rate, its middle as shares of length and width, and
+    when it is worn through."""
     row, column = np.unravel_index(int(np.nanargmax(depth_m_per_h)), depth_m_per_h.shape)
     rate = float(depth_m_per_h[row, column])
     middle = (np.array([row, column]) + 0.5) / depth_m_per_h.shape
@@ -60,7 +56,7 @@ def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
 
 
 def _profile(run: RunReader, names: list[str], rates: list[Array], deck: DeckLine) -> dict[str, Array]:
-    """Means across the width, along the deck."""
+    """Returns means across the width, along the deck."""
     points = [run.history[f"panels/{name}/centre_line_m"].shape[1] for name in names]
     along, mean, passed = [], [], 0
     for number, forth in deck.panels:

@@ -278,7 +278,7 @@ def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
                     recording_file.write(file, record(run.folder, None).file)
                     sets = [f"panel.recording={file.resolve()}"]
                 else:
-                    sets = list(drives(run.folder))
+                    sets = drives(run.folder)
                 made = replace(setting, sets=(*setting.sets, *sets))
                 yield study.combine(ALONE, {series.axis: made})
             except CaseError as error:

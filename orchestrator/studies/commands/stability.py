@@ -30,7 +30,7 @@ from orchestrator.output.report.drawing import save
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
 from orchestrator.studies.options import Told
-from orchestrator.studies.points import CaseStudy, Point, run_points, summary_of
+from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
 from orchestrator.studies.quantities import outcome
 from orchestrator.studies.report import figure_parts, write_csv, write_page
 from orchestrator.studies.verdicts import (
@@ -40,7 +40,6 @@ from orchestrator.studies.verdicts import (
     verdict_table,
     write_verdicts,
 )
-from orchestrator.studies.workers import Crew
 
 MAP_FILE = "map.toml"
 PLAIN = "particles-first"
