@@ -65,7 +65,17 @@ def constant(*deviations: float) -> Callable[[Array], Array]:
 def screen(x: Array, band: float = 0.0) -> Array:
     """Velocity in m/s and efficiency, as its logit, of a screen; slope, stroke, frequency, tension in -1 ... 1."""
     b, a, f, d = x.T
-    g = 1.62 - 1.9 * b - 0.75 * a - 0.07 * f - 0.11 * d - 0.15 * a * b - 0.10 * f * b + 0.12 * b**2 - 0.22 * d**2
+    g = (
+        1.62
+        - 1.9 * b
+        - 0.75 * a
+        - 0.07 * f
+        - 0.11 * d
+        - 0.15 * a * b
+        - 0.10 * f * b
+        + 0.12 * b**2
+        - 0.22 * d**2
+    )
     v = 1.32 + 0.71 * b + 0.16 * a + 0.05 * f + 0.08 * d + 0.07 * a * b + 0.06 * f * b
     v += -0.045 * a**2 + 0.045 * b**2 + 0.06 * d**2
     r = band * np.exp(-(((f - 0.15 - 0.45 * d) / 0.30) ** 2))
@@ -100,7 +110,12 @@ def hartmann(x: Array) -> Array:
     """Smallest -3.32237 at (0.20169, 0.150011, 0.476874, 0.275332, 0.311652, 0.6573)."""
     heights = np.array([1.0, 1.2, 3.0, 3.2])
     widths = np.array(
-        [[10, 3, 17, 3.5, 1.7, 8], [0.05, 10, 17, 0.1, 8, 14], [3, 3.5, 1.7, 10, 17, 8], [17, 8, 0.05, 10, 0.1, 14]]
+        [
+            [10, 3, 17, 3.5, 1.7, 8],
+            [0.05, 10, 17, 0.1, 8, 14],
+            [3, 3.5, 1.7, 10, 17, 8],
+            [17, 8, 0.05, 10, 0.1, 14],
+        ]
     )
     centres = 1e-4 * np.array(
         [
@@ -141,7 +156,9 @@ def bnh(x: Array) -> Array:
 
 
 def _space(low: float | list[float], high: float | list[float], factors: int) -> Space:
-    return Space(np.broadcast_to(np.array(low, float), factors), np.broadcast_to(np.array(high, float), factors))
+    return Space(
+        np.broadcast_to(np.array(low, float), factors), np.broadcast_to(np.array(high, float), factors)
+    )
 
 
 EFFICIENT = Aim((Goal(0, 1.0),), (Limit(1, 1.0, float(np.log(80 / 20))),))
@@ -151,10 +168,17 @@ BEST_VELOCITY = {"plain": 1.542, "band": 1.540}
 SMALL = Aim((Goal(0, -1.0),))
 BRANIN = Problem(branin, constant(1.0), _space([-5, 0], [10, 15], 2), SMALL)
 HARTMANN = Problem(hartmann, constant(0.03), _space(0, 1, 6), SMALL)
-GARDNER_1 = Problem(gardner_1, constant(0.05, 0.05), _space(0, 6, 2), Aim((Goal(0, -1.0),), (Limit(1, -1.0, 0.5),)))
-GARDNER_2 = Problem(gardner_2, constant(0.05, 0.02), _space(0, 6, 2), Aim((Goal(0, -1.0),), (Limit(1, -1.0, -0.95),)))
+GARDNER_1 = Problem(
+    gardner_1, constant(0.05, 0.05), _space(0, 6, 2), Aim((Goal(0, -1.0),), (Limit(1, -1.0, 0.5),))
+)
+GARDNER_2 = Problem(
+    gardner_2, constant(0.05, 0.02), _space(0, 6, 2), Aim((Goal(0, -1.0),), (Limit(1, -1.0, -0.95),))
+)
 TWO_SMALL = (Goal(0, -1.0), Goal(1, -1.0))
 ZDT1 = Problem(zdt1, constant(0.0, 0.0), _space(0, 1, 4), Aim(TWO_SMALL))
 BNH = Problem(
-    bnh, constant(0.0, 0.0, 0.0, 0.0), _space(0, [5, 3], 2), Aim(TWO_SMALL, (Limit(2, -1.0, 25.0), Limit(3, 1.0, 7.7)))
+    bnh,
+    constant(0.0, 0.0, 0.0, 0.0),
+    _space(0, [5, 3], 2),
+    Aim(TWO_SMALL, (Limit(2, -1.0, 25.0), Limit(3, 1.0, 7.7))),
 )

@@ -180,7 +180,8 @@ def _gain(gains: Array, kept: npt.NDArray[np.bool_], new: Array, new_kept: npt.N
 
 
 def reference_point(gains: Array, kept: npt.NDArray[np.bool_]) -> Array:
-    """Choose the point, (goals,), that the hypervolume is measured from: a tenth below the front's ends."""
-    front = gains[:, nondominated(gains, kept)] if kept.any() else gains
-    low, high = front.min(axis=1), np.maximum(front.max(axis=1), front.min(axis=1) + 1e-9)
-    return low - 0.1 * (high - low)
+    """Choose the point, (goals,), that the hypervolume is measured from: a tenth of their range below the
+    lowest gains of the settings done that keep the limits, or of all where none does."""
+    known = gains[:, kept] if kept.any() else gains
+    low, high = known.min(axis=1), known.max(axis=1)
+    return low - 0.1 * np.maximum(high - low, 1e-9)

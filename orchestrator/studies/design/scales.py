@@ -1,0 +1,43 @@
+"""Scales on which surrogates see responses, so that what they predict can exist."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+ENDS = 0.05  # percent: shares nearer to 0 and 100 are moved here, since their logit is not finite
+
+
+@dataclass(frozen=True)
+class Scale:
+    """``to_fit`` gives values as surrogates see them, ``from_fit`` takes them back, ``slope`` is the
+    derivative of ``to_fit``, by which standard deviations go over."""
+
+    to_fit: Callable[[Array | float], Array]
+    from_fit: Callable[[Array | float], Array]
+    slope: Callable[[Array | float], Array]
+
+
+def _inside(percent: Array | float) -> Array:
+    return np.clip(percent, ENDS, 100.0 - ENDS)
+
+
+def _plain(value: Array | float) -> Array:
+    return np.asarray(value, float)
+
+
+SCALES = {
+    "plain": Scale(_plain, _plain, lambda value: np.ones_like(_plain(value))),
+    "percent": Scale(
+        lambda percent: np.log(_inside(percent) / (100.0 - _inside(percent))),
+        lambda logit: 100.0 / (1.0 + np.exp(-_plain(logit))),
+        lambda percent: 100.0 / (_inside(percent) * (100.0 - _inside(percent))),
+    ),
+    "logarithm": Scale(
+        lambda value: np.log(np.maximum(value, 1e-300)), np.exp, lambda value: 1.0 / np.maximum(value, 1e-300)
+    ),
+}
