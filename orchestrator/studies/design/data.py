@@ -1,0 +1,77 @@
+"""The data of a study: settings, responses as surrogates see them, and the noise of each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from orchestrator.studies.design.scales import Scale
+from orchestrator.studies.design.trials import Outcome
+
+Array = npt.NDArray[np.float64]
+UNLIKELY = 0.01  # replicates that scatter more than this probability allows are believed, not the runs' intervals
+
+
+@dataclass(frozen=True)
+class Data:
+    """``x`` (n, f) coded, ``y`` (n, m) on the surrogates' scales, ``variance`` (n, m) of the noise, and by how
+    much, (m,), the runs' own intervals had to be widened to agree with their replicates."""
+
+    x: Array
+    y: Array
+    variance: Array
+    widened: Array
+
+    @classmethod
+    def of(cls, outcomes: Sequence[Outcome], scales: Mapping[str, Scale]) -> Data:
+        """Collect the outcomes that are data; a response that a run does not have is not a number."""
+        rows = sorted((each for each in outcomes if each.is_data), key=lambda each: each.trial.number)
+        x = np.array([each.trial.setting for each in rows])
+        y, variance = np.full((2, len(rows), len(scales)), np.nan)
+        for i, each in enumerate(rows):
+            for j, (name, scale) in enumerate(scales.items()):
+                if name in each.responses:
+                    measured = each.responses[name]
+                    y[i, j] = scale.to_fit(measured.value)
+                    if measured.deviation is not None:
+                        variance[i, j] = (measured.deviation * scale.slope(measured.value)) ** 2
+        widened = np.ones(len(scales))
+        for j in range(len(scales)):
+            variance[:, j], widened[j] = completed_variance(x, y[:, j], variance[:, j])
+        return cls(x, y, variance, widened)
+
+
+def completed_variance(x: Array, y: Array, variance: Array) -> tuple[Array, float]:
+    """Complete the noise of a response, (n,), and hold it against runs of one setting.
+
+    A run without an interval gets the scatter of replicates, or the median noise of the others.  Where replicates
+    scatter more than their intervals allow (chi-square test), all are widened by the ratio.  Where nothing tells
+    of the noise, it is a thousandth of the data's variance.
+
+    Returns
+    -------
+    variances, (n,), and the factor on standard deviations by which they were widened.
+    """
+    known = np.isfinite(y)
+    _, group = np.unique(x.round(9), axis=0, return_inverse=True)
+    squares, freedom, expected = 0.0, 0, 0.0
+    for number in range(group.max(initial=-1) + 1):
+        members = known & (group == number)
+        if members.sum() > 1:
+            squares += float(((y[members] - y[members].mean()) ** 2).sum())
+            freedom += int(members.sum()) - 1
+            expected += float((members.sum() - 1) * np.mean(variance[members]))
+    pooled = squares / freedom if freedom else np.nan
+    own = variance[known & np.isfinite(variance)]
+    spread = float(np.var(y[known])) if known.any() else 0.0
+    fallback = pooled if np.isfinite(pooled) and not len(own) else np.median(own) if len(own) else 1e-3 * spread
+    complete = np.where(np.isfinite(variance), variance, fallback)
+    if freedom and np.isfinite(expected) and expected > 0:
+        ratio = squares / expected
+        if stats.chi2.sf(freedom * ratio, freedom) < UNLIKELY:
+            return complete * ratio, float(np.sqrt(ratio))
+    return complete, 1.0

@@ -1,0 +1,99 @@
+"""Trials of a study and what came of them, kept beside their runs.
+
+A trial is a setting with a choice of random numbers; it is written down before its run begins, so that a
+study that was ended at any moment goes on with the same trials.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Literal, Protocol
+
+from orchestrator.output.records.run_folder import write_json
+
+Stage = Literal["centre", "plan", "search", "confirm"]
+DONE = "done"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One run that is asked for: a coded setting, and the number that is added to the case's seeds.
+
+    ``role`` says what a confirming run is of; ``predicted`` is what the surrogate said of each response when
+    the trial was proposed: value and standard deviation.
+    """
+
+    number: int
+    stage: Stage
+    setting: tuple[float, ...]
+    seed: int
+    role: str = ""
+    predicted: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The name of its run's folder."""
+        return f"{self.number:04d}"
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A response of one run; ``deviation`` is the standard deviation of its noise, None where unknown."""
+
+    value: float
+    deviation: float | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a trial: the run's status, why it gives no data (empty where it does), and its responses."""
+
+    trial: Trial
+    status: str
+    why: str = ""
+    responses: Mapping[str, Measured] = field(default_factory=dict)
+    wall_s: float = 0.0
+
+    @property
+    def is_data(self) -> bool:
+        """Whether the surrogates may see it."""
+        return not self.why
+
+
+class Evaluator(Protocol):
+    """What makes trials: runs of a case, or, in tests, a function with noise."""
+
+    side_by_side: int
+    """The number of trials that are made at a time."""
+
+    def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
+        """Make trials, and yield what came of each in the order in which they end.
+
+        The next trial is taken only when there is room for it, so that it may depend on what ended before.
+        """
+        ...
+
+
+class Journal:
+    """The trials of a study, each in a file beside its run's folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def read(self) -> list[Trial]:
+        """Read all trials, in order."""
+        return [_trial(file) for file in sorted(self._folder.glob("[0-9]*.trial.json"))]
+
+    def write(self, trial: Trial) -> None:
+        """Write a trial down."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        write_json(self._folder / f"{trial.name}.trial.json", asdict(trial))
+
+
+def _trial(file: Path) -> Trial:
+    table = json.loads(file.read_text(encoding="utf-8"))
+    predicted = {name: (mean, deviation) for name, (mean, deviation) in table.pop("predicted").items()}
+    return Trial(**table | {"setting": tuple(table["setting"]), "predicted": predicted})
