@@ -274,7 +274,7 @@ def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iter
             if need not in names and EFFECTS[need].overlay(case):
                 what = f'"{name}" needs "{need}", which is not named'
                 yield CaseProblem(KEY, what, f'name "{need}", too, or neither')
-        if not effect.described(case):
+        if not effect.is_described(case):
             yield CaseProblem(KEY, f'"{name}": the case does not describe it', effect.key)
         elif (why := why_left_out(case, name)) and name not in without:
             hint = f'change that, or let the level say without = ["{name}"]'

@@ -17,6 +17,7 @@ from typing import ClassVar
 import numpy as np
 
 from orchestrator.ports import Array, Saved
+from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 from orchestrator.ports.state import restore_attributes, save_attributes
 
@@ -58,20 +59,6 @@ class Unbalance:
         speed = full / 2 * (1 - np.cos(rate * rising))
         growth = np.where(since_s < run_up_s, full / 2 * rate * np.sin(rate * rising), 0.0)
         return angle + phase, speed, growth
-
-
-def motor_torque_N_m(motor: MotorPlan, lag_rad_per_s: Array) -> Array:
-    """Return an induction motor's torque at a lag of its shaft behind the synchronous speed.
-
-    Kloss, Archiv fuer Elektrotechnik 5, 1916, 59-87: 2 T d D / (d^2 + D^2) at the lag d, where T is
-    the breakdown torque, at the lag D.
-    """
-    rated_rad_per_s = motor.rated_slip * motor.synchronous_rad_per_s
-    rated_N_m = motor.rated_power_W / (motor.synchronous_rad_per_s - rated_rad_per_s)
-    surplus = motor.breakdown_ratio
-    breakdown_rad_per_s = rated_rad_per_s * (surplus + math.sqrt(surplus**2 - 1))
-    twice_N_m = 2 * surplus * rated_N_m * breakdown_rad_per_s
-    return np.asarray(twice_N_m * lag_rad_per_s / (lag_rad_per_s**2 + breakdown_rad_per_s**2))
 
 
 class Shaft:

@@ -13,7 +13,7 @@ from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_volume_m3
-from orchestrator.preflight.scene.contacts import softness
+from orchestrator.preflight.scene.contacts import compute_softness
 from orchestrator.preflight.scene.scene import scene
 
 
@@ -177,9 +177,9 @@ def too_soft(case: Case) -> Iterator[str]:
     """Warns of contacts in which particles are expected to sink deeper than contact laws hold."""
     if not has_particles(case):
         return
-    found = softness(scene(case))
+    found = compute_softness(scene(case))
     if found.overlap > LARGEST_CARRIED_OVERLAP:
-        said = found.in_words(found.overlap, LARGEST_CARRIED_OVERLAP, found.where)
+        said = found.in_words(LARGEST_CARRIED_OVERLAP)
         yield (
             f"particles are expected to sink into what they meet by {found.overlap:.2g} of a "
             f"radius ({said}): beyond {LARGEST_CARRIED_OVERLAP:g} no contact law holds, at 1 they "

@@ -104,7 +104,7 @@ def all_needs(name: str) -> Iterator[str]:
 def has_effect(case: Case, name: str) -> bool:
     """Whether the case describes it and nothing leaves it out, nor what it needs."""
     effect = EFFECTS[name]
-    there = effect.described(case) and not why_left_out(case, name)
+    there = effect.is_described(case) and not why_left_out(case, name)
     return there and all(has_effect(case, one) for one in effect.needs)
 
 
@@ -134,7 +134,7 @@ def why_left_out(case: Case, name: str) -> str:
         return why
     for port, adapter in case.adapters.items():
         instead = adapter.leaves_out.get(name)
-        if instead is not None and effect.described(case):
+        if instead is not None and effect.is_described(case):
             return f"{port}.solver {getattr(case, port).solver}: {instead}"
     return ""
 
@@ -144,6 +144,6 @@ def find_left_out_by_level(bare: Case, at_level: Case) -> dict[str, str]:
     before, after = absent(bare) | find_left_out(bare), absent(at_level) | find_left_out(at_level)
     found = {name: why for name, why in after.items() if name not in before}
     for name, effect in EFFECTS.items():
-        if effect.overlay(bare) and effect.described(bare) and not effect.described(at_level):
+        if effect.overlay(bare) and effect.is_described(bare) and not effect.described(at_level):
             found.setdefault(name, "nothing in the case describes it any more")
     return found
