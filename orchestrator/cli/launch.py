@@ -1,4 +1,4 @@
-"""A run as the command line starts it: what is printed, what goes wrong, and the exit code.
+"""A run as the command line starts or resumes it: what is printed, what goes wrong, and the exit code.
 
 0 done, 1 an internal error, 2 the case or the output folder is wrong, 3 a solver is
 missing, 4 a solver failed or the run became unstable or its results could not be written, 5 done
@@ -9,6 +9,7 @@ but not to be trusted, 6 done but its results could not be made, 129 (SIGHUP), 1
 from __future__ import annotations
 
 import io
+import json
 import os
 import shlex
 import signal
@@ -16,6 +17,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -28,7 +30,16 @@ from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records import run_folder, summary, trust
-from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable, lock
+from orchestrator.output.records.run_folder import (
+    LOG,
+    OF_A_RUN,
+    SUMMARY,
+    FolderUnusable,
+    is_at_work,
+    lock,
+    write_case,
+    write_json,
+)
 from orchestrator.output.report.headline import headline
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
@@ -38,9 +49,12 @@ from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
+from orchestrator.run.origin import origin, refuse_another_run
+from orchestrator.run.origin import warnings as origin_warnings
 from orchestrator.run.run import Run
 from orchestrator.studies.pairs import try_before_run
 
+KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
 DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
 OUT = "out of memory"
 AT_ONCE = 128 + signal.SIGINT
@@ -51,15 +65,31 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     world = mpi.communicator()
     try:
         loaded = load_judged(path, level, overrides)
-        require_runnable(loaded)
+        _require_runnable(loaded)
         loaded = _decide_effects(loaded, path, level, overrides, world)
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
         folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
     except Exception as error:
-        return report_refusal(world, error)
-    return execute(loaded, entries, folder, world)
+        return _report_refusal(world, error)
+    return _execute(loaded, entries, folder, world)
+
+
+def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
+    """Goes on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
+    Returns the exit code."""
+    world = mpi.communicator()
+    try:
+        checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
+        as_saved = load_judged(folder, None, overrides)
+        loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
+        _require_runnable(loaded)
+        entries = account(loaded.described, loaded.left_out)
+        warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, checkpoint, loaded, world))
+        return _execute(loaded, entries, folder, world, checkpoint, warned)
+    except Exception as error:
+        return _report_refusal(world, error)
 
 
 def _decide_effects(
@@ -77,11 +107,52 @@ def _decide_effects(
     read = loaded.origin.read()
     share_pairs({key_of(read, name): known.get(name) for name in EFFECTS})
     loaded = load_judged(path, level, overrides)
-    require_runnable(loaded)
+    _require_runnable(loaded)
     return loaded
 
 
-def require_runnable(loaded: JudgedCase) -> None:
+def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
+    """Returns the last checkpoint that is whole, or the one of a sync point.  Raises FolderUnusable."""
+    if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
+        raise FolderUnusable(f"{folder}: is not the folder of a run")
+    if is_at_work(folder):
+        raise FolderUnusable(f"{folder}: the run is still going on")
+    checkpoint = (
+        checkpoints.newest(folder) if sync_point is None else checkpoints.at_sync_point(folder, sync_point)
+    )
+    if checkpoint is None and (torn := checkpoints.find_damage(folder)):
+        raise FolderUnusable(f"{folder}: no checkpoint that is whole:\n" + "\n".join(torn))
+    if checkpoint is None and sync_point is not None:
+        raise FolderUnusable(
+            f"{folder}: has no whole checkpoint of sync point {sync_point}; they are in "
+            f"{folder / checkpoints.FOLDER}"
+        )
+    if checkpoint is None:
+        raise FolderUnusable(
+            f"{folder}: nothing was saved; [checkpoint] in a case says when that is done, and what ends "
+            "a run with Ctrl-C does it, too"
+        )
+    return checkpoint
+
+
+def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, world: Any) -> list[str]:
+    """Makes the folder as it was at the checkpoint, and returns warnings about that.  Raises
+    FolderUnusable for what is another run."""
+    now = origin(loaded, folder, world)
+    refuse_another_run(checkpoint, now)
+    killed = [] if (folder / SUMMARY).exists() else [KILLED]
+    checkpoints.remove_later(folder, checkpoint)
+    checkpoint.put_back(folder)
+    for of_the_end in ("failure.txt", SUMMARY):
+        (folder / of_the_end).unlink(missing_ok=True)
+    write_case(folder, loaded)
+    provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    resumed = [*provenance.get("resumed", []), {"at_s": checkpoint.simulated_s, **now["provenance"]}]
+    write_json(folder / "provenance.json", provenance | {"resumed": resumed})
+    return [*killed, *checkpoint.torn, *origin_warnings(checkpoint, now)]
+
+
+def _require_runnable(loaded: JudgedCase) -> None:
     """Raises CaseError for a case with problems, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_all_problems(loaded):
@@ -89,7 +160,7 @@ def require_runnable(loaded: JudgedCase) -> None:
     loaded.case.panel.adapter.load()
 
 
-def report_refusal(world: Any, error: Exception) -> int:
+def _report_refusal(world: Any, error: Exception) -> int:
     """Prints once why nothing is run, and returns the exit code."""
     match error:
         case SolverMissing():
@@ -103,7 +174,7 @@ def report_refusal(world: Any, error: Exception) -> int:
     return mpi.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
 
 
-def execute(
+def _execute(
     loaded: JudgedCase,
     entries: Mapping[str, Entry],
     folder: Path,
@@ -135,7 +206,7 @@ def execute(
         except MemoryError as error:  # of panels' meshes; nothing has been computed
             if first and checkpoint is None:
                 run_folder.remove_folder(folder)
-            return report_refusal(world, error)
+            return _report_refusal(world, error)
         for line in stability.detail_lines():
             LOG.info(line)
         for line in lines:

@@ -44,7 +44,7 @@ def test_nobody_but_the_reader_opens_a_run() -> None:
         assert not FILES & texts or file == NAMING, f"{file} names a file that RunReader reads"
         if "SUMMARY" in names and not allowed:
             calls = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
-            assert "loads" not in calls or file == "orchestrator/cli/resume.py", file
+            assert "loads" not in calls or file == "orchestrator/cli/launch.py", file
 
 
 def test_the_manual_has_the_schema_of_the_history() -> None:

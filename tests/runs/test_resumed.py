@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.cli import launch
-from orchestrator.cli.resume import resume
+from orchestrator.cli.launch import resume
 from orchestrator.output import checkpoints
 from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
 from tests.runs.same_run import run_differences
