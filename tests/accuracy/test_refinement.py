@@ -20,10 +20,7 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
     """With particles on strips.  The scheme and model variants cover the registry."""
     case = load_judged(QUICKSTART, "draft").case
     there = offer(case, [*PARAMETERS], 3)
-    assert there.missing == {
-        "slice": "solver spheres knows no slice between periodic sides",
-        "cut-off": "no block or feed has a smallest_fed_m",
-    }
+    assert there.missing == {"cut-off": "no block or feed has a smallest_fed_m"}
     assert {series.variant for series in there.of("coupling")} == set(SCHEMES)
     assert {series.variant for series in there.of("panel")} == {
         "rigid",

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from orchestrator.ports import HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays
+from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.sizes import Sizes
@@ -29,7 +29,7 @@ from tests.saved_states import differences
 def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> list[str]:
     """What differs at the end between a run that never stops and one that another solver, freshly
     opened, takes over at ``save_at``; loads in between included."""
-    build = import_module(f"adapters.particles.{solver}").build
+    build = solver_adapter(solver).build
     whole, first, second = build(plan), build(plan), build(plan)
     travel(whole, wave, range(save_at))
     travel(first, wave, range(save_at))
@@ -58,7 +58,7 @@ INLET = Inlet(
 def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
     """With a feed that draws at random, and a meter."""
     feed = CountedFeed(plan.particles, Feeds([INLET], every=7))
-    opened = import_module(f"adapters.particles.{solver}").build(replace(plan, feed=feed))
+    opened = solver_adapter(solver).build(replace(plan, feed=feed))
     return MeteredParticles(opened, feed, solver, Stopwatch())
 
 

@@ -55,9 +55,11 @@ def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
 def test_what_is_loaded_is_what_the_case_calls_for() -> None:
     whole = loaded_by(BALL, "draft", [])
     rigid = loaded_by(BALL, "draft", ["panel.solver=rigid"])
-    assert {"panel.strip.panel", "particles.spheres.particles", "frames.prescribed"} <= whole
+    empty = loaded_by(BALL, "draft", ["particles.solver=none"])
+    assert {"panel.strip.panel", "particles.liggghts.particles", "frames.prescribed"} <= whole
     assert "panel.strip.panel" in whole - rigid
-    assert not whole & {"dolfinx", "exudyn", "mpi4py", "gmsh", "matplotlib"}
+    assert not whole & {"dolfinx", "exudyn", "gmsh", "matplotlib"}
+    assert "mpi4py" in whole - empty
 
 
 @pytest.mark.process

@@ -125,11 +125,11 @@ def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_pa
 def test_a_save_of_another_flipflow_is_said_to_be_one(
     stopped: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One that knew nothing of what the spheres need today; nothing of the save is lost."""
-    monkeypatch.setattr("adapters.particles.spheres.particles._STATE", ("_spheres", "_plan"))
+    """One that knew nothing of what the particles need today; nothing of the save is lost."""
+    monkeypatch.setattr("adapters.particles.liggghts.ledger._SUMS", ("_mass_kg", "_periodic"))
     assert resume(stopped, []) == launch.FAILED
     said = capsys.readouterr().err
-    assert "cannot be put back (KeyError: 'plan'): it was saved by another flipflow" in said
+    assert "cannot be put back (KeyError: 'periodic'): it was saved by another flipflow" in said
     monkeypatch.undo()
     assert resume(stopped, []) == launch.DONE
 

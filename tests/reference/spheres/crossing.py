@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from adapters.particles.spheres.contacts import Contacts
-from adapters.particles.spheres.spheres import Spheres
-from adapters.particles.spheres.triangle_spin import cross
 from orchestrator.ports import Array, Indices
+from tests.reference.spheres.contacts import Contacts
+from tests.reference.spheres.spheres import Spheres
+from tests.reference.spheres.triangle_spin import cross
 
 HALVINGS = 50  # of the way: to rounding
 ROUNDING = 1e-9  # of a barycentric weight: neighbouring triangles leave no gap between them

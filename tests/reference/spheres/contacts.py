@@ -9,12 +9,12 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from adapters.particles.spheres.rows import Rows
-from adapters.particles.spheres.smooth_patches import Places, find_minima, share_force
-from adapters.particles.spheres.spheres import Spheres
-from adapters.particles.spheres.triangle_spin import TriangleSpin, cross
 from orchestrator.ports import Array, Indices, Overlaps
 from orchestrator.ports.geometry import TriangleSurface, closest_on_triangle
+from tests.reference.spheres.rows import Rows
+from tests.reference.spheres.smooth_patches import Places, find_minima, share_force
+from tests.reference.spheres.spheres import Spheres
+from tests.reference.spheres.triangle_spin import TriangleSpin, cross
 
 SKIN = 0.2  # of the largest radius, of the lists of neighbours
 SAME_CONTACT = 0.5  # cosine between a contact's normals at two instants

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from adapters.particles.spheres.contacts import Contacts, Neighbours, find_contacts, match_contacts
-from adapters.particles.spheres.laws import ContactForces, Laws, across
-from adapters.particles.spheres.spheres import Spheres
 from orchestrator.ports import Array, ContactTangent, Indices, Motion
 from orchestrator.ports.geometry import TriangleSurface
+from tests.reference.spheres.contacts import Contacts, Neighbours, find_contacts, match_contacts
+from tests.reference.spheres.laws import ContactForces, Laws, across
+from tests.reference.spheres.spheres import Spheres
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.particles.solid_spheres import SolidSpheres
-from adapters.particles.spheres.rows import Rows
+from adapters.particles.liggghts.ledger import SolidSpheres
 from orchestrator.ports import Array, Indices, ParticleSnapshot, Removed
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
+from tests.reference.spheres.rows import Rows
 
 
 @dataclass

@@ -5,9 +5,9 @@ Equations, limits and what was measured: docs/theory/spheres.md.
 
 from __future__ import annotations
 
-from adapters.particles.spheres.particles import SpheresSolver
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.plans import Cost, ParticlesPlan, ParticlesWork
+from tests.reference.spheres.particles import SpheresSolver
 
 
 def build(plan: ParticlesPlan) -> SpheresSolver:

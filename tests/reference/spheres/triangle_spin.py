@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.particles.spheres.rows import Rows
 from orchestrator.ports import Array
+from tests.reference.spheres.rows import Rows
 
 THINNEST = 1e-12  # of a triangle that takes up couples: some millionth as wide as it is long
 

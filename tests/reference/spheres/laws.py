@@ -11,10 +11,10 @@ from typing import Literal
 
 import numpy as np
 
-from adapters.particles.spheres.contacts import Contacts
-from adapters.particles.spheres.rows import Rows
 from orchestrator.ports import Array
 from orchestrator.ports.plans import Jkr, ParticlesPlan, Sjkr
+from tests.reference.spheres.contacts import Contacts
+from tests.reference.spheres.rows import Rows
 
 
 @dataclass(frozen=True)

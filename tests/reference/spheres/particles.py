@@ -7,12 +7,6 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from adapters.particles.spheres.contacts import Neighbours, find_near_surface
-from adapters.particles.spheres.crossing import find_crossings
-from adapters.particles.spheres.forces import SphereForces, compute_contact_tangent, compute_forces
-from adapters.particles.spheres.laws import Laws
-from adapters.particles.spheres.spheres import Spheres
-from adapters.particles.spheres.triangle_spin import cross
 from orchestrator.ports import (
     Account,
     AngularAccount,
@@ -33,6 +27,12 @@ from orchestrator.ports import (
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ParticlesPlan
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
+from tests.reference.spheres.contacts import Neighbours, find_near_surface
+from tests.reference.spheres.crossing import find_crossings
+from tests.reference.spheres.forces import SphereForces, compute_contact_tangent, compute_forces
+from tests.reference.spheres.laws import Laws
+from tests.reference.spheres.spheres import Spheres
+from tests.reference.spheres.triangle_spin import cross
 
 _BOOKS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "_came_kg_m2_per_s", "_given_kg_m2_per_s")
 _SUMS = ("_worn_m3", "_fed", "_deepest", "_crossings", "_mass_moment_time_kg_m_s", *_BOOKS)
