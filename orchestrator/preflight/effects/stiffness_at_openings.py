@@ -12,7 +12,7 @@ from orchestrator.case.bed.contact_times import (
     reduced_modulus_Pa,
     smallest_diameters_m,
 )
-from orchestrator.case.bed.size_distribution import Class
+from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.preflight.scene.contacts import STEP_COST, compute_softness, is_softened
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
@@ -71,7 +71,7 @@ def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
     return more / finer if finer else math.inf
 
 
-def _share_between(row: Class, low_m: float, high_m: float) -> float:
+def _share_between(row: SizeClass, low_m: float, high_m: float) -> float:
     """Return the share of the mass of a class between two diameters, where its own are evenly
     spread; single ones are all or nothing."""
     if row.largest_m <= row.smallest_m:
@@ -80,12 +80,12 @@ def _share_between(row: Class, low_m: float, high_m: float) -> float:
     return (high**4 - low**4) / (row.largest_m**4 - row.smallest_m**4)
 
 
-def _masses(scene: Scene) -> Iterator[tuple[float, Class]]:
+def _masses(scene: Scene) -> Iterator[tuple[float, SizeClass]]:
     """Yield the mass in kg of every class, of real particles."""
     case, k = scene.case, scene.case.particles.coarse_graining
     for mass_kg, rows in bed_parts(case, lambda feed: feed.rate_kg_per_s * case.duration_s):
         for row in rows:
-            real = Class(row.smallest_m / k, row.largest_m / k, row.mass_fraction)
+            real = row.times(1 / k, "smallest_m", "largest_m")
             yield mass_kg * row.mass_fraction, real
 
 

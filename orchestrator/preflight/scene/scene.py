@@ -15,12 +15,12 @@ import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
-from orchestrator.case.bed.size_distribution import Class, classes, mean_mass_kg, share_left_out
+from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out, size_class
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import TRANSPORT_M_S, axes, single_panels, stay_s
 from orchestrator.case.solver_plans import frames_plan, hyperelastic
-from orchestrator.case.tables.bed import Feed
+from orchestrator.case.tables.bed import Feed, SizeClass
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.plans import FramesPlan
@@ -219,12 +219,12 @@ def bed_kg(case: Case) -> float:
     return sum(mass_kg for mass_kg, _ in bed_parts(case, fed_kg))
 
 
-def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[float, tuple[Class, ...]]]:
+def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[float, tuple[SizeClass, ...]]]:
     """Yield the mass and the size classes of each single particle, each block and, with the mass that
     ``fed_kg`` gives, each feed."""
     for one in case.bed.particles.values():
         density = case.materials[one.material].density_kg_per_m3
-        yield sphere_mass_kg(one.diameter_m, density), (Class(one.diameter_m, one.diameter_m, 1.0),)
+        yield sphere_mass_kg(one.diameter_m, density), (size_class(one.diameter_m, one.diameter_m, 1.0),)
     for block in case.bed.blocks.values():
         sizes = classes(block)
         yield block.count * mean_mass_kg(sizes, case.materials[block.material].density_kg_per_m3), sizes
