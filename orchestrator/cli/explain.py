@@ -15,7 +15,7 @@ from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
-from orchestrator.preflight.scene.effect import Part, describe_verdict
+from orchestrator.preflight.scene.effect import PARTS, describe_verdict
 from orchestrator.preflight.stability.report import AUTO
 from orchestrator.studies.pairs import TriedEffects
 
@@ -43,18 +43,18 @@ def print_explanation(
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    parts = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
+    judged = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if study is not None:
-        parts = {part: [_measured(one, study) for one in rows] for part, rows in parts.items()}
+        judged = {name: _measured(one, study) for name, one in judged.items()}
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
-    console.print(effects_table(parts, COLUMNS[:-1] if narrow else COLUMNS))
+    console.print(effects_table(judged, COLUMNS[:-1] if narrow else COLUMNS))
     if narrow:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
     for line in () if tried is None else trial_lines(tried, asked):
         console.print(line, soft_wrap=True)
-    for line in summary_lines(loaded, [verdict for rows in parts.values() for verdict in rows]):
+    for line in summary_lines(loaded, list(judged.values())):
         console.print(line, soft_wrap=True)
 
 
@@ -66,8 +66,8 @@ def _measured(one: Judged, study: Stored) -> Judged:
 
 def judge_effects(
     loaded: JudgedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
-) -> dict[Part, list[Judged]]:
-    """Judges the effects of the case as it describes itself, by part.
+) -> dict[str, Judged]:
+    """Judges the effects of the case as it describes itself, part by part.
 
     ``pairs`` of runs decide for the results ``asked`` for; by default those that the case has.
     """
@@ -77,19 +77,17 @@ def judge_effects(
     def here(one: Judged) -> Judged:
         return with_doubt(replace(one, present=one.present and one.effect not in loaded.left_out))
 
-    return {
-        part: [here(one) for one in rows]
-        for part, rows in weigh_effects(loaded.described, pairs, asked).items()
-    }
+    return {name: here(one) for name, one in weigh_effects(loaded.described, pairs, asked).items()}
 
 
-def effects_table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
+def effects_table(judged: Mapping[str, Judged], columns: tuple[str, ...]) -> Table:
     """Returns a table with a row for each effect, part by part."""
     rows_table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
         rows_table.add_column(column, no_wrap=column in SHORT, overflow="fold")
-    going = with_dependents(find_dispensable(one for rows in parts.values() for one in rows), "")
-    for part, rows in parts.items():
+    going = with_dependents(find_dispensable(judged.values()), "")
+    for part in PARTS:
+        rows = [one for one in judged.values() if one.part == part]
         rows_table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
         for one in rows:
             rows_table.add_row(*_row(one, going)[: len(columns)])

@@ -31,7 +31,7 @@ def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
 @pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])
 def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) -> None:
     """By what repeats itself: the shape's 50 % do not count."""
-    verdicts = {one.effect: one.verdict for one in judge_effects(load_judged(CASE, "draft").case)["panels"]}
+    verdicts = {name: one.verdict for name, one in judge_effects(load_judged(CASE, "draft").case).items()}
     there = Stored(Path(), study(error=error))
     found = measured_verdict("variation-across", verdicts["variation-across"], there)
     assert (found.value, found.matters) == (error, matters)
