@@ -16,10 +16,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array
 from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 
 class Unbalance:
@@ -61,7 +61,7 @@ class Unbalance:
         return angle + phase, speed, growth
 
 
-class Shaft:
+class Shaft(SavedAttributes):
     """The angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
 
     ``motor_J`` is the motor's work and ``lost_J`` the loss in the bearings.
@@ -118,9 +118,3 @@ class Shaft:
         return np.asarray(
             np.multiply.outer(cosine, self._across) - np.multiply.outer(sine, self._exciter.start)
         )
-
-    def save(self) -> Saved:
-        return save_attributes(self, *self.STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *self.STATE)

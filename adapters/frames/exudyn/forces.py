@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.exciter import Unbalance
-from adapters.frames.common.ledger import BodySums, FramesLedger
+from adapters.frames.common.ledger import BodyMotion, FramesLedger
+from adapters.frames.common.rigid_frames import onto_bodies
 from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import FramesPlan
@@ -55,7 +55,7 @@ class SpatialForces:
         self._sag_m = sag_m
         self.stiffness_N_per_m = np.array([b.stiffness_N_per_m for b in plan.bushings]).reshape(-1, 3)
         self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in plan.bushings]).reshape(-1, 3)
-        self._onto_first = linear.onto_bodies(plan, first)
+        self._onto_first = onto_bodies(plan, first)
         self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
         excited = linear_frames.numbers(plan, tuple(e.body for e in plan.exciters))
         exciter_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
@@ -102,29 +102,23 @@ class SpatialLedger(FramesLedger):
     """The ledger of trapezoidal steps since ``start``; ``carried`` are the reaction's points."""
 
     def __init__(self, plan: FramesPlan, forces: SpatialForces, carried: Attached, start: Poses) -> None:
-        self._forces, self._gravity_m_per_s2 = forces, plan.gravity_m_per_s2
-        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
+        self._forces = forces
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in plan.bodies])
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         driven, free = linear_frames.driven(plan), linear_frames.free(plan)
-        super().__init__(self.sums(start), driven)
+        super().__init__(plan, self.bodies(start))
         self._free_weight_N = self._mass_kg[free].sum() * plan.gravity_m_per_s2
         first, second = forces.bodies
         self._pulls_on_free = 1.0 * np.isin(first, free) - np.isin(second, free)
         self._first_driven, self._second_driven = np.isin(first, driven), np.isin(second, driven)
         self._on_driven, self._not_free = np.isin(carried.body, driven), ~np.isin(carried.body, free)
 
-    def sums(self, poses: Poses) -> BodySums:
-        """Return momentum and energies of bodies in these poses."""
+    def bodies(self, poses: Poses) -> BodyMotion:
+        """Return how bodies in these poses move."""
         velocity_m_per_s, spin_rad_per_s = poses.velocity_m_per_s[:-1], poses.spin_rad_per_s[:-1]
         body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
         turning_J = np.sum(body_spin * turned(self._inertia_kg_m2, body_spin), axis=1) / 2
-        risen_m = poses.center_m[:-1] - self._drawn_m
-        return BodySums(
-            self._mass_kg[:, None] * velocity_m_per_s,
-            self._mass_kg * (velocity_m_per_s**2).sum(axis=1) / 2 + turning_J,
-            -self._mass_kg * (risen_m @ self._gravity_m_per_s2),
-        )
+        return BodyMotion(velocity_m_per_s, poses.center_m[:-1] - self._drawn_m, turning_J)
 
     def step(self, before: Instant, after: Instant, step_s: float) -> None:
         """Book what ground, driven bodies, exciters and weight did to the free bodies, the losses, and

@@ -19,15 +19,6 @@ MOST_ROUNDS = 50
 TOLERANCE = 1e-14
 
 
-def shafts(plan: FramesPlan, drawn_m: Array) -> list[SpatialShaft]:
-    """Return one for each exciter with a motor."""
-    return [
-        SpatialShaft(exciter, exciter.motor, plan, drawn_m)
-        for exciter in plan.exciters
-        if exciter.motor is not None
-    ]
-
-
 class SpatialShaft(Shaft):
     """A shaft about any axis.  ``wrench`` (6,) is force and moment about the centre of mass of body
     number ``body`` in the present step.  In each step ``turn`` comes first, then ``feel``."""
@@ -72,7 +63,7 @@ class SpatialShaft(Shaft):
         self.angle_rad, self.speed_rad_per_s = angle_rad, speed_rad_per_s
 
     def _ahead(self, felt_m_per_s2: Array, end_s: float, step_s: float) -> tuple[float, float]:
-        """Angle and speed at the step's end, where its place has this mean acceleration."""
+        """Return angle and speed at the step's end, where its place has this mean acceleration."""
         if end_s - step_s < self._exciter.start_s - 1e-9 * step_s:  # until then a brake holds it
             return self.angle_rad, 0.0
         speed = self.speed_rad_per_s
@@ -90,6 +81,6 @@ class SpatialShaft(Shaft):
         )
 
     def _mean_torque_N_m(self, speed_rad_per_s: float, end_s: float, step_s: float) -> float:
-        """Mean of the torque over a step that ends at this speed."""
+        """Return the mean of the torque over a step that ends at this speed."""
         ends_s = np.array([end_s - step_s, end_s])
         return float(self.torque_N_m(np.array([self.speed_rad_per_s, speed_rad_per_s]), ends_s).mean())

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Collocation
 from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.common.rigid_frames import onto_bodies
 from adapters.frames.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
@@ -40,7 +40,7 @@ class Bushings:
             linear_frames.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
         )
         self._stretching = carrying(second, place_m, drawn_m) - carrying(first, place_m, drawn_m)
-        self._first = linear.onto_bodies(plan, first)
+        self._first = onto_bodies(plan, first)
         self._on_ground = np.asarray(first < 0, dtype=np.float64)
         back = axes.transpose(0, 2, 1)
         self._preload_m = in_plane((back @ sag_m[:, :, None])[:, :, 0])

@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from adapters.frames.common.drive import shifted, turned
-from orchestrator.ports import Array, Indices, linear_frames
-from orchestrator.ports.plans import BodyPlan, DrivePlan, FramesPlan
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import BodyPlan, DrivePlan
 
 Complex = npt.NDArray[np.complex128]
 
@@ -113,12 +113,6 @@ def wrench(force: Complex, turn: Complex) -> Array:
     natural coordinates of bodies with these ``turn``."""
     push, moment = np.split(force, 2, axis=1)
     return np.stack([push.real, push.imag, (moment * turn.conj()).imag], axis=-1)
-
-
-def planar_drives(plan: FramesPlan) -> list[PlanarDrive]:
-    """Return the drives of a plan.  Raises ValueError for those that make no sense or leave the plane."""
-    numbered = zip(linear_frames.driven(plan), plan.drives, strict=True)
-    return [PlanarDrive(int(n), plan.bodies[n], drive) for n, drive in numbered]
 
 
 class PlanarDrive:
