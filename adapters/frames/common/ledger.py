@@ -21,7 +21,7 @@ from orchestrator.ports.state import SavedAttributes
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """How bodies move at one time: velocity and displacement (bodies, 3) of their centres of mass, and
+    """Tells how bodies move at one time: velocity and displacement (bodies, 3) of their centres of mass, and
     the energy (bodies,) of their rotation."""
 
     velocity_m_per_s: Array
@@ -30,7 +30,7 @@ class BodyMotion:
 
 
 class FramesLedger(SavedAttributes):
-    """Sums since ``start``, at t = 0.
+    """Adds up what crossed since ``start``, at t = 0.
 
     ``outside_N_s`` (3,) is the impulse of ground, driven bodies, weight and exciters on the free
     bodies, less that of the reaction on all others; ``damping_J`` is lost in bushings; ``exciter_J``

@@ -21,7 +21,7 @@ from orchestrator.ports.plans import FramesPlan
 
 @dataclass(frozen=True)
 class Instant:
-    """Poses and forces at one time.
+    """Holds poses and forces at one time.
 
     ``stretch_m``, ``stretch_m_per_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3)
     on the first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m``

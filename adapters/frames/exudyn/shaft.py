@@ -20,7 +20,7 @@ TOLERANCE = 1e-14
 
 
 class SpatialShaft(Shaft):
-    """A shaft about any axis.  ``wrench`` (6,) is force and moment about the centre of mass of body
+    """Turns about any axis.  ``wrench`` (6,) is force and moment about the centre of mass of body
     number ``body`` in the present step.  In each step ``turn`` comes first, then ``feel``."""
 
     STATE = (*Shaft.STATE, "wrench", "_given_1_s", "_felt_m_per_s2", "_felt_before_m_per_s2")

@@ -40,7 +40,7 @@ ROUNDING = 1e-15
 
 @dataclass(frozen=True)
 class Nodes:
-    """At the nodes of a step: ``load`` (nodes, freedoms), the equations' right side, all bodies'
+    """Holds the load (nodes, freedoms) at the nodes of a step, the equations' right side, with all bodies'
     poses and the bushings' pulls."""
 
     load: Array
@@ -164,16 +164,16 @@ class PlanarFrames(RigidFrames):
         )
 
     def _acceleration(self, poses: PlanarPoses, total: Array) -> Complex:
-        """Of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
+        """Return that of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
         share = total / self._inertia
         return poses.acceleration(share[..., 0] + 1j * share[..., 1], share[..., 2])
 
     def _linear(self, xs: Array, vs: Array) -> Array:
-        """What the left side of the equations says of the bushings, (nodes, freedoms)."""
+        """Return what the left side of the equations says of the bushings, (nodes, freedoms)."""
         return np.asarray(xs @ self._stiffness + vs @ self._damping)
 
     def _book(self, nodes: Nodes, exciter_N: Complex, reaction: Complex) -> None:
-        """Momentum by the forces of the step's own equations."""
+        """Book a step: its momentum by the forces of its own equations, and its energies."""
         x, v = self._freedoms()
         xs, vs = self._collocation.stages(x, v, nodes.load)
         force_N = (nodes.load - self._linear(xs, vs)).reshape(len(xs), -1, 3).sum(axis=1)
@@ -193,11 +193,11 @@ class PlanarFrames(RigidFrames):
         return BodyMotion(in_space(poses.velocity_m_per_s[0]), in_space(poses.moved_m[0]), turning_J)
 
     def _freedoms(self) -> Array:
-        """(2, freedoms): coordinates of the free bodies, and their rates."""
+        """Return coordinates of the free bodies, and their rates: (2, freedoms)."""
         return self._coordinates[:, 0, self._moving].reshape(2, -1)
 
     def _driven_at(self, time_s: Array) -> Array:
-        """(2, times, bodies, 3): places and rates of the driven bodies, zero for the others."""
+        """Return places and rates of the driven bodies, zero for the others: (2, times, bodies, 3)."""
         found = np.zeros((2, len(time_s), len(self._plan.bodies), 3))
         for drive in self._drives:
             found[:, :, drive.body] = drive.coordinates(time_s)

@@ -16,7 +16,7 @@ from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 
 @dataclass(frozen=True)
 class Pulls:
-    """Of bushings, (times, bushings) each: between their ends ``stretch_m`` and its rate, along
+    """Holds what bushings do, (times, bushings) each: between their ends ``stretch_m`` and its rate, along
     the axes as drawn ``elongation_m`` with preload; ``drag_N`` by damping, ``pull_N`` in all on
     the first body.  On the bodies: ``force`` (times, 2 bodies) on the natural coordinates and
     ``couple_N_m`` (times, bodies)."""
@@ -31,7 +31,7 @@ class Pulls:
 
 
 class Bushings:
-    """``sag_m`` (bushings, 3): how far each is stretched along its axes as drawn."""
+    """Evaluates the bushings, each stretched along its axes by ``sag_m`` (bushings, 3) as drawn."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
@@ -82,7 +82,7 @@ class Bushings:
 
 
 class OutsideForces:
-    """Forces on the natural coordinates, but those of bushings and of unbalances with motors.
+    """Evaluates forces on the natural coordinates, but those of bushings and of unbalances with motors.
 
     ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per
     coordinate."""
@@ -118,7 +118,7 @@ class OutsideForces:
 
 
 class PlanarShaft(Shaft):
-    """A shaft across the plane, at the nodes of the frames' own collocation.
+    """Turns across the plane, at the nodes of the frames' own collocation.
 
     In each round of the frames' iteration, ``force`` and then ``feel``; ``end`` when the step is
     accepted.  Raises ValueError for a shaft that does not lie across.
@@ -143,8 +143,7 @@ class PlanarShaft(Shaft):
         torque = turns * self.torque_N_m(speed, time_s)
         growth = turns * self.growth_rad_per_s2(angle, speed, torque, self._felt_m_per_s2)
         self._speed_rad_per_s, self._growth_rad_per_s2, self._torque_N_m = speed, growth, torque
-        push = speed[:, None] ** 2 * self.radial(angle) - growth[:, None] * self.tangent(angle)
-        return np.outer(self._exciter.mass_moment_kg_m * in_plane(push), self._at.conj())
+        return np.outer(in_plane(self.inertia_force_N(angle, speed, growth)), self._at.conj())
 
     def feel(self, acceleration: Complex) -> None:
         """Take the acceleration of the natural coordinates, (nodes, 2 bodies)."""
