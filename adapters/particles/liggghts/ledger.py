@@ -21,7 +21,7 @@ _SUMS = ("_mass_kg", "_impulse_N_s", "_came_kg_m2_per_s", "_fed_J", "_removed_J"
 
 @dataclass
 class SolidSpheres:
-    """What n solid spheres own, one row each; their moment of inertia is 2/5 m r^2."""
+    """Holds what n solid spheres own, one row each; their moment of inertia is 2/5 m r^2."""
 
     mass_kg: Array  # (n,)
     radius_m: Array  # (n,)
@@ -72,7 +72,7 @@ def _owned(arrays: dict[str, Any]) -> SolidSpheres:
 
 
 class ParticleLedger:
-    """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
+    """Adds up over the ranks of the communicator.  Potential energy is zero at the origin."""
 
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
         self._comm = communicator
@@ -118,7 +118,7 @@ class ParticleLedger:
         self._came_kg_m2_per_s -= sums[6:]
 
     def account(self, engine: Engine) -> Account:
-        """The books of now."""
+        """Return the books of now."""
         mine = _owned(engine.particles())
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))
@@ -134,7 +134,7 @@ class ParticleLedger:
         )
 
     def _angular(self, engine: Engine) -> AngularAccount:
-        """Angular momentum; of particles that are moved across periodic sides it would jump."""
+        """Return the angular momentum, which would jump for particles moved across periodic sides."""
         momentum = _owned(engine.particles()).angular_momentum_kg_m2_per_s()
         given, moment = engine.angular_impulse_N_m_s(), engine.mass_moment_time_kg_m_s()
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))

@@ -144,7 +144,7 @@ class Laws:
     Technology 71, 1992, 239-250, in the closed form of Antypov, D. and Elliott, J. A., EPL 94, 2011,
     50004, doi 10.1209/0295-5075/94/50004.  The tangential stiffness 8 G* a is that of Mindlin, R. D.,
     Journal of Applied Mechanics 16, 1949, 259-268.  Rolling: models A (``cdt``, constant directional
-    torque) and C (``epsd2``, elastic-plastic without damper, cured: bridge/rolling_across.h) of
+    torque) and C (``epsd2``, elastic-plastic without damper, cured: bridge/jkr_contact.h) of
     Ai, J., Chen, J.-F., Rotter, J. M. and Ooi, J. Y., Powder Technology 206, 2011, 269-282, doi
     10.1016/j.powtec.2010.09.030.
     """
