@@ -331,13 +331,13 @@ def _case_lines(folder: Path) -> Iterator[str]:
     """Yields a line for each case in a folder, and one for its levels."""
     from orchestrator.case.file.errors import CaseError, visible
     from orchestrator.case.file.layers import read_toml
-    from orchestrator.case.load import level_names
-    from orchestrator.preflight.judge import load_judged
+    from orchestrator.case.load import level_names, load
 
     for file in sorted(folder.glob("*/case.toml")):
         try:
             title = str(read_toml(file).get("title", "(no title)"))
-            default = load_judged(file).level
+            level = load(file).level
+            default = level.name if level is not None else ""
         except CaseError:
             title, default = f"(has problems: flipflow check {file.parent})", ""
         names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]

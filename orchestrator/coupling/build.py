@@ -35,12 +35,12 @@ from orchestrator.coupling.metered import (
 from orchestrator.coupling.mpi import FramesOnFirstRank
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.schemes import create_scheme
+from orchestrator.coupling.schemes.iterated import case_effort
 from orchestrator.coupling.schemes.scheme import Solvers
 from orchestrator.coupling.surface_parts import OpenSurface
 from orchestrator.ports import Frames, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from orchestrator.preflight.check import find_problems_at_rest
-from orchestrator.preflight.cost import effort
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.stability.report import case_with_scheme
 
@@ -102,7 +102,7 @@ def _open_machine(
     return Machine(
         solvers=_ablated(case, members),
         members=members,
-        scheme=create_scheme(case.coupling.scheme, effort(case)),
+        scheme=create_scheme(case.coupling.scheme, case_effort(case)),
         stopwatch=stopwatch,
         surface=surface,
         panel_of_triangle=triangle_panels,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from orchestrator.coupling.schemes import iterated, robin, staggered
+from orchestrator.coupling.schemes.iterated import Effort
 from orchestrator.coupling.schemes.scheme import Scheme
-from orchestrator.preflight.cost import Effort
 
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
     "particles-first": lambda effort: Scheme(staggered.particles_first),
