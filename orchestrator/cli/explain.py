@@ -43,25 +43,21 @@ def print_explanation(
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    judged = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
+    effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if study is not None:
-        judged = {name: _measured(one, study) for name, one in judged.items()}
+        from orchestrator.studies.accuracy.plan import measured_verdict
+
+        for name, judged in effects.items():
+            effects[name] = replace(judged, verdict=measured_verdict(name, judged.verdict, study))
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
-    console.print(effects_table(judged, COLUMNS[:-1] if narrow else COLUMNS))
+    console.print(effects_table(effects, COLUMNS[:-1] if narrow else COLUMNS))
     if narrow:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
-    for line in () if tried is None else trial_lines(tried, asked):
+    lines = [] if tried is None else [*trial_lines(tried, asked)]
+    for line in (*lines, *summary_lines(loaded, [*effects.values()])):
         console.print(line, soft_wrap=True)
-    for line in summary_lines(loaded, list(judged.values())):
-        console.print(line, soft_wrap=True)
-
-
-def _measured(one: Judged, study: Stored) -> Judged:
-    from orchestrator.studies.accuracy.plan import measured_verdict
-
-    return replace(one, verdict=measured_verdict(one.effect, one.verdict, study))
 
 
 def judge_effects(
@@ -74,25 +70,47 @@ def judge_effects(
     if pairs is None:
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
 
-    def here(one: Judged) -> Judged:
-        return with_doubt(replace(one, present=one.present and one.effect not in loaded.left_out))
+    def here(judged: Judged) -> Judged:
+        present = judged.present and judged.effect not in loaded.left_out
+        return with_doubt(replace(judged, present=present))
 
-    return {name: here(one) for name, one in weigh_effects(loaded.described, pairs, asked).items()}
+    effects = weigh_effects(loaded.described, pairs, asked)
+    return {name: here(judged) for name, judged in effects.items()}
 
 
-def effects_table(judged: Mapping[str, Judged], columns: tuple[str, ...]) -> Table:
+def effects_table(effects: Mapping[str, Judged], columns: tuple[str, ...]) -> Table:
     """Returns a table with a row for each effect, part by part."""
-    rows_table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        rows_table.add_column(column, no_wrap=column in SHORT, overflow="fold")
-    going = with_dependents(find_dispensable(judged.values()), "")
+        table.add_column(column, no_wrap=column in SHORT, overflow="fold")
+    left_out = with_dependents(find_dispensable(effects.values()), "")
     for part in PARTS:
-        rows = [one for one in judged.values() if one.part == part]
-        rows_table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
-        for one in rows:
-            rows_table.add_row(*_row(one, going)[: len(columns)])
-        rows_table.add_section()
-    return rows_table
+        rows = [judged for judged in effects.values() if judged.part == part]
+        table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
+        for judged in rows:
+            verdict = judged.verdict
+            row = (
+                judged.effect,
+                "yes" if judged.present else "no",
+                verdict.number,
+                verdict.value_in_words,
+                verdict.threshold,
+                _by_auto(judged, left_out),
+                f"{describe_verdict(verdict.matters)}: {verdict.why}",
+                "\n".join(text for text in (judged.key, verdict.cost) if text),
+            )
+            table.add_row(*row[: len(columns)])
+        table.add_section()
+    return table
+
+
+def _by_auto(judged: Judged, left_out: Collection[str]) -> str:
+    """Returns what ``effects = "auto"`` does with an effect."""
+    if judged.lacking:
+        return "warns"
+    if not judged.present:
+        return "-"
+    return "leaves out" if judged.effect in left_out else "keeps"
 
 
 def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
@@ -112,37 +130,18 @@ def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
         yield f"  not tried, as --budget was used: {', '.join(tried.omitted)}"
 
 
-def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:
-    verdict = one.verdict
-    return (
-        one.effect,
-        "yes" if one.present else "no",
-        verdict.number,
-        verdict.value_in_words,
-        verdict.threshold,
-        _by_auto(one, going),
-        f"{describe_verdict(verdict.matters)}: {verdict.why}",
-        "\n".join(text for text in (one.key, verdict.cost) if text),
-    )
-
-
-def _by_auto(one: Judged, going: Collection[str]) -> str:
-    """Returns what ``effects = "auto"`` does with an effect."""
-    if one.lacking:
-        return "warns"
-    if not one.present:
-        return "-"
-    return "leaves out" if one.effect in going else "keeps"
-
-
 def summary_lines(loaded: JudgedCase, verdicts: list[Judged]) -> Iterator[str]:
     """Yields what the case lacks, and what it could do without."""
-    lacking = [one for one in verdicts if one.lacking]
-    spare = [one for one in verdicts if one.spare]
-    yield ("matters, and the case does not have it:" if lacking else "nothing that matters is lacking")
-    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}" for one in lacking)
+    lacking = [f"  {each.effect}: {each.verdict.why}; {each.key}" for each in verdicts if each.lacking]
+    spare = [
+        f"  {each.effect}: {each.verdict.why}; {each.key}; it costs {each.verdict.cost}"
+        for each in verdicts
+        if each.spare
+    ]
+    yield "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
+    yield from lacking
     yield "may be left out, and the case has it:" if spare else "nothing could be left out"
-    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}" for one in spare)
+    yield from spare
     if loaded.case.coupling.scheme == AUTO:  # which one it is takes the solvers to say
         yield "coupling.scheme: the program's choice, which flipflow check names, with the reason"
     yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

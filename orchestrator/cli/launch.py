@@ -25,7 +25,7 @@ from rich.console import Console
 
 from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
-from orchestrator.cli.console import TOO_LARGE, find_all_problems
+from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, find_all_problems
 from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
@@ -55,7 +55,7 @@ from orchestrator.run.run import Run
 from orchestrator.studies.pairs import try_before_run
 
 KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
-DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
+DONE, BROKEN = 0, 1
 OUT = "out of memory"
 AT_ONCE = 128 + signal.SIGINT
 
@@ -100,10 +100,10 @@ def _decide_effects(
     if not loaded.choice.asked:
         return loaded
     say = _console().print
-    made = mpi.first_rank_does(world, lambda: try_before_run(loaded, say))
-    if not made and world is None:
+    tried = mpi.first_rank_does(world, lambda: try_before_run(loaded, say))
+    if not tried and world is None:
         return loaded
-    known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
+    known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **tried})
     read = loaded.origin.read()
     share_pairs({key_of(read, name): known.get(name) for name in EFFECTS})
     loaded = load_judged(path, level, overrides)
@@ -170,7 +170,7 @@ def _report_refusal(world: Any, error: Exception) -> int:
         case MemoryError():
             message, code = TOO_LARGE, WRONG
         case _:
-            message, code = f"internal error: {type(error).__name__}: {error}", BROKEN
+            message, code = _describe_internal(error), BROKEN
     return mpi.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
 
 
@@ -279,36 +279,44 @@ def _classify(error: BaseException) -> tuple[int, str, str]:
     if stop := immediate_stop(error):
         code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
         return code, "interrupted", str(stop) or "stopped at once"
+    notes = getattr(error, "__notes__", ())  # the member and the moment, where they are known
     match error:
         case CaseError():
             return WRONG, "refused", str(error)
         case SolverMissing():
             return MISSING, "refused", str(error)
         case SolverFailed() | OSError() | MemoryError():
-            return FAILED, "failed", _with_notes(str(error) or OUT, error)
+            return FAILED, "failed", "; ".join([str(error) or OUT, *notes])
         case Exception():
             LOG.error("internal error", exc_info=error)
-            message = f"internal error: {type(error).__name__}: {error}"
-            return BROKEN, "failed", _with_notes(message, error)
+            return BROKEN, "failed", "; ".join([_describe_internal(error), *notes])
     raise error
+
+
+def _describe_internal(error: Exception) -> str:
+    return f"internal error: {type(error).__name__}: {error}"
 
 
 def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
     """Writes what a run leaves at its end, and returns its exit code: another one than ``code`` where the
-    summary says that the run is doubtful or incomplete, or cannot be written."""
+    summary says that the run is doubtful or incomplete, or cannot be written.  Prints the closing table,
+    and where everything is."""
     try:
         figures = run.finish(status, reason)
-        _print_closing(figures, folder, console)
+        if trust.came_to_its_end(figures["status"]):
+            console.print(summary.closing_table(figures))
+            tiles = (tile.line for tile in headline(figures.get("results") or {}))
+            for line in (*summary.closing_lines(figures), *tiles):
+                _print_and_log(line, console)
+            for doubt in figures["doubts"]:
+                LOG.warning("do not trust this run: %s", doubt)
+                console.print(f"WARNING: do not trust this run: {doubt}")
+        console.print(run_folder.printable(f"results in {folder}"))
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
         return FAILED
     return trust.EXIT_CODES.get(figures["status"], code)
-
-
-def _with_notes(reason: str, error: BaseException) -> str:
-    """Returns the reason with the member and the moment, where they are known."""
-    return "; ".join([reason, *getattr(error, "__notes__", ())])
 
 
 def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
@@ -321,36 +329,18 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
         console = _console()
         console.print(reason)
         if status != "refused":
-            _write_what_can_be(run, status, reason, folder, console)
+            logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
+            console.print(f"logs: {logs}" if logs else f"{folder} has gone")
+            try:
+                run.finish(status, reason)
+            except (OSError, MemoryError) as error:
+                console.print(f"no summary: {error or OUT}")
             for line in resume_lines(folder, world):
                 LOG.error(line)
                 console.print(line)
         elif run.resumes is None:
             run_folder.remove_folder(folder)
     return mpi.end_all(world, code)
-
-
-def _write_what_can_be(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:
-    logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
-    console.print(f"logs: {logs}" if logs else f"{folder} has gone")
-    try:
-        run.finish(status, reason)
-    except (OSError, MemoryError) as error:
-        console.print(f"no summary: {error or OUT}")
-
-
-def _print_closing(figures: dict[str, Any], folder: Path, console: Console) -> None:
-    """Prints the closing table, and where everything is."""
-    if trust.came_to_its_end(figures["status"]):
-        console.print(summary.closing_table(figures))
-        for line in summary.closing_lines(figures):
-            _print_and_log(line, console)
-        for tile in headline(figures.get("results") or {}):
-            _print_and_log(tile.line, console)
-        for doubt in figures["doubts"]:
-            LOG.warning("do not trust this run: %s", doubt)
-            console.print(f"WARNING: do not trust this run: {doubt}")
-    console.print(run_folder.printable(f"results in {folder}"))
 
 
 def _print_and_log(line: str, console: Console) -> None:
@@ -374,12 +364,9 @@ def resume_lines(folder: Path, world: Any) -> Iterator[str]:
 
 def resume_hint(folder: Path, world: Any, checkpoint: Checkpoint | None = None) -> str:
     """Returns the command that takes the run up again, from ``checkpoint`` or the last one."""
-    with_ranks = [] if world is None else ["mpirun", *_as_root(), "-n", str(world.size)]
+    # Open MPI's mpirun wants a word of root where the environment does not allow root
+    allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
+    as_root = [] if allowed else ["--allow-run-as-root"]
+    with_ranks = [] if world is None else ["mpirun", *as_root, "-n", str(world.size)]
     point = [] if checkpoint is None else ["--save", str(checkpoint.sync_points)]
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
-
-
-def _as_root() -> list[str]:
-    """Returns what Open MPI's mpirun wants of root where the environment does not allow root."""
-    allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
-    return [] if allowed else ["--allow-run-as-root"]

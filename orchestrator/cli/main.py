@@ -224,15 +224,15 @@ def record(
     from orchestrator.studies.record import record as recorded
 
     with reported_errors():
-        made = recorded(run, cycles)
+        recording = recorded(run, cycles)
     try:
-        recording_file.write(out, made.file)
+        recording_file.write(out, recording.file)
     except OSError as error:
         refuse(str(error))
     if not is_trusted(state := status(run)):
         CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
-    for name, share in made.change.items():
-        what = f"{made.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
+    for name, share in recording.change.items():
+        what = f"{recording.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
         CONSOLE.print(f"{name}: {what}")
     CONSOLE.print(f"written: {out}")
 
@@ -303,7 +303,7 @@ def ladder() -> None:
 
 
 def _stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
-    """The study of accuracy that is given, or lies beside the case; None where there is none."""
+    """Returns the study of accuracy that is given, or lies beside the case; None where there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
         return None
     from orchestrator.studies.accuracy.plan import stored

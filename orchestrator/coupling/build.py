@@ -48,23 +48,10 @@ from orchestrator.preflight.stability.report import case_with_scheme
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
     """Plans a case, opens its solvers and puts them together as a machine.
 
-    Parameters
-    ----------
-    loaded
-        The case.
-    folder
-        The run's folder, for files that solvers keep.
-    world
-        An MPI communicator, or None in a run of one process.
-    stopwatch
-        Takes the time of every solver.
-
-    Raises
-    ------
-    SolverMissing, SolverFailed
-        A solver cannot be opened; those opened before are closed.
-    CaseError
-        The case is wrong in a way that only open panels show, or a solver refuses it.
+    Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
+    process; ``stopwatch`` takes the time of every solver.  Raises SolverMissing or SolverFailed where a
+    solver cannot be opened (those opened before are closed), and CaseError for a case that is wrong in
+    a way that only open panels show, or that a solver refuses.
     """
     with ExitStack() as opened:
         machine = _open_machine(loaded, folder, world, stopwatch, opened)

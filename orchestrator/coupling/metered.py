@@ -84,8 +84,8 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
 class MeteredFrames(FramesWrapper):
     """Frames with a meter.
 
-    ``received_N_s`` (3,): impulse of the panels on the frames since t = 0, ``through_N_s`` the
-    sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` what
+    ``received_N_s`` (3,) is the impulse of the panels on the frames since t = 0, ``through_N_s`` the
+    sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` has what
     they felt last, and where that took them."""
 
     BOOKS = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
@@ -148,10 +148,10 @@ class TimedPanel(PanelWrapper):
 class MeteredPanel(TimedPanel):
     """A panel with a meter.
 
-    ``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0, and
-    ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s`` (3,) their
-    moments about the world's origin; ``last`` where the clamps were told to go, under which load,
-    and what came of it."""
+    ``received_N_s`` (3,) is the impulse from the particles, ``given_N_s`` (3,) that to the frames,
+    since t = 0, ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s``
+    (3,) are their moments about the world's origin; ``last`` has where the clamps were told to go,
+    under which load, and what came of it."""
 
     BOOKS = (
         "received_N_s",
@@ -202,8 +202,8 @@ class MeteredPanel(TimedPanel):
 class MeteredParticles(ParticlesWrapper):
     """Particles with a meter.
 
-    ``given_N_s`` (3,): impulse of the particles on the surface since t = 0, ``through_N_s`` the
-    sum of its sizes; ``last`` the path that the surface took last, and the load on it.  Their
+    ``given_N_s`` (3,) is the impulse of the particles on the surface since t = 0, ``through_N_s`` the
+    sum of its sizes; ``last`` has the path that the surface took last, and the load on it.  Their
     ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts intervals
     run, those taken back, too."""
 

@@ -145,8 +145,8 @@ def _looked_at(case: Case, frame: str) -> SurfacePart:
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
     """Returns a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
-    made = "adapters.panel.common.carried"
-    return lambda: cast(Panel, import_module(made).build(position_m, frame))
+    module = "adapters.panel.common.carried"
+    return lambda: cast(Panel, import_module(module).build(position_m, frame))
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they 
 
 
 class Aitken:
-    """A share w of the residual, found anew from the last two of them:
+    """Aitken's method: a share w of the residual, found anew from the last two of them:
 
         tried <- tried + w r,    w <- -w r_before . (r - r_before) / |r - r_before|^2.
 
@@ -40,7 +40,7 @@ class Aitken:
         return np.asarray(tried_N + self._share * residual_N)
 
     def save(self) -> Saved:
-        """At a sync point."""
+        """Returns the share; is called at a sync point."""
         return save_attributes(self, "_share")
 
     def restore(self, saved: Saved) -> None:
@@ -84,7 +84,7 @@ class LeastSquares:
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
 
     def save(self) -> Saved:
-        """At a sync point."""
+        """Returns the share; is called at a sync point."""
         return save_attributes(self, "_share")
 
     def restore(self, saved: Saved) -> None:

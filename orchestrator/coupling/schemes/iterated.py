@@ -161,4 +161,5 @@ class Iterated:
 
 
 def norm_N(force_N: Array) -> float:
+    """Returns the Euclidean norm of all components."""
     return float(np.linalg.norm(force_N))

@@ -112,10 +112,10 @@ class SurfaceCompliance:
         """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
-        found = before.copy()
+        share = before.copy()
         real = (more.force_N * gave_m_per_s)[self.known].sum(axis=0)
-        np.divide(real, free, out=found, where=free > 0)
-        return np.clip(found, LEAST_SHARE, 1.0)
+        np.divide(real, free, out=share, where=free > 0)
+        return np.clip(share, LEAST_SHARE, 1.0)
 
     def _on_masses(self, points_N: Array) -> Array:
         """Returns the part of the points' load to which the masses yield."""
