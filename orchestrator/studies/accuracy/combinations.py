@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from statistics import median
 from typing import Any
 
@@ -87,28 +88,22 @@ class Combination:
         values = self.values(name)
         return float(np.mean(values)) if values else None
 
-    def _mean_of(self, key: str) -> float:
-        return float(np.mean([of_run.summary[key] for of_run in self.metrics]))
-
     @property
     def processor_s(self) -> float:
         """Processor time of one run."""
-        return self._mean_of("processor_s")
+        return self.cost["processor_s"]
 
-    @property
-    def wall_s(self) -> float:
-        """Wall time of one run."""
-        return self._mean_of("wall_s")
-
-    @property
-    def memory_MiB(self) -> float:
-        """The most memory that a run took."""
-        return float(max(of_run.summary["peak_memory_MiB"] for of_run in self.metrics))
-
-    @property
-    def side_by_side(self) -> int:
-        """How many runs were at work at a time when these were."""
-        return max(run.side_by_side() for run in self.runs)
+    @cached_property
+    def cost(self) -> dict[str, float]:
+        """Times of one run, how many runs were at work at a time when these were, and the most memory
+        that one took."""
+        summaries = [of_run.summary for of_run in self.metrics]
+        return {
+            "processor_s": float(np.mean([summary["processor_s"] for summary in summaries])),
+            "wall_s": float(np.mean([summary["wall_s"] for summary in summaries])),
+            "side_by_side": max(run.side_by_side() for run in self.runs),
+            "peak_memory_MiB": max(summary["peak_memory_MiB"] for summary in summaries),
+        }
 
     @property
     def processor_by_part_s(self) -> dict[str, float]:

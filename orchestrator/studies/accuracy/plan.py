@@ -33,7 +33,7 @@ from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
-from orchestrator.studies.accuracy.model import Model, Option, Proposal
+from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.points import RunFailed, check_case, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens

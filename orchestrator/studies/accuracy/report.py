@@ -104,7 +104,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
             "error_of": row.worst[0] if row.worst else None,
         }
         if point.metrics:
-            entry |= {"seeds": len(point.metrics), **_cost(point)}
+            entry |= {"seeds": len(point.metrics), **point.cost}
         for name in QUANTITIES:
             if point.values(name):
                 entry[name] = point.mean(name)
@@ -115,15 +115,6 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
     return aligned(every)
 
 
-def _cost(point: Combination) -> dict[str, Cell]:
-    return {
-        "processor_s": point.processor_s,
-        "wall_s": point.wall_s,
-        "side_by_side": point.side_by_side,
-        "peak_memory_MiB": point.memory_MiB,
-    }
-
-
 def as_json(study: AccuracyStudy) -> dict[str, Any]:
     """Returns what ``flipflow plan`` needs to know."""
     base, seeds = study.base, len(study.base.metrics)
@@ -131,7 +122,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
 
     def costs(point: Combination) -> dict[str, Any]:
         simulated_s = point.metrics[0].summary["simulated_s"]
-        return {"simulated_s": simulated_s, **_cost(point), "processor_by_part_s": point.processor_by_part_s}
+        return {"simulated_s": simulated_s, **point.cost, "processor_by_part_s": point.processor_by_part_s}
 
     return {
         "case": study.loaded.name,
@@ -191,7 +182,7 @@ def cost_table(study: AccuracyStudy) -> Table:
         error = ("reference", "")
         if row.error is not None:
             error = (percent(row.error.value), percent(row.error.half_width))
-        cost = (f"{row.point.processor_s:.1f}", f"{row.point.memory_MiB:.0f}")
+        cost = (f"{row.point.processor_s:.1f}", f"{row.point.cost['peak_memory_MiB']:.0f}")
         lines.append((row.point.label, *cost, *error, row.worst[0] if row.worst else ""))
     head = ("settings", "processor / s", "MiB", "error", "+-", "of")
     return console_table(f"error against {study.reference}", head, lines, left=("of",))

@@ -40,12 +40,14 @@ from orchestrator.studies.accuracy.combinations import (
 from orchestrator.studies.accuracy.convergence import (
     Compared,
     Converged,
+    Model,
+    Option,
+    Proposal,
     best_of,
     compare_axis,
     converged,
     options,
 )
-from orchestrator.studies.accuracy.model import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Offer, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
 from orchestrator.studies.points import Point, is_random, run_points
