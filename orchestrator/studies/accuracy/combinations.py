@@ -15,15 +15,13 @@ from typing import Any
 import numpy as np
 from scipy.stats import t as student
 
-from orchestrator.case.file.errors import CaseError
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.criteria import Criterion, answer_error
-from orchestrator.studies.points import CaseStudy, Point, is_random, sample_s, sampled_at, seeded
+from orchestrator.studies.points import CaseStudy, Point, sample_s, sampled_at
 from orchestrator.studies.quantities import COMPARED, Metrics, measure, relative
 
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
@@ -147,24 +145,6 @@ def folder_name(kind: str, settings: dict[str, Setting]) -> str:
     if kind in (TOGETHER, REFERENCE):
         return f"together-{zlib.crc32(chr(10).join(joint_sets(settings)).encode()):08x}"
     return kind
-
-
-def combination(
-    asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]
-) -> Combination:
-    """Returns settings as a point, checked, with the time that a run should take; ``case`` is the
-    one as it is."""
-    name = folder_name(kind, settings)
-    seeds = asked.seeds if is_random(case) and kind != CALIBRATION else 1
-    runs = []
-    try:
-        for number in range(seeds):
-            sets = (*shared, *joint_sets(settings), *seeded(case, number))
-            runs.append(asked.study.point(name, sets, f"{name}-seed{number}" if number else name))
-    except CaseError as error:
-        return Combination(kind, name, settings, omitted=str(error.problems[0]))
-    there = runs[0].loaded.case
-    return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 
 
 def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:

@@ -155,38 +155,6 @@ def converged(
 
 
 @dataclass(frozen=True)
-class Compared:
-    """A setting of an axis with its ``errors`` against the best of all its settings; ``is_best``
-    of that one itself."""
-
-    series: RefinementSeries
-    setting: Setting
-    point: Combination
-    errors: dict[str, Error]
-    is_best: bool
-
-
-def best_of(axis: str, every: Sequence[Converged]) -> Converged | None:
-    """Returns the series on an axis that is nearest to the truth."""
-    mine = [one for one in every if one.series.axis == axis]
-    return max(mine, key=lambda one: one.series.rank, default=None)
-
-
-def compare_axis(axis: str, every: Sequence[Converged], spread: Scatter) -> list[Compared]:
-    """Returns every setting of an axis that was measured, against the best of them."""
-    best = best_of(axis, every)
-    if best is None:
-        return []
-    finest, reference = best.settings[-1], best.points[-1]
-    return [
-        Compared(one.series, setting, point, errors(point, reference, spread), setting is finest)
-        for one in every
-        if one.series.axis == axis
-        for setting, point in zip(one.settings, one.points, strict=True)
-    ]
-
-
-@dataclass(frozen=True)
 class Option:
     """A setting that was measured: error by quantity against the best of its axis, and what it
     does to the processor time of each part (ratio to the case as it is)."""
@@ -197,21 +165,7 @@ class Option:
     ratio: dict[str, float]
 
 
-def options(axis: str, every: Sequence[Converged], base: Combination, spread: Scatter) -> list[Option]:
-    """Returns the choices on an axis; errors that chance explains count as none."""
-    choices = {c.setting: c for c in compare_axis(axis, every, spread) if c.series.is_choice}
-    return [
-        Option(
-            axis,
-            choice.setting,
-            {name: one.value if one.certain else 0.0 for name, one in choice.errors.items()},
-            _ratio(choice.point, base),
-        )
-        for choice in choices.values()
-    ]
-
-
-def _ratio(point: Combination, base: Combination) -> dict[str, float]:
+def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
     """Returns the ratio of processor times by part; of parts that hardly count, 1."""
     ours, theirs = point.processor_by_part_s, base.processor_by_part_s
     return {

@@ -35,7 +35,7 @@ from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
 from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
-from orchestrator.studies.points import RunFailed, check_case, run_in_scratch
+from orchestrator.studies.points import CaseStudy, RunFailed, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
@@ -239,7 +239,7 @@ def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
     """Returns the summary of a run that nobody keeps; only its times are asked for, so that it may be
     a doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
     try:
-        summary = run_in_scratch(case, check_case(case, level, sets).level, sets)
+        summary = run_in_scratch(case, CaseStudy(case, level, tuple(sets)).check().level, sets)
     except RunFailed as why:
         raise SolverFailed(f"the calibration run {why}") from None
     if not trust.came_to_its_end(str(summary["status"])):

@@ -22,9 +22,9 @@ from orchestrator.studies.accuracy.combinations import (
     Combination,
     Error,
 )
-from orchestrator.studies.accuracy.convergence import Compared, Converged, Order
+from orchestrator.studies.accuracy.convergence import Converged, Order
 from orchestrator.studies.accuracy.refinement import PARAMETERS
-from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, Row
+from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, Compared, Row
 from orchestrator.studies.quantities import QUANTITIES
 from orchestrator.studies.report import (
     Cell,
