@@ -20,7 +20,7 @@ from orchestrator.preflight.stability.report import AUTO
 from orchestrator.studies.pairs import TriedEffects
 
 if TYPE_CHECKING:
-    from orchestrator.studies.accuracy.plan import Stored
+    from orchestrator.studies.accuracy.plan import StoredStudy
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
@@ -31,7 +31,7 @@ NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels:
 
 def print_explanation(
     loaded: JudgedCase,
-    study: Stored | None = None,
+    study: StoredStudy | None = None,
     tried: TriedEffects | None = None,
     asked: Sequence[str] = (),
 ) -> None:

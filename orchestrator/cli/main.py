@@ -14,7 +14,7 @@ from orchestrator.studies.options import CasePath, Level, Overrides
 
 if TYPE_CHECKING:
     from orchestrator.preflight.judge import JudgedCase
-    from orchestrator.studies.accuracy.plan import Stored
+    from orchestrator.studies.accuracy.plan import StoredStudy
     from orchestrator.studies.pairs import TriedEffects
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
@@ -302,13 +302,13 @@ def ladder() -> None:
     )
 
 
-def _stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
+def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """Returns the study of accuracy that is given, or lies beside the case; None where there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
         return None
-    from orchestrator.studies.accuracy.plan import stored
+    from orchestrator.studies.accuracy.plan import find_study
 
-    return stored(loaded, given)
+    return find_study(loaded, given)
 
 
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:

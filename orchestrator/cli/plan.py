@@ -8,7 +8,7 @@ from pathlib import Path
 from orchestrator.cli.console import CONSOLE, refuse, reported_errors
 from orchestrator.preflight.cost import in_words
 from orchestrator.preflight.judge import JudgedCase
-from orchestrator.studies.accuracy.plan import Plan, as_it_is_s, by_study, stored
+from orchestrator.studies.accuracy.plan import Plan, find_study, predict_wall_s, time_by_study
 
 UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 
@@ -24,9 +24,9 @@ def choose_settings(
 ) -> Plan:
     """Returns the plan that a stored study and a short run on this machine lead to."""
     with reported_errors():
-        measured = stored(loaded, given)
+        measured = find_study(loaded, given)
         if measured is None:
-            longest_s = as_it_is_s(case, level, overrides, loaded.case)
+            longest_s = predict_wall_s(case, level, overrides, loaded.case)
             refuse(
                 f"no study of {loaded.name}, level {loaded.level or 'none'}: its error is not "
                 f"known; as it is it would take about {in_words(longest_s)} here. First: flipflow "
@@ -39,13 +39,13 @@ def choose_settings(
                 f"does: flipflow study accuracy {case} --set duration_s=..."
             )
         CONSOLE.print(f"by {measured.file}; a short run of the case on this machine ...")
-        timing = by_study(measured, case, level)
+        timing = time_by_study(measured, case, level)
     return Plan(loaded.case, measured, timing, tolerance, budget_s)
 
 
 def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:
     """Prints the cheapest settings, and returns whether they fit into the budget."""
-    other = [word for word in plan.study.found["sets"] if word not in overrides]
+    other = [word for word in plan.study.table["sets"] if word not in overrides]
     if other := [word for word in other if not word.startswith("duration_s=")]:
         CONSOLE.print(f"warning: the study was made with {' '.join(other)}")
     chosen = plan.chosen

@@ -16,7 +16,7 @@ from typer.core import TyperGroup
 
 from orchestrator.cli.console import CONSOLE, FAILED, reported_errors
 from orchestrator.studies import commands
-from orchestrator.studies.options import Told, with_options
+from orchestrator.studies.options import StudyOutput, with_options
 
 GROUP = "flipflow.studies"
 WIDE = 150  # columns, of what goes into a file
@@ -50,7 +50,7 @@ def _own_modules() -> dict[str, str]:
 study = typer.Typer(cls=Studies, help="Many runs, and what they say together.", no_args_is_help=True)
 
 
-def _spoken(command: Callable[..., Told]) -> Callable[..., None]:
+def _spoken(command: Callable[..., StudyOutput]) -> Callable[..., None]:
     """Returns the function that carries a study's command out and says what it yields."""
 
     @functools.wraps(command)
@@ -62,7 +62,7 @@ def _spoken(command: Callable[..., Told]) -> Callable[..., None]:
     return speak
 
 
-def _say_all(told: Told) -> bool:
+def _say_all(told: StudyOutput) -> bool:
     if not CONSOLE.is_terminal:
         CONSOLE.width = WIDE
     while True:

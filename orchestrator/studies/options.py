@@ -18,7 +18,7 @@ from rich.table import Table
 if TYPE_CHECKING:  # every command of flipflow imports this file, and no quick one needs those
     from orchestrator.studies.points import CaseStudy, Crew
 
-Told = Generator[str | Table | Path, None, bool]
+StudyOutput = Generator[str | Table | Path, None, bool]
 """What a study's command yields to be said, files that it wrote among it; it returns whether all is
 well."""
 
@@ -65,7 +65,7 @@ def case_study(
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
 
 
-def with_options(command: Callable[..., Told], name: str) -> Callable[..., Told]:
+def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
     """Returns a study's command as a function of single options, as Typer wants it; ``name`` is that
     of the study."""
     from orchestrator.studies.points import CaseStudy, Crew
@@ -83,7 +83,7 @@ def with_options(command: Callable[..., Told], name: str) -> Callable[..., Told]
         else:
             options.append(parameter.replace(annotation=hints[parameter.name]))
 
-    def call(**given: Any) -> Told:
+    def call(**given: Any) -> StudyOutput:
         for parameter, make in makers.items():
             made = make(**{key: given.pop(key) for key in inspect.signature(make).parameters})
             given[parameter] = replace(made, name=name) if isinstance(made, CaseStudy) else made

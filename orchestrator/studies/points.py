@@ -306,12 +306,12 @@ def parse_vary(text: str) -> Vary:
     if not equals or not key.strip() or not values.strip():
         raise _wrong(text, "is not key=values")
     if values.count(":") == 2:
-        found = _range(text, values)
+        each = _range(text, values)
     else:
-        found = tuple(value.strip() for value in _apart(values))
-    if len(set(found)) < len(found) or not all(found):
+        each = tuple(value.strip() for value in _apart(values))
+    if len(set(each)) < len(each) or not all(each):
         raise _wrong(text, "has an empty value or one twice")
-    return Vary(key.strip(), found)
+    return Vary(key.strip(), each)
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
@@ -343,7 +343,7 @@ def _wrong(text: str, what: str) -> CaseError:
     return CaseError([CaseProblem((), what, hint, f"--vary {text}")])
 
 
-def seeded(case: Case, number: int) -> tuple[str, ...]:
+def seed_sets(case: Case, number: int) -> tuple[str, ...]:
     """Returns ``--set`` overlays of another choice of random numbers; 0 is the case's own."""
     if number == 0:
         return ()
@@ -355,7 +355,7 @@ def seeded(case: Case, number: int) -> tuple[str, ...]:
 
 def is_random(case: Case) -> bool:
     """Returns whether seeds change anything."""
-    return bool(seeded(case, 1)) and case.particles.adapter is not None
+    return bool(seed_sets(case, 1)) and case.particles.adapter is not None
 
 
 def sample_s(interval_s: float) -> Fraction:
@@ -363,7 +363,7 @@ def sample_s(interval_s: float) -> Fraction:
     return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
 
 
-def sampled_at(interval_s: float) -> tuple[str, ...]:
+def sampling_sets(interval_s: float) -> tuple[str, ...]:
     """Returns ``--set`` overlays of a run that is to be measured: rows often enough, at whole sync
     intervals, and no pictures."""
     every_s = float(sample_s(interval_s))

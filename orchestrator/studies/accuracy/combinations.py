@@ -21,7 +21,7 @@ from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.ports.clock import exact
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.criteria import Criterion, answer_error
-from orchestrator.studies.points import CaseStudy, Point, sample_s, sampled_at
+from orchestrator.studies.points import CaseStudy, Point, sample_s, sampling_sets
 from orchestrator.studies.quantities import COMPARED, Metrics, measure, relative
 
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
@@ -71,8 +71,8 @@ class Combination:
         """Whether all its runs have come to an end, well or not."""
         return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
 
-    def measured(self) -> Combination:
-        """Returns it with the metrics of its runs, if all are done."""
+    def with_metrics(self) -> Combination:
+        """Returns the point with the metrics of its runs, if all are done."""
         if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
             return self
         return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
@@ -126,7 +126,7 @@ def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
     shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
     return (
         *(f"monitor.{name}=warn" for name in shortens),
-        *sampled_at(coarsest_s),
+        *sampling_sets(coarsest_s),
         f"output.interval_s={_whole(exact(case.output.interval_s), every)!r}",
         f"duration_s={_whole(exact(case.duration_s), every)!r}",
         "checkpoint.wall_min=0.0",
@@ -261,7 +261,7 @@ def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, f
     return {name: float(np.mean(each)) for name, each in told.items() if each}
 
 
-def worst(found: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
+def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
     """Returns the largest of the errors that decide, with its name."""
-    deciding = [(name, found[name]) for name in judged_by if name in found]
+    deciding = [(name, errors[name]) for name in judged_by if name in errors]
     return max(deciding, key=lambda pair: pair[1].value, default=None)

@@ -133,7 +133,7 @@ class Converged:
         return last.value / float((before_h / finest_h) ** self.series.expected - 1)
 
 
-def converged(
+def measure_series(
     series: RefinementSeries, measured: Mapping[str, Combination], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
     """Returns a series with what was measured of it; None where nothing was."""

@@ -28,7 +28,7 @@ from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, Comp
 from orchestrator.studies.quantities import QUANTITIES
 from orchestrator.studies.report import (
     Cell,
-    aligned,
+    align_rows,
     console_table,
     figure_parts,
     percent,
@@ -112,7 +112,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
                 entry[f"{name}_error"] = row.errors[name].value
                 entry[f"{name}_error_half_width"] = row.errors[name].half_width
         every.append(entry | {f"against {name}": error for name, error in row.answers.items()})
-    return aligned(every)
+    return align_rows(every)
 
 
 def as_json(study: AccuracyStudy) -> dict[str, Any]:

@@ -35,19 +35,19 @@ from orchestrator.studies.accuracy.combinations import (
     part_s,
     scatter,
     shared_sets,
-    worst,
+    worst_error,
 )
 from orchestrator.studies.accuracy.convergence import (
     Converged,
     Model,
     Option,
     Proposal,
-    converged,
     cost_ratio,
+    measure_series,
 )
 from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
-from orchestrator.studies.points import Point, is_random, run_points, seeded
+from orchestrator.studies.points import Point, is_random, run_points, seed_sets
 from orchestrator.studies.quantities import COMPARED, happens
 from orchestrator.studies.record import drives, record
 
@@ -128,7 +128,7 @@ class AccuracyStudy:
         runs = []
         try:
             for number in range(seeds):
-                sets = (*self.shared, *joint_sets(settings), *seeded(case, number))
+                sets = (*self.shared, *joint_sets(settings), *seed_sets(case, number))
                 runs.append(self.asked.study.point(name, sets, f"{name}-seed{number}" if number else name))
         except CaseError as error:
             return Combination(kind, name, settings, omitted=str(error.problems[0]))
@@ -140,7 +140,7 @@ class AccuracyStudy:
         and their metrics.  Runs that have failed are results, too, and not run again."""
         todo = [run for one in points for run in one.runs if run.status() != "failed"]
         yield from run_points(todo, self.asked.study.crew)
-        return self.with_points([one.measured() for one in points])
+        return self.with_points([one.with_metrics() for one in points])
 
     def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
         """Returns the study with these points in the place of those of the same names, or added."""
@@ -170,7 +170,7 @@ class AccuracyStudy:
     @cached_property
     def converged(self) -> list[Converged]:
         """Every series of which something was measured."""
-        every = (converged(one, self.measured, self.spread, self.known) for one in self.offer.series)
+        every = (measure_series(one, self.measured, self.spread, self.known) for one in self.offer.series)
         return [one for one in every if one is not None]
 
     def best(self, axis: str) -> Converged | None:
@@ -222,7 +222,7 @@ class AccuracyStudy:
                 off = errors(one, best, self.spread) if one.metrics and one is not best else {}
                 answers = answer_errors(one, self.known) if one.metrics else {}
                 proposal = self.proposals.get(one.name)
-                rows.append(Row(one, off, worst(off, self.judged_by), answers, proposal))
+                rows.append(Row(one, off, worst_error(off, self.judged_by), answers, proposal))
         return rows
 
     @cached_property
@@ -278,7 +278,7 @@ def _short(base: Combination) -> dict[str, Setting]:
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
 
-def studied(asked: Asked) -> Generator[str, None, AccuracyStudy]:
+def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
     """Runs what is not done yet, yields a line for each run, and returns what was found.  Raises
     CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable."""
     study = plan_study(asked)

@@ -28,7 +28,7 @@ from orchestrator.output.records.run_folder import study_folder
 from orchestrator.output.report.drawing import save
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
-from orchestrator.studies.options import Told
+from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
 from orchestrator.studies.quantities import outcome
 from orchestrator.studies.report import figure_parts, write_csv, write_page
@@ -60,7 +60,7 @@ def command(
         str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
     ] = "interval",
     out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
-) -> Told:
+) -> StudyOutput:
     """Run all hard cases, and draw the map of what stays stable.
 
     hard: every run of every case with criteria.toml, and its criteria.  map: one case over coupling
@@ -123,10 +123,10 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 
 def benchmark(case: Path, out: Path) -> CaseCriteria:
     """Returns one case at its default level.  Raises CaseError."""
-    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), was_run)
+    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
 
 
-def was_run(run: Path) -> bool:
+def is_over(run: Path) -> bool:
     """Returns whether a run is over: also one that was stopped, which is what it found out."""
     return outcome(run) != "not run"
 
@@ -198,7 +198,7 @@ def map_spots(folder: Path, out: Path) -> list[Spot]:
             for scheme in SCHEMES:
                 name = f"{scheme}-{mass_ratio:.3g}-{multiple:g}"
                 run = study.point(name, [mass, f"coupling.scheme={scheme}", *interval])
-                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=was_run)))
+                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=is_over)))
     return spots
 
 

@@ -14,7 +14,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.report.drawing import save
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
-from orchestrator.studies.options import Told
+from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy, Point, Vary, parse_vary, summary_of
 from orchestrator.studies.report import Cell, figure_parts, write_csv
 
@@ -43,7 +43,7 @@ def command(
     vary: Annotated[
         str, typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)")
     ],
-) -> Told:
+) -> StudyOutput:
     """Run a case over values of one key.
 
     Each value has a run of its own in a folder of its own.  Called again, only what is missing is
