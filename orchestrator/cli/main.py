@@ -217,7 +217,7 @@ def record(
 
     Exit code 0: written; 2: the folder does not hold what is needed.
     """
-    from orchestrator.case import recording_file
+    from orchestrator.case import recordings
     from orchestrator.output.records.run_folder import SUMMARY
     from orchestrator.output.records.trust import is_trusted
     from orchestrator.studies.points import status
@@ -226,7 +226,7 @@ def record(
     with reported_errors():
         recording = recorded(run, cycles)
     try:
-        recording_file.write(out, recording.file)
+        recordings.write(out, recording.file)
     except OSError as error:
         refuse(str(error))
     if not is_trusted(state := status(run)):

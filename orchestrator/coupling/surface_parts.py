@@ -19,7 +19,7 @@ from orchestrator.case import solvers
 from orchestrator.case.deck.panels import SinglePanel, Wall, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.playback import playbacks
+from orchestrator.case.recordings import playbacks
 from orchestrator.case.solver_plans import material_numbers, panel_plans
 from orchestrator.case.tables.case import Case
 from orchestrator.coupling.machine import PanelPoints, PlacedProbe

@@ -22,7 +22,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.layers import CHEAP_LEVEL
 from orchestrator.case.load import level_names
-from orchestrator.case.playback import turning
+from orchestrator.case.recordings import turning
 from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records.run_folder import resolved_case

@@ -6,11 +6,11 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from orchestrator.case import recording_file, solvers
+from orchestrator.case import recordings, solvers
 from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import is_outside
-from orchestrator.case.playback import NoMatch, playbacks, turning
+from orchestrator.case.recordings import NoMatch, playbacks, turning
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.case.tables.screen import PanelTable
@@ -206,7 +206,7 @@ def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
     """The file must be a recording, and of panels like these."""
     try:
         playbacks(case, folder)
-    except (NoMatch, recording_file.UnreadableRecording) as error:
+    except (NoMatch, recordings.UnreadableRecording) as error:
         yield CaseProblem(RECORDING, str(error))
 
 
@@ -215,7 +215,7 @@ def other_speed(case: Case, folder: Path) -> Iterator[str]:
     machine = turning(case)
     if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
         return
-    recorded = recording_file.read(folder / case.panel.recording).speed_rad_per_s
+    recorded = recordings.read(folder / case.panel.recording).speed_rad_per_s
     if abs(machine.speed_rad_per_s / recorded - 1) > OTHER_SPEED:
         yield (
             f"panel.recording was made at {recorded:.4g} rad/s and is played back at "

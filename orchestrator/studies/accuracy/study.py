@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf
 
-from orchestrator.case import recording_file
+from orchestrator.case import recordings
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.clock import exact
 from orchestrator.preflight.cost import particles_at_start, predicted_s
@@ -316,7 +316,7 @@ def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
             try:
                 if setting.made_from_run == "recording":
                     file = study.asked.study.folder / RECORDING
-                    recording_file.write(file, record(run.folder, None).file)
+                    recordings.write(file, record(run.folder, None).file)
                     sets = [f"panel.recording={file.resolve()}"]
                 else:
                     sets = drives(run.folder)
