@@ -1,4 +1,4 @@
-"""A few to some hundred spheres in NumPy: for tests and for the draft level.
+"""A few to some hundred spheres in NumPy, with which LIGGGHTS is compared.
 
 Equations, limits and what was measured: docs/theory/spheres.md.
 """
@@ -23,7 +23,7 @@ def build(plan: ParticlesPlan) -> SpheresSolver:
 
 
 def cost(work: ParticlesWork) -> Cost:
-    """NumPy's calls, which do not ask how many there are, and the neighbours of each."""
+    """Return the time of NumPy's calls, however many spheres there are, and of the neighbours of each."""
     stepping_s = 6e-4 * work.runs + 6.5e-4 * work.steps + 2.7e-6 * work.particle_steps
     return Cost(0.05, stepping_s)
 
