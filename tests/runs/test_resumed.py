@@ -126,7 +126,7 @@ def test_a_save_of_another_flipflow_is_said_to_be_one(
     stopped: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One that knew nothing of what the particles need today; nothing of the save is lost."""
-    monkeypatch.setattr("adapters.particles.liggghts.ledger._SUMS", ("_mass_kg", "_periodic"))
+    monkeypatch.setattr("adapters.particles.liggghts.ledger.ParticleLedger.STATE", ("_mass_kg", "_periodic"))
     assert resume(stopped, []) == launch.FAILED
     said = capsys.readouterr().err
     assert "cannot be put back (KeyError: 'periodic'): it was saved by another flipflow" in said

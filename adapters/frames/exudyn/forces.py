@@ -1,4 +1,4 @@
-"""Forces on bodies at an instant, and the ledger of trapezoidal steps between two instants.
+"""Forces at an instant, shafts of motors, and the ledger of trapezoidal steps between two instants.
 
 Newmark's step with beta = 1/4, gamma = 1/2 is  m (v1 - v0) = h/2 (f0 + f1)  and
 x1 - x0 = h/2 (v0 + v1): so the mean of the forces at its two ends gives its impulse to rounding,
@@ -11,12 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common.exciter import Unbalance
+from adapters.frames.common.exciter import Shaft, Unbalance
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
 from adapters.frames.common.rigid_frames import onto_bodies
 from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
 from orchestrator.ports import Array, linear_frames
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
+
+MOST_ROUNDS = 50
+TOLERANCE = 1e-14
+"""Of a shaft's synchronous speed: what its step may get wrong."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,81 @@ class SpatialForces:
         mean_m_per_s = (before.stretch_m_per_s + after.stretch_m_per_s) / 2
         moved_m = after.stretch_m - before.stretch_m
         return float(np.sum(self.damping_N_s_per_m * mean_m_per_s * moved_m))
+
+
+class SpatialShaft(Shaft):
+    """Turns about any axis, in steps of the midpoint rule.
+
+    In a step the frame gets the mean of the unbalance's force,  -u (r'1 - r'0) / h,  so that its
+    impulse is what the unbalance's momentum lost, to rounding; r is the radial unit vector.  The step
+    is predicted with the acceleration of its place that the last two steps lead to, and accepted with
+    the one that the frame then had: second order, as the frames themselves.
+
+    ``wrench`` (6,) is force and moment about the centre of mass of body number ``body`` in the present
+    step.  In each step ``turn`` comes first, then ``feel``.
+    """
+
+    STATE = (*Shaft.STATE, "wrench", "_given_1_s", "_felt_m_per_s2", "_felt_before_m_per_s2")
+
+    def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan, drawn_m: Array) -> None:
+        super().__init__(exciter, motor, plan)
+        numbers = linear_frames.numbers(plan, (exciter.body,))
+        self.body = int(numbers[0])
+        self._at = Attached.at(exciter.position_m[None], numbers, drawn_m)
+        self.wrench: Array = np.zeros(6)
+        self._given_1_s: Array = np.zeros(3)  # r' of which the frame got the force
+        self._felt_m_per_s2: Array = np.zeros(3)  # mean over the last step
+        self._felt_before_m_per_s2: Array = np.zeros(3)
+
+    def velocity_m_per_s(self, poses: Poses) -> Array:
+        """Return the velocity (3,) of its place."""
+        return np.asarray(self._at.motion(poses)[1][0])
+
+    def turn(self, poses: Poses, end_s: float, step_s: float) -> Array:
+        """Return the change of its wrench to that of the step from ``poses`` on."""
+        expected_m_per_s2 = 2 * self._felt_m_per_s2 - self._felt_before_m_per_s2
+        angle_rad, speed_rad_per_s = self._ahead(expected_m_per_s2, end_s, step_s)
+        given_1_s = speed_rad_per_s * self.tangent(angle_rad)
+        force_N = self._exciter.mass_moment_kg_m * (self._given_1_s - given_1_s) / step_s
+        place_m, self._velocity_m_per_s = (rows[0] for rows in self._at.motion(poses))
+        arm_m = place_m - poses.center_m[self.body]
+        arm_m += step_s / 2 * (self._velocity_m_per_s - poses.velocity_m_per_s[self.body])
+        before, self._given_1_s = self.wrench, given_1_s
+        self.wrench = np.concatenate([force_N, np.cross(arm_m, force_N)])
+        return self.wrench - before
+
+    def feel(self, poses: Poses, end_s: float, step_s: float) -> None:
+        """Accept the step to ``poses``."""
+        gained_m_per_s = self.velocity_m_per_s(poses) - self._velocity_m_per_s
+        self._felt_before_m_per_s2, self._felt_m_per_s2 = self._felt_m_per_s2, gained_m_per_s / step_s
+        angle_rad, speed_rad_per_s = self._ahead(self._felt_m_per_s2, end_s, step_s)
+        turned_rad = angle_rad - self.angle_rad
+        self.motor_J += self._mean_torque_N_m(speed_rad_per_s, end_s, step_s) * turned_rad
+        self.lost_J += self._motor.bearing_N_m_s * turned_rad**2 / step_s
+        self.angle_rad, self.speed_rad_per_s = angle_rad, speed_rad_per_s
+
+    def _ahead(self, felt_m_per_s2: Array, end_s: float, step_s: float) -> tuple[float, float]:
+        """Return angle and speed at the step's end, where its place has this mean acceleration."""
+        if end_s - step_s < self._exciter.start_s - 1e-9 * step_s:  # until then a brake holds it
+            return self.angle_rad, 0.0
+        speed = self.speed_rad_per_s
+        for _ in range(MOST_ROUNDS):
+            mean = np.array((self.speed_rad_per_s + speed) / 2)
+            torque_N_m = self._mean_torque_N_m(speed, end_s, step_s)
+            growth = self.growth_rad_per_s2(
+                self.angle_rad + step_s / 2 * mean, mean, np.array(torque_N_m), felt_m_per_s2
+            )
+            before, speed = speed, self.speed_rad_per_s + step_s * float(growth)
+            if abs(speed - before) <= TOLERANCE * self._motor.synchronous_rad_per_s:
+                return self.angle_rad + step_s * (self.speed_rad_per_s + speed) / 2, speed
+        raise SolverFailed(
+            f"exudyn frames at {end_s} s: a motor's step does not settle; take a smaller frames.step_s"
+        )
+
+    def _mean_torque_N_m(self, speed_rad_per_s: float, end_s: float, step_s: float) -> float:
+        """Return the mean of the torque over a step that ends at this speed."""
+        ends_s = np.array([end_s - step_s, end_s])
+        return float(self.torque_N_m(np.array([self.speed_rad_per_s, speed_rad_per_s]), ends_s).mean())
 
 
 class SpatialLedger(FramesLedger):

@@ -22,9 +22,8 @@ import numpy as np
 
 from adapters.frames.common.rigid_frames import RigidFrames, onto_bodies
 from adapters.frames.exudyn import LARGEST_TILT_RAD
-from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger
+from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger, SpatialShaft
 from adapters.frames.exudyn.poses import Attached, Poses, cross
-from adapters.frames.exudyn.shaft import SpatialShaft
 from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing

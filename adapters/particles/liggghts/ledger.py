@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from orchestrator.ports import Account, AngularAccount, Array, Saved
+from orchestrator.ports import Account, AngularAccount, Array
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
-
-
-_SUMS = ("_mass_kg", "_impulse_N_s", "_came_kg_m2_per_s", "_fed_J", "_removed_J", "_first_J", "removed_count")
 
 
 @dataclass
@@ -71,8 +68,18 @@ def _owned(arrays: dict[str, Any]) -> SolidSpheres:
     return SolidSpheres(*(arrays[name] for name in ("rmass", "radius", "x", "v", "omega")))
 
 
-class ParticleLedger:
+class ParticleLedger(SavedAttributes):
     """Adds up over the ranks of the communicator.  Potential energy is zero at the origin."""
+
+    STATE = (
+        "_mass_kg",
+        "_impulse_N_s",
+        "_came_kg_m2_per_s",
+        "_fed_J",
+        "_removed_J",
+        "_first_J",
+        "removed_count",
+    )
 
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
         self._comm = communicator
@@ -140,12 +147,6 @@ class ParticleLedger:
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))
         fell = np.cross(moment, self._gravity_m_per_s2)
         return AngularAccount(momentum, fell + self._came_kg_m2_per_s, {"surface": -given})
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_SUMS)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_SUMS)
 
     def _stored_J(self, engine: Engine) -> dict[str, float]:
         mine = _owned(engine.particles())

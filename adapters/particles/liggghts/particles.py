@@ -66,18 +66,15 @@ class Liggghts:
                 opened.enter_context(TemporaryDirectory(prefix="flipflow_liggghts_"))
             )
             folder.mkdir(parents=True, exist_ok=True)
-            self._launch(folder)
+            try:
+                self._engine = start_engine(plan, self._comm, folder)
+                self._create(plan.particles)
+                self._engine.command(FIRST_EVALUATION)
+            except RuntimeError as error:
+                raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
             self._check(0.0)
             self._ledger.open(self._engine)
             self._opened = opened.pop_all()
-
-    def _launch(self, folder: FilePath) -> None:
-        try:
-            self._engine = start_engine(self._plan, self._comm, folder)
-            self._create(self._plan.particles)
-            self._engine.command(FIRST_EVALUATION)
-        except RuntimeError as error:
-            raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
 
     def _create(self, new: ParticleList) -> None:
         create_particles(self._engine, new, self._created + 1)
@@ -216,7 +213,17 @@ class Liggghts:
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
         if len(mine["tag"]):
-            self._removed.append(_removed(mine, interval.start_s + step_s * mine["step"]))
+            record = Removed(
+                id=mine["tag"].astype(np.int64),
+                time_s=interval.start_s + step_s * mine["step"],
+                position_m=mine["x"],
+                velocity_m_per_s=mine["v"],
+                diameter_m=2.0 * mine["radius"],
+                density_kg_per_m3=mine["density"],
+                material=mine["type"].astype(np.int64) - 1,
+                exit=mine["exit"].astype(np.int64),
+            )
+            self._removed.append(record)
 
     def _prepare(self) -> None:
         """Sort particles and evaluate their forces, where new ones came."""
@@ -251,20 +258,6 @@ class Liggghts:
                 f"LIGGGHTS lost particles before t = {time_s} s: {present} of {expected} are left"
             )
         return crossed
-
-
-def _removed(mine: Arrays, time_s: Array) -> Removed:
-    """Return the record of the particles that this rank took out at ``time_s`` (n,)."""
-    return Removed(
-        id=mine["tag"].astype(np.int64),
-        time_s=time_s,
-        position_m=mine["x"],
-        velocity_m_per_s=mine["v"],
-        diameter_m=2.0 * mine["radius"],
-        density_kg_per_m3=mine["density"],
-        material=mine["type"].astype(np.int64) - 1,
-        exit=mine["exit"].astype(np.int64),
-    )
 
 
 def _crossings(mine: Arrays, start_s: float, step_s: float) -> Crossings:
