@@ -49,7 +49,8 @@ class RigidFrames(SavedAttributes):
 
     def save(self) -> Saved:
         shafts = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return super().save() | {"ledger": self._ledger.save(), "shafts": shafts}
+        turning: Saved = {"shafts": shafts} if shafts else {}
+        return super().save() | {"ledger": self._ledger.save()} | turning
 
     def restore(self, saved: Saved) -> None:
         super().restore(saved)
