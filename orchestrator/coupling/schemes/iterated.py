@@ -21,16 +21,7 @@ import numpy as np
 
 from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.tables.case import Case
-from orchestrator.coupling.schemes.acceleration import Aitken, LeastSquares
-from orchestrator.coupling.schemes.scheme import (
-    Forecast,
-    Scheme,
-    Solvers,
-    State,
-    chord,
-    finish_interval,
-    forecast,
-)
+from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, chord, finish_interval, forecast
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import sphere_mass_kg
@@ -70,21 +61,6 @@ class Acceleration(Restorable, Protocol):
     def next(self, tried_N: Array, answer_N: Array) -> Array:
         """Returns the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
         ...
-
-
-def aitken(effort: Effort) -> Scheme:
-    """Returns the scheme with Aitken's acceleration."""
-    return _scheme(effort, Aitken())
-
-
-def quasi_newton(effort: Effort) -> Scheme:
-    """Returns the scheme with quasi-Newton acceleration by least squares."""
-    return _scheme(effort, LeastSquares())
-
-
-def _scheme(effort: Effort, acceleration: Acceleration) -> Scheme:
-    iterated = Iterated(effort, acceleration)
-    return Scheme(iterated.advance, memory=iterated)
 
 
 class Iterated:

@@ -28,7 +28,7 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator, cg
 
-from orchestrator.coupling.schemes.scheme import Forecast, Scheme, Solvers, State, finish_interval, forecast
+from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, finish_interval, forecast
 from orchestrator.coupling.schemes.staggered import particles_first
 from orchestrator.ports import (
     Array,
@@ -125,12 +125,6 @@ class SurfaceCompliance:
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
     """Returns by how much less the particles push a surface that moves, (points, 3)."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
-
-
-def robin() -> Scheme:
-    """Returns the scheme before its first interval."""
-    scheme = Robin()
-    return Scheme(scheme.advance, memory=scheme)
 
 
 class Robin:
