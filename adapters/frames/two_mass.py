@@ -15,10 +15,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from adapters.frames.common.collocation import STAGES, Collocation
-from adapters.frames.common.exciter import Unbalance
+from adapters.frames.common.collocation import Collocation
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
-from adapters.frames.common.rigid_frames import RigidFrames, onto_bodies
+from adapters.frames.common.rigid_frames import RigidFrames, Unbalances, onto_bodies
 from orchestrator.ports import Account, Array, Load, Motion, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
@@ -44,9 +43,8 @@ class TwoMassFrames(RigidFrames):
                 "exudyn or, where every body is driven, prescribed"
             )
         super().__init__(plan)
-        excited = linear_frames.numbers(plan, tuple(exciter.body for exciter in plan.exciters))
-        unbalances = [Unbalance(exciter) for exciter in plan.exciters]
-        self._exciters = list(zip(excited, unbalances, strict=True))
+        self._unbalances = Unbalances(plan, plan.exciters)
+        self._onto_excited = onto_bodies(plan, self._unbalances.body)
         self._onto_bodies = onto_bodies(plan, self._carrier)
         weight_N = np.outer([body.mass_kg for body in plan.bodies], plan.gravity_m_per_s2)
         self._unheld_N = weight_N - self._held.reshape(-1, 3)
@@ -86,9 +84,7 @@ class TwoMassFrames(RigidFrames):
 
     def _step(self, start_s: float, reaction_N: Array) -> None:
         collocation, state = self._collocation, (self._displacement_m, self._velocity_m_per_s)
-        exciter_N = np.zeros((STAGES, *reaction_N.shape))
-        for number, exciter in self._exciters:
-            exciter_N[:, number] += exciter.force_N(start_s + collocation.node_s)
+        exciter_N = self._onto_excited @ self._unbalances.force_N(start_s + collocation.node_s)
         load_N = exciter_N + (reaction_N + self._unheld_N)
         self._book(exciter_N, *collocation.stages(*state, load_N))
         self._displacement_m, self._velocity_m_per_s = collocation.end(*state, load_N)

@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from adapters.frames.common.drive import DrivenPoints
-from adapters.frames.common.exciter import Shaft
+from adapters.frames.common.exciter import Shaft, Unbalance
 from adapters.frames.common.ledger import FramesLedger
 from orchestrator.ports import Array, Indices, Known, Saved
 from orchestrator.ports.clock import Interval
@@ -70,6 +70,35 @@ class RigidFrames(SavedAttributes):
         fastest = max(self._machine.fastest_rad_per_s(), *speeds, *run_ups, 0.0)
         limit_s = largest_rad / fastest if fastest > 0 else plan.sync_interval_s
         return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
+
+
+class BushingTable:
+    """Holds the bushings of a plan: places (n, 3), spring axes (n, 3, 3), stiffness and damping along
+    these (n, 3), and the numbers (n,) of their first and second bodies, -1 for the ground."""
+
+    def __init__(self, plan: FramesPlan) -> None:
+        every = plan.bushings
+        self.first, self.second = (numbers(plan, tuple(b.bodies[end] for b in every)) for end in (0, 1))
+        self.place_m = np.array([b.position_m for b in every]).reshape(-1, 3)
+        self.axes = np.array([b.axes for b in every]).reshape(-1, 3, 3)
+        self.stiffness_N_per_m = np.array([b.stiffness_N_per_m for b in every]).reshape(-1, 3)
+        self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in every]).reshape(-1, 3)
+
+
+class Unbalances:
+    """Evaluates exciters of a plan at their given speeds: places (n, 3), and numbers (n,) of bodies."""
+
+    def __init__(self, plan: FramesPlan, exciters: Sequence[ExciterPlan]) -> None:
+        self.body = numbers(plan, tuple(exciter.body for exciter in exciters))
+        self.place_m = np.array([exciter.position_m for exciter in exciters]).reshape(-1, 3)
+        self._every = [Unbalance(exciter) for exciter in exciters]
+
+    def force_N(self, time_s: Array) -> Array:
+        """Return their forces (times, n, 3)."""
+        force_N = np.zeros((len(time_s), len(self._every), 3))
+        for number, unbalance in enumerate(self._every):
+            force_N[:, number] = unbalance.force_N(time_s)
+        return force_N
 
 
 def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.common.exciter import Shaft
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
-from adapters.frames.common.rigid_frames import onto_bodies
+from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
 from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
@@ -49,34 +49,25 @@ class SpatialForces:
     ``bodies``: the numbers (bushings,) of the bushings' first and of their second bodies."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
-        place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
-        first, second = (
-            linear_frames.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
-        )
-        self.bodies = first, second
-        self._ends = Attached.at(place_m, first, drawn_m), Attached.at(place_m, second, drawn_m)
-        self._axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
-        self._sag_m = sag_m
-        self.stiffness_N_per_m = np.array([b.stiffness_N_per_m for b in plan.bushings]).reshape(-1, 3)
-        self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in plan.bushings]).reshape(-1, 3)
-        self._onto_first = onto_bodies(plan, first)
-        self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
-        excited = linear_frames.numbers(plan, tuple(e.body for e in plan.exciters))
-        exciter_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
-        self._unbalance = Attached.at(exciter_m, excited, drawn_m)
+        self._table, self._sag_m = BushingTable(plan), sag_m
+        self.bodies = self._table.first, self._table.second
+        first, second = (Attached.at(self._table.place_m, body, drawn_m) for body in self.bodies)
+        self._ends = first, second
+        self._onto_first = onto_bodies(plan, first.body)
+        self._unbalances = Unbalances(plan, plan.exciters)
+        self._excited = Attached.at(self._unbalances.place_m, self._unbalances.body, drawn_m)
 
     def exciter_N(self, time_s: float) -> Array:
         """Return the force of each exciter, (exciters, 3)."""
-        when = np.array([time_s])
-        return np.array([exciter.force_N(when)[0] for exciter in self._exciters]).reshape(-1, 3)
+        return np.asarray(self._unbalances.force_N(np.array([time_s]))[0])
 
     def at(self, poses: Poses, exciter_N: Array) -> Instant:
         """Evaluate all forces on bodies in these poses."""
         (from_m, from_m_per_s), (to_m, to_m_per_s) = (end.motion(poses) for end in self._ends)
-        axes = self._axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
+        axes = self._table.axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
         stretch_m = turned(axes, to_m - from_m) + self._sag_m
         stretch_m_per_s = turned(axes, to_m_per_s - from_m_per_s)
-        pull_N = self.stiffness_N_per_m * stretch_m + self.damping_N_s_per_m * stretch_m_per_s
+        pull_N = self._table.stiffness_N_per_m * stretch_m + self._table.damping_N_s_per_m * stretch_m_per_s
         pull_N = turned(axes.transpose(0, 2, 1), pull_N)
         couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
@@ -88,18 +79,18 @@ class SpatialForces:
             to_m,
             couple_N_m,
             exciter_N,
-            self._unbalance.motion(poses)[0],
+            self._excited.motion(poses)[0],
         )
 
     def elastic_J(self, now: Instant) -> float:
         """Return the energy in the bushings."""
-        return float(np.sum(self.stiffness_N_per_m * now.stretch_m**2)) / 2
+        return float(np.sum(self._table.stiffness_N_per_m * now.stretch_m**2)) / 2
 
     def lost_J(self, before: Instant, after: Instant) -> float:
         """Return what bushings dissipate in a step."""
         mean_m_per_s = (before.stretch_m_per_s + after.stretch_m_per_s) / 2
         moved_m = after.stretch_m - before.stretch_m
-        return float(np.sum(self.damping_N_s_per_m * mean_m_per_s * moved_m))
+        return float(np.sum(self._table.damping_N_s_per_m * mean_m_per_s * moved_m))
 
 
 class SpatialShaft(Shaft):
