@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.clamp_motion import change_of_stroke, has_moved_by_forces
-from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict, overlay_of_rows
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames, solve_shakings
 
@@ -27,8 +27,7 @@ def judge(scene: Scene) -> Verdict | None:
 
 
 def overlay(case: Case) -> Overlay:
-    undamped = {name: {"damping_N_s_per_m": [0.0, 0.0, 0.0]} for name in case.screen.bushings}
-    return {"screen": {"bushings": undamped}} if undamped else {}
+    return overlay_of_rows("screen.bushings", case.screen.bushings, {"damping_N_s_per_m": [0.0, 0.0, 0.0]})
 
 
 def described(case: Case) -> bool:

@@ -11,7 +11,7 @@ from orchestrator.case.tables.case import Case
 from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import ExciterPlan, MotorPlan
 from orchestrator.preflight.scene.clamp_motion import largest_stroke_m
-from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict, compare
+from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict, compare, overlay_of_rows
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import Shaking, exciter_N, solve_shakings
 
@@ -97,8 +97,8 @@ def _power_W(exciter: ExciterPlan, shaking: Shaking) -> float:
 
 
 def overlay(case: Case) -> Overlay:
-    rows = {name: {"motor": None} for name, row in case.screen.exciters.items() if row.motor}
-    return {"screen": {"exciters": rows}} if rows else {}
+    names = [name for name, row in case.screen.exciters.items() if row.motor]
+    return overlay_of_rows("screen.exciters", names, {"motor": None})
 
 
 EFFECT = Effect(

@@ -6,7 +6,15 @@ from __future__ import annotations
 import math
 
 from orchestrator.case.tables.case import Case
-from orchestrator.preflight.scene.effect import MARGIN, TENTH, Effect, Overlay, Verdict, compare
+from orchestrator.preflight.scene.effect import (
+    MARGIN,
+    TENTH,
+    Effect,
+    Overlay,
+    Verdict,
+    compare,
+    overlay_of_rows,
+)
 from orchestrator.preflight.scene.moved_panel import loss_factor
 from orchestrator.preflight.scene.scene import Scene
 
@@ -52,12 +60,11 @@ def _lost_at_harmonics(scene: Scene) -> float:
 
 
 def overlay(case: Case) -> Overlay:
-    without: Overlay = {"hyperelastic": {"maxwell": None, "loss_curve": None}}
-    damped = _damped(case)
-    return {"materials": dict.fromkeys(damped, without)} if damped else {}
+    without = {"hyperelastic": {"maxwell": None, "loss_curve": None}}
+    return overlay_of_rows("materials", _damped_materials(case), without)
 
 
-def _damped(case: Case) -> list[str]:
+def _damped_materials(case: Case) -> list[str]:
     laws = {name: material.hyperelastic for name, material in case.materials.items()}
     return [name for name, law in laws.items() if law and (law.maxwell or law.loss_curve)]
 
@@ -65,7 +72,7 @@ def _damped(case: Case) -> list[str]:
 EFFECT = Effect(
     part="panels",
     judge=judge,
-    described=lambda case: bool(_damped(case)),
+    described=lambda case: bool(_damped_materials(case)),
     overlay=overlay,
     needs=("panel-deformation",),
     key="materials.<name>.hyperelastic.maxwell",

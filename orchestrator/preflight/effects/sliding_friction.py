@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.contacts import contacts_on_deck, describe_friction, friction_over_pull
-from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict, compare
+from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict, compare, overlay_of_rows
 from orchestrator.preflight.scene.scene import Scene
 
 
@@ -19,8 +19,7 @@ def judge(scene: Scene) -> Verdict:
 
 
 def overlay(case: Case) -> Overlay:
-    frictionless = {str(k): {"sliding_friction": 0.0} for k in range(len(case.contacts))}
-    return {"contacts": frictionless} if frictionless else {}
+    return overlay_of_rows("contacts", map(str, range(len(case.contacts))), {"sliding_friction": 0.0})
 
 
 def _friction(case: Case) -> float:

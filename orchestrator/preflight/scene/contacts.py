@@ -15,7 +15,7 @@ from orchestrator.case.bed.contact_times import (
 )
 from orchestrator.case.tables.case import Case, Contact, has_particles
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.preflight.scene.effect import Effect, Judge, Overlay
+from orchestrator.preflight.scene.effect import Effect, Judge
 from orchestrator.preflight.scene.scene import Scene
 
 
@@ -40,15 +40,11 @@ def contact_law_effect(
         off = getattr(case.particles, law) == "none" and has_particles(case) and described(case)
         return f"particles.{law} none: {without}" if off else ""
 
-    def undescribed(case: Case) -> Overlay:
-        return {"contacts": {str(n): {coefficient: 0.0} for n in range(len(case.contacts))}}
-
     return Effect(
         part="particles",
         judge=judge,
         described=described,
         left_out=left_out,
-        undescribed=undescribed,
         overlay=lambda case: {"particles": {law: "none"}},
         laws={name: {"particles": {law: name}} for name in laws},
         key=key,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
@@ -128,8 +128,7 @@ class Effect:
     (None takes a key away); it is empty where only a number could be changed, or where this case
     cannot do without.  ``needs`` are effects without which it is nothing.  ``laws`` are names by
     which it can be called for with one of several laws, and the keys that choose it; two of them
-    exclude each other.  ``key`` is what a user changes to have it or not.  ``undescribed`` has keys
-    that take it out of the data where ``overlay`` chooses another law, for the benchmark.
+    exclude each other.  ``key`` is what a user changes to have it or not.
     ``checked_by`` is what a run must tell (a field of ``Observed``) for ``judge`` to be asked again
     after it.  ``saves`` says whether a run without it takes less time, so that it is worth a trial.
     ``about`` has the parts whose results the number is an estimate of; of others it says nothing
@@ -141,7 +140,6 @@ class Effect:
     described: Callable[[Case], bool] = _always
     left_out: Callable[[Case], str] = _never
     overlay: Callable[[Case], Overlay] = _nothing
-    undescribed: Callable[[Case], Overlay] = _nothing
     needs: tuple[str, ...] = ()
     laws: Mapping[str, Overlay] = field(default_factory=dict)
     key: str = ""
@@ -171,12 +169,21 @@ def exchange_effect(part: Part, judge: Judge, switch: str, off: str, **more: Any
     return Effect(part, judge, left_out=left_out, overlay=lambda case: overlay, key=key, **more)
 
 
+def overlay_of_rows(path: str, names: Iterable[str], keys: Overlay) -> Overlay:
+    """Return an overlay that gives rows of a table, "screen.bushings", the same keys; empty without
+    any."""
+    overlay: Overlay = {name: keys for name in names}
+    for word in reversed(path.split(".")) if overlay else ():
+        overlay = {word: overlay}
+    return overlay
+
+
 def overlay_of_panels(case: Case, key: str) -> Overlay:
     """Return the keys that take ``key`` out of all panels and decks that have it."""
     kinds: dict[str, Mapping[str, Any]] = {"panels": case.screen.panels, "decks": case.screen.decks}
-    overlays = {
-        kind: {name: {key: None} for name, row in rows.items() if getattr(row, key)}
+    tables = {
+        kind: overlay
         for kind, rows in kinds.items()
+        if (overlay := {name: {key: None} for name, row in rows.items() if getattr(row, key)})
     }
-    tables = {kind: rows for kind, rows in overlays.items() if rows}
     return {"screen": tables} if tables else {}
