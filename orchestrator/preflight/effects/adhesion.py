@@ -1,5 +1,5 @@
-"""Adhesion: JKR's pull-off force of the smallest particles over their weight (the Bond number),
-over what pulls them apart, their weight and the throw."""
+"""Adhesion matters where JKR's pull-off force of the smallest particles over their weight (the Bond
+number) is not small against what pulls them apart, their weight and the throw."""
 
 from __future__ import annotations
 

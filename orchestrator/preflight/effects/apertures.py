@@ -1,5 +1,5 @@
-"""Openings: whether the smallest particles pass, what they take of the panel's mass, and what they
-take of its stiffness, by which the stroke changes."""
+"""Openings matter where the smallest particles pass, or by what they take of the panel's mass and of
+its stiffness, by which the stroke changes."""
 
 from __future__ import annotations
 

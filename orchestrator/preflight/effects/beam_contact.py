@@ -1,4 +1,4 @@
-"""Panels come to lie on beams below them: sag over the gap, where the beam is."""
+"""Panels come to lie on beams below them where they sag by more than the gap above a beam."""
 
 from __future__ import annotations
 

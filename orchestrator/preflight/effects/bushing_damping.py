@@ -1,4 +1,4 @@
-"""Damping in the bushings: change of the stroke without it."""
+"""Damping in the bushings matters where the stroke changes without it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contacts as stiff as the materials: softened ones must not let particles through."""
+"""Contacts are as stiff as the materials; softened ones must not let particles through."""
 
 from __future__ import annotations
 

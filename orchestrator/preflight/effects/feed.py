@@ -1,4 +1,4 @@
-"""A feed: the share of the bed that is replaced in the run."""
+"""A feed replaces a share of the bed in the run, by which it matters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames move the panels' clamps: what that throws, over its weight."""
+"""Frames move the panels' clamps, which matters by what that throws, over its weight."""
 
 from __future__ import annotations
 

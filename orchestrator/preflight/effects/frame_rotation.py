@@ -1,4 +1,4 @@
-"""Frames rotate: displacement of the outermost clamp by rotation over the frame's translation."""
+"""Frames rotate, which moves their outermost clamps against the translation of the frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The whole width of the machine: width of the slice over the largest particle."""
+"""A slice stands for the whole width of the machine if it is wide against the largest particle."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gravity: always, but for frames that are driven and nothing else; the number says how it
+"""Gravity matters always, but for frames that are driven and nothing else; the number says how it
 compares."""
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""A panel's material at large strain: Mooney-Rivlin's stress against the linear law's, where the
-panel is most taut."""
+"""A panel's material at large strain has Mooney-Rivlin's stress, which is compared with the linear
+law's where the panel is most taut."""
 
 from __future__ import annotations
 

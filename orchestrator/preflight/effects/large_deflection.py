@@ -1,4 +1,4 @@
-"""Deflections as large as the panel is thick, which stretch it: sag over thickness."""
+"""Deflections stretch a panel where it sags by as much as it is thick."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Motors lag behind under load: change of the stroke by the mean lag, and whether they get past the
-resonances on their way up."""
+"""Motors lag behind under load: the mean lag changes the stroke, and a load too large for them keeps
+them from getting past the resonances on their way up."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Damping in the panels' material: energy lost per cycle over energy stored, 2 pi times the loss
-factor."""
+"""Damping in the panels' material takes a share of the energy stored in each cycle, 2 pi times the
+loss factor."""
 
 from __future__ import annotations
 

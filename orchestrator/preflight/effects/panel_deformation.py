@@ -1,4 +1,4 @@
-"""Panels deform: what flat ones would change, in their middles' motion and in the stroke."""
+"""Panels deform: flat ones would move otherwise in their middles, and change the stroke."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Panels' inertia: square of the excitation's frequency over the panel's lowest."""
+"""Panels' inertia matters by the square of the excitation's frequency over the panel's lowest."""
 
 from __future__ import annotations
 

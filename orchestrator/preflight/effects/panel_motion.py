@@ -1,4 +1,4 @@
-"""The surface moves under the particles: what throws them, over their weight."""
+"""The surface moves under the particles, which matters by what throws them, over their weight."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Panels push the frames: their stiffness along the deck over that of the bushings between the
-same frames, and the stroke without them."""
+"""Panels push the frames: their stiffness along the deck is compared with that of the bushings
+between the same frames, and the stroke with the one without panels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Particles load the panels: mass of the bed over mass of the panel."""
+"""Particles load the panels, which matters by the mass of the bed over that of the panel."""
 
 from __future__ import annotations
 

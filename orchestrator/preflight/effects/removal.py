@@ -1,4 +1,4 @@
-"""Exits take out what has left the deck: the share of the bed that leaves in the run."""
+"""Exits take out what has left the deck, which matters by the share of the bed that leaves."""
 
 from __future__ import annotations
 

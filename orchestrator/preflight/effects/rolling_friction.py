@@ -1,4 +1,4 @@
-"""Rolling friction: a sphere rolls down with 5/7 g (sin - mu_r cos)."""
+"""Rolling friction slows down a sphere, which rolls down with 5/7 g (sin - mu_r cos)."""
 
 from __future__ import annotations
 

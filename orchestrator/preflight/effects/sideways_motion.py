@@ -1,5 +1,5 @@
-"""Frames leave the vertical plane: motion across, roll and yaw at the outermost clamp over the
-frame's translation."""
+"""Frames leave the vertical plane: they move across, roll and yaw, which moves their outermost clamps
+against the translation of the frame."""
 
 from __future__ import annotations
 

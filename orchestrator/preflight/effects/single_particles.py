@@ -1,4 +1,4 @@
-"""Particles that stand for themselves: a bed of coarse ones must be several deep."""
+"""Particles stand for themselves; a bed of coarse ones must be several deep."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sliding friction: a body slides down with g (sin - mu cos); mu / tan is what friction takes."""
+"""Sliding friction takes the share mu / tan of what pulls a body down: it slides with g (sin - mu cos)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Contacts as stiff as the materials, at openings: a soft particle passes one that is smaller by
+"""Contacts are as stiff as the materials, at openings: a soft particle passes one that is smaller by
 its overlaps with both of its sides, and counts as one that is finer than it is."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Panels vary across: width over length, as clamps hinder a wide panel's contraction."""
+"""Panels vary across where they are wide against their length, as clamps hinder their contraction."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Wear: how much of its thickness the bed rubs off a panel in a thousand hours, at most (it lies
-on the panel all the time, and slides as fast as the frames shake and it is carried)."""
+"""Wear rubs off a share of a panel's thickness in a thousand hours, at most (the bed lies on the panel
+all the time, and slides as fast as the frames shake and it is carried)."""
 
 from __future__ import annotations
 
