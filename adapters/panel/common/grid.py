@@ -7,11 +7,11 @@ fastest; values between them follow the biquadratic Lagrange shape functions.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from adapters.panel.common.bilinear import clamped_rows_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle
 
@@ -24,7 +24,7 @@ def _with_middles(breaks_m: Array) -> Array:
 
 
 def _breaks_m(length_m: float, cells: int, margin_m: float) -> Array:
-    """Borders of ``cells`` cells, two of them at ``margin_m`` from the ends if that is not near
+    """Return the borders of ``cells`` cells, two of them at ``margin_m`` from the ends if that is not near
     an end or the middle."""
     outside = round(cells * margin_m / length_m)
     if outside == 0 or 2 * outside >= cells:
@@ -34,7 +34,7 @@ def _breaks_m(length_m: float, cells: int, margin_m: float) -> Array:
 
 
 def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices, Array]:
-    """First node (n,) and the three shape functions (n, 3) of the cell that holds each value."""
+    """Return the first node (n,) and the three shape functions (n, 3) of the cell that holds each value."""
     outside = (value_m < breaks_m[0] - slack_m) | (value_m > breaks_m[-1] + slack_m)
     if outside.any() or not np.isfinite(value_m).all():
         worst = value_m[outside | ~np.isfinite(value_m)][0]
@@ -66,9 +66,9 @@ class ElementGrid:
             raise ValueError(f"a panel needs at least one cell along and across, got {cells}")
         margin_m = np.zeros(2) if region_m is None else region_m[0]
         free = _breaks_m(rectangle.length_m, cells[0], margin_m[0])
-        under = [rectangle.clamp_m] if rectangle.clamp_m > 0.0 else []
-        s = np.concatenate([[-c for c in under], free, [rectangle.length_m + c for c in under]])
-        return ElementGrid(s, _breaks_m(rectangle.width_m, cells[1], margin_m[1]))
+        return ElementGrid(
+            clamped_rows_m(rectangle, free), _breaks_m(rectangle.width_m, cells[1], margin_m[1])
+        )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -107,20 +107,3 @@ def numbers_at_nodes(interpolation: csr_array) -> Indices:
     numbers = np.empty(interpolation.shape[1], dtype=np.int64)
     numbers[at.col[there]] = at.row[there]
     return numbers
-
-
-class Interpolating(Protocol):
-    def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2)."""
-        ...
-
-
-AnyGrid = TypeVar("AnyGrid", bound=Interpolating, covariant=True)
-
-
-@dataclass(frozen=True)
-class SurfaceNodes(Generic[AnyGrid]):
-    """What particles touch: a grid, and which node of a body stands at each of its nodes."""
-
-    grid: AnyGrid
-    nodes: Indices

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.finite_element.grid import ElementGrid, numbers_at_nodes
+from adapters.panel.common.bilinear import clamped_rows_m
+from adapters.panel.common.grid import ElementGrid, numbers_at_nodes
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
@@ -40,11 +41,9 @@ def solid_grid(plan: PanelPlan) -> PiercedGrid:
             'take shape = "rectangle"'
         )
     along, across = (_Way.of(pattern, rectangle, number) for number in (0, 1))
-    clamp_m = [rectangle.clamp_m] if rectangle.clamp_m > 0.0 else []
-    s_m = [*(-c for c in clamp_m), *along.borders_m(plan.cells[0])]
-    s_m += [rectangle.length_m + c for c in clamp_m]
+    s_m = clamped_rows_m(rectangle, along.borders_m(plan.cells[0]))
     holes_m = np.stack([along.sides_m, across.sides_m], axis=-1)
-    return PiercedGrid(ElementGrid(np.array(s_m), across.borders_m(plan.cells[1])), holes_m)
+    return PiercedGrid(ElementGrid(s_m, across.borders_m(plan.cells[1])), holes_m)
 
 
 def size(plan: PanelPlan) -> MeshSize:
@@ -154,14 +153,14 @@ class PiercedGrid:
 
     def hole_of_cell(self) -> Indices:
         """Return (along, across): the hole that each cell is in, -1 where there is material."""
-        found = np.full(self.whole.shape, -1, dtype=np.int64)
+        hole = np.full(self.whole.shape, -1, dtype=np.int64)
         middle = 0.5 * (self.whole.s_m[:-1] + self.whole.s_m[1:])
         rows = np.searchsorted(middle, self.holes_m[:, :, 0])
         middle = 0.5 * (self.whole.y_m[:-1] + self.whole.y_m[1:])
         columns = np.searchsorted(middle, self.holes_m[:, :, 1])
         for number, (row, column) in enumerate(zip(rows, columns, strict=True)):
-            found[slice(*row), slice(*column)] = number
-        return found
+            hole[slice(*row), slice(*column)] = number
+        return hole
 
     def nodes_m(self) -> Array:
         """Return the material coordinates (nodes, 2)."""
@@ -181,9 +180,9 @@ class PiercedGrid:
         cells_m2 = np.outer(np.diff(self.whole.s_m), np.diff(self.whole.y_m))
         cells_m2 *= self.hole_of_cell() < 0
         areas_m2 = np.zeros((2 * along + 1, 2 * across + 1))
-        for i, one in enumerate(SIMPSON):
-            for j, other in enumerate(SIMPSON):
-                areas_m2[i : i + 2 * along : 2, j : j + 2 * across : 2] += one * other * cells_m2
+        for i, first in enumerate(SIMPSON):
+            for j, second in enumerate(SIMPSON):
+                areas_m2[i : i + 2 * along : 2, j : j + 2 * across : 2] += first * second * cells_m2
         return areas_m2.ravel()
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
@@ -211,5 +210,5 @@ class PiercedGrid:
         return first, second, (point - first).sum(axis=1) / gap_m
 
     def numbers_of(self, coordinates_m: Array) -> Indices:
-        """Return what ``Grid.numbers_of`` does."""
+        """Return what ``ElementGrid.numbers_of`` does."""
         return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))

@@ -21,7 +21,7 @@ from mpi4py import MPI
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from adapters.panel.common.compiled import assembled_matrix, form, function_space
+from adapters.panel.finite_element.compiled import assembled_matrix, form, function_space
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.meshing import gmsh_session

@@ -16,8 +16,8 @@ import ufl
 from dolfinx import fem
 from scipy.linalg import eigh
 
-from adapters.panel.common.compiled import function_space
-from adapters.panel.perforation.unit_cell import SOLID, CellStiffness, cell_stiffness
+from adapters.panel.finite_element.compiled import function_space
+from adapters.panel.finite_element.unit_cell import SOLID, CellStiffness, cell_stiffness
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import PanelPlan
