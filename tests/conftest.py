@@ -1,4 +1,4 @@
-"""What holds for all tests in one process.
+"""What holds for all tests in one process, and for those that they start.
 
 PyVista brings its own VTK, and Debian's DOLFINx loads another one.  The process dies where PyVista
 is the second of them.  A run has it first, since its case is checked before solvers are opened;
@@ -6,10 +6,15 @@ tests come in any order.
 
 Examples that are drawn are the same ones every time, so that a change is judged by what it
 changes; new ones are looked for by ``pytest tests/case --hypothesis-profile=long``.
+
+The reference solvers of ``tests/reference`` can be named in a case.
 """
 
 import pyvista  # noqa: F401
 from hypothesis import settings
 
+from tests import reference
+
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
+reference.install()

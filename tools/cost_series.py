@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from orchestrator.preflight.cost import THICK, THIN, particles_at_start, predicted_parts_s
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import parts_s
-from orchestrator.studies.accuracy.plan import timed
+from orchestrator.studies.accuracy.plan import time_run
 from tests.runs.outside import ROOT
 
 CASES = {
@@ -80,7 +80,7 @@ def compared(name: str) -> Compared:
     case = load_judged(path, level, sets).case
     at_start = particles_at_start(case)
     thin_s, thick_s = (predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK))
-    return Compared(name, thin_s, thick_s, parts_s(timed(path, level, sets)))
+    return Compared(name, thin_s, thick_s, parts_s(time_run(path, level, sets)))
 
 
 def main(names: list[str]) -> None:

@@ -14,14 +14,14 @@ from pathlib import Path
 from statistics import median
 
 from orchestrator.preflight.judge import load_judged
-from orchestrator.studies.accuracy.plan import Candidate, Stored, by_study, stored, timed
+from orchestrator.studies.accuracy.plan import Candidate, StoredStudy, find_study, time_by_study, time_run
 
 TOLERANCES = (0.2, 0.1, 0.05, 0.02)
 OF_THE_STUDY = (0.5, 1.0, 1.5)
 
 
 def main(case: Path, level: str, file: Path) -> None:
-    study = stored(load_judged(case, level), file)
+    study = find_study(load_judged(case, level), file)
     assert study is not None
     ratios = []
     print("| settings | simulated / s | wall time, predicted / s | taken / s | ratio |")
@@ -33,19 +33,19 @@ def main(case: Path, level: str, file: Path) -> None:
     print(f"median {median(ratios):.2f}, {min(ratios):.2f} to {max(ratios):.2f}")
 
 
-def series(case: Path, level: str, study: Stored) -> Iterator[tuple[str, float, float, float]]:
+def series(case: Path, level: str, study: StoredStudy) -> Iterator[tuple[str, float, float, float]]:
     """Settings, duration, wall time that was predicted, wall time that was taken."""
-    given = [*study.found["sets"], *study.found["shared"]]
+    given = [*study.table["sets"], *study.table["shared"]]
     for share in OF_THE_STUDY:
-        duration_s = share * study.found["base"]["simulated_s"]
+        duration_s = share * study.table["base"]["simulated_s"]
         for one in candidates(study):
-            timing = by_study(study, case, level)
-            run = timed(case, level, [*given, *one.sets, f"duration_s={duration_s:.6g}"])
+            timing = time_by_study(study, case, level)
+            run = time_run(case, level, [*given, *one.sets, f"duration_s={duration_s:.6g}"])
             taken_s = sum(run["wall_by_part_s"].values())
             yield one.label, duration_s, timing.wall_s(one.processor_s, duration_s), taken_s
 
 
-def candidates(study: Stored) -> list[Candidate]:
+def candidates(study: StoredStudy) -> list[Candidate]:
     """Each once."""
     found = [one for one in study.measured() if not one.sets]
     found += [one for each in TOLERANCES if (one := study.cheapest(each)) is not None]

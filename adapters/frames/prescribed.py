@@ -9,25 +9,29 @@ from __future__ import annotations
 import numpy as np
 
 from adapters.frames.common.drive import DrivenPoints
-from orchestrator.ports import Account, Known, Load, Motion, Saved, check_point_count, linear_frames
+from orchestrator.ports import Account, Known, Load, Motion, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork
-from orchestrator.ports.state import restore_attributes, save_attributes
-
-_STATE = ("_now", "_impulse_N_s", "_received_J")
+from orchestrator.ports.state import SavedAttributes
 
 
-def build(plan: FramesPlan) -> PrescribedFrames:
-    """Raises ValueError if the plan has exciters or bushings, or names an unknown body."""
-    _check(plan)
-    return PrescribedFrames(plan)
+class PrescribedFrames(SavedAttributes):
+    """``Frames`` moved by drives only.
 
+    Raises ValueError if the plan has exciters or bushings, or names an unknown body.
+    """
 
-class PrescribedFrames:
-    """``Frames`` moved by drives only."""
+    STATE = ("_now", "_impulse_N_s", "_received_J")
 
     def __init__(self, plan: FramesPlan) -> None:
+        if plan.exciters or plan.bushings:
+            raise ValueError(
+                f"prescribed frames move by drives only, but the plan has {len(plan.exciters)} "
+                f"exciters and {len(plan.bushings)} bushings: leave them out or take another solver"
+            )
+        linear_frames.numbers(plan, plan.carrier)
+        linear_frames.driven(plan)
         self._points, self._drives = DrivenPoints(plan), len(plan.drives)
         self._now = self._points.at(0.0)
         self._impulse_N_s = np.zeros(3)
@@ -59,28 +63,12 @@ class PrescribedFrames:
             received_J={"reaction": self._received_J},
         )
 
-    def save(self) -> Saved:
-        return save_attributes(self, *_STATE)
 
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
-
-    def close(self) -> None:
-        pass
-
-
-def _check(plan: FramesPlan) -> None:
-    if plan.exciters or plan.bushings:
-        raise ValueError(
-            f"prescribed frames move by drives only, but the plan has {len(plan.exciters)} "
-            f"exciters and {len(plan.bushings)} bushings: leave them out or take another solver"
-        )
-    linear_frames.numbers(plan, plan.carrier)
-    linear_frames.driven(plan)
+build = PrescribedFrames
 
 
 def cost(work: FramesWork) -> Cost:
-    """A call in each interval, and each drive."""
+    """Return the time of a call in each interval, and of each drive."""
     return Cost(0.01, work.runs * (3.5e-5 + 1.5e-4 * work.driven))
 
 

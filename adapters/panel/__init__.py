@@ -1,3 +1,3 @@
 """Solvers of the panels: one module each, but for the parts that several share."""
 
-SHARED = frozenset({"common", "finite_element", "perforation"})
+SHARED = frozenset({"common", "finite_element"})

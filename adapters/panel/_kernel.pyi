@@ -13,11 +13,15 @@ LANES: int
 """Number of cells that stand side by side in the arrays of Gauss points."""
 
 class _Body:
-    """A body that works on arrays which Python owns.
+    """A body that works on arrays which Python owns."""
 
-    All arrays are contiguous, of the given type, and passed by name; TypeError for another type,
-    ValueError, with the array's name, for a wrong size.
-    """
+    def __init__(self, **arguments: Array | Ints | float) -> None:
+        """Bind the constants, which are copied, and the arrays of the state.
+
+        All arrays are contiguous, float64 or int32, and passed by name.  TypeError for another type
+        and for a name that is missing or not known, ValueError, with the array's name, for a wrong
+        size.
+        """
 
     def rest(self) -> None:
         """Take the positions as the shape in which every branch is relaxed; computes the force."""
@@ -42,80 +46,26 @@ class _Body:
         """
 
 class Sheet(_Body):
-    """The sheet of ``finite_element/compiled_sheet.py``."""
+    """The sheet of ``finite_element/compiled_sheet.py``.
 
-    def __init__(
-        self,
-        *,
-        along_m: Array,
-        across_m: Array,
-        c10_N_per_m: float,
-        c01_N_per_m: float,
-        solid: Array,
-        rest: Array,
-        strain_entries: Array,
-        offset: Ints,
-        entry: Array,
-        flat_m: Array,
-        mobility_1_kg: Array,
-        held: Ints,
-        ratio: Array,
-        time_s: Array,
-        position_m: Array,
-        velocity_m_per_s: Array,
-        internal_N: Array,
-        strain: Array,
-        strain_stress: Array,
-        elastic_N: Array,
-        bending_stress_N: Array,
-        energy_J: Array,
-        lost_J: Array,
-    ) -> None:
-        """Bind the constants, which are copied, and the arrays of the state.
-
-        Constants: sizes of the cells; the membrane's law by cell (``kernel/membrane.h``); the
-        bending matrix by diagonals and the positions without bending; mobility (nodes,), zero where
-        ``held``; Maxwell branches.  State, from ``position_m`` on: position, velocity and internal
-        force (nodes, 3), and the arrays of ``compiled_sheet.SheetMemory``.
-        """
+    Constants, which are copied: sizes of the cells, ``along_m`` and ``across_m``; the membrane's law
+    by cell, ``c10_N_per_m``, ``c01_N_per_m``, ``solid``, ``rest`` and ``strain_entries``
+    (``kernel/membrane.h``); the bending matrix by diagonals, ``offset`` and ``entry``, and the
+    positions without bending, ``flat_m``; ``mobility_1_kg`` (nodes,), zero where ``held``; Maxwell
+    branches, ``ratio`` and ``time_s``.  State: ``position_m``, ``velocity_m_per_s``, ``internal_N``
+    (nodes, 3), and what ``CompiledSheet`` calls its memory.
+    """
 
     def membrane_J(self) -> float:
-        """Elastic energy of the membrane at the present positions."""
+        """Return the elastic energy of the membrane at the present positions."""
 
 class Chain(_Body):
-    """The chain of ``strip/motion.py``."""
+    """The chain of ``strip/motion.py``.
 
-    def __init__(
-        self,
-        *,
-        first: int,
-        rest_m: float,
-        c10_Pa: float,
-        c01_Pa: float,
-        area_m2: Array,
-        bending_N_m3: Array,
-        curvature_1_m2: Array,
-        at_clamp: Ints,
-        along: Array,
-        mass_kg: Array,
-        held: Ints,
-        free: Ints,
-        across: Array,
-        share: Array,
-        ratio: Array,
-        time_s: Array,
-        position_m: Array,
-        velocity_m_per_s: Array,
-        internal_N: Array,
-        strain: Array,
-        stress: Array,
-        energy_J: Array,
-        lost_J: Array,
-    ) -> None:
-        """Bind the constants, which are copied, and the arrays of the state.
-
-        Constants: springs from row ``first`` on; curvatures (bends, 3) of three rows each, of which
-        those ``at_clamp`` (0 or 1) do not count ``along`` it; rows; ``share`` (rows, held): how all
-        follow the held ones ``across``; Maxwell branches.  State, from ``position_m`` on: position,
-        velocity and internal force (rows, 3), strains, and the branches' stresses and energies.
-        """
+    Constants, which are copied: springs from row ``first`` on, ``rest_m``, ``c10_Pa``, ``c01_Pa``,
+    ``area_m2``; ``curvature_1_m2`` (bends, 3) of three rows each, of weight ``bending_N_m3``, of
+    which those ``at_clamp`` (0 or 1) do not count ``along`` it; rows, ``mass_kg``, ``held`` and
+    ``free``; ``share`` (rows, held), how all follow the held ones ``across``; Maxwell branches,
+    ``ratio`` and ``time_s``.  State: ``position_m``, ``velocity_m_per_s``, ``internal_N`` (rows, 3),
+    ``strain``, and the branches' ``stress``, ``energy_J`` and ``lost_J``.
+    """

@@ -45,7 +45,7 @@ class RecordedPanel(CarriedSurface):
 
     def __init__(self, plan: PanelPlan, playback: Playback) -> None:
         rectangle, self._grid = plan.rectangle, playback.recording.grid
-        self._played = Played(playback)
+        self._player = Player(playback)
         self._axes = np.stack([rectangle.along, rectangle.across, rectangle.normal])
         corners_m = self._grid.corners_m(rectangle)
         ends = rectangle.end(corners_m).astype(int)
@@ -58,9 +58,9 @@ class RecordedPanel(CarriedSurface):
         super().__init__(
             f"panel {plan.name}",
             Mount(rectangle.mounted(corners_m), tuple(plan.frames[end] for end in ends)),
-            self._grid.carried(rectangle),
             self._grid.mass_kg(rectangle, per_area, share),
             plan.gravity_m_per_s2,
+            self._grid.carried(rectangle),
         )
 
     def account(self) -> Account:
@@ -70,31 +70,34 @@ class RecordedPanel(CarriedSurface):
         """Return shape functions, cubic between the grid's points and linear under the clamps."""
         from scipy.sparse import csr_array
 
-        return csr_array(interpolated(self._grid, self._edges_m, coordinates_m))
+        return csr_array(interpolation_matrix(self._grid, self._edges_m, coordinates_m))
 
-    def _placed(self, clamps: Motion, time_s: float) -> Motion:
-        shape_m, rate_m_per_s = self._played.shape(time_s)
-        flat = super()._placed(clamps, time_s)
+    def _place(self, clamps: Motion, time_s: float) -> Motion:
+        shape_m, rate_m_per_s = self._player.shape(time_s)
+        flat = super()._place(clamps, time_s)
         return Motion(
             flat.position_m + shape_m @ self._axes, flat.velocity_m_per_s + rate_m_per_s @ self._axes
         )
 
     def _pull_N(self, time_s: float) -> Array:
-        return np.asarray(self._pulled * (self._played.pull_N(time_s) @ self._axes))
+        return np.asarray(self._pulled * (self._player.pull_N(time_s) @ self._axes))
 
-    def _book(
+    def _clamps_work_J(
         self, clamps: Motion, surface: Motion, load_N: Array, through_N: Array, reaction_N: Array
-    ) -> None:
-        """Book mean forces times the ways of the clamps and of what keeps the shape, which also feeds
-        the pull and moves the panel against its clamps."""
+    ) -> float:
+        """Return mean forces times the ways of the clamps.
+
+        Book those of what keeps the shape, which also feeds the pull and moves the panel against its
+        clamps.
+        """
         ends_m = clamps.position_m - self._clamps.position_m
         shaped_m = surface.position_m - self._surface.position_m - self._carried @ ends_m
         pulled_N = reaction_N - self._carried.T @ through_N
-        self._received_J["clamps"] -= float(np.sum(reaction_N * ends_m))
         self._supplied_J += float(np.sum(pulled_N * ends_m) - np.sum(through_N * shaped_m))
+        return -float(np.sum(reaction_N * ends_m))
 
 
-class Played:
+class Player:
     """The recording at any time, in the panel's axes."""
 
     def __init__(self, playback: Playback) -> None:
@@ -104,38 +107,38 @@ class Played:
 
     def shape(self, time_s: float) -> tuple[Array, Array]:
         """Return the shape in m and its velocity in m/s, (points, 3) each."""
-        found, speed = self._recording, self._playback.speed_rad_per_s
-        one, two, fraction = self._between(time_s)
-        before = Motion(found.shape_m[one], found.rate_m[one])
-        after = Motion(found.shape_m[two], found.rate_m[two])
+        recording, speed = self._recording, self._playback.speed_rad_per_s
+        first, second, fraction = self._neighbors(time_s)
+        before = Motion(recording.shape_m[first], recording.rate_m[first])
+        after = Motion(recording.shape_m[second], recording.rate_m[second])
         now = HermitePath(before, after, self._step_rad).at(fraction)
-        grown, rate_1_s = self._grown(time_s)
-        away_m = now.position_m - found.rest_m
-        velocity_m_per_s = rate_1_s * away_m + grown * speed * now.velocity_m_per_s
-        return found.rest_m + grown * away_m, velocity_m_per_s
+        share, rate_1_s = self._run_up(time_s)
+        away_m = now.position_m - recording.rest_m
+        velocity_m_per_s = rate_1_s * away_m + share * speed * now.velocity_m_per_s
+        return recording.rest_m + share * away_m, velocity_m_per_s
 
     def pull_N(self, time_s: float) -> Array:
         """Return the force (3,) on the first clamp."""
-        found, grown = self._recording, self._grown(time_s)[0]
-        one, two, fraction = self._between(time_s)
-        now = (1 - fraction) * found.pull_N[one] + fraction * found.pull_N[two]
-        return np.asarray(found.rest_pull_N + grown * (now - found.rest_pull_N))
+        recording, share = self._recording, self._run_up(time_s)[0]
+        first, second, fraction = self._neighbors(time_s)
+        now = (1 - fraction) * recording.pull_N[first] + fraction * recording.pull_N[second]
+        return np.asarray(recording.rest_pull_N + share * (now - recording.rest_pull_N))
 
-    def _between(self, time_s: float) -> tuple[int, int, float]:
-        """The samples before and after, and where between them."""
+    def _neighbors(self, time_s: float) -> tuple[int, int, float]:
+        """Return the samples before and after, and where between them the time is."""
         angle = self._playback.speed_rad_per_s * (time_s - self._playback.zero_s) / self._step_rad
         first = math.floor(angle)
         return first % self._samples, (first + 1) % self._samples, angle - first
 
-    def _grown(self, time_s: float) -> tuple[float, float]:
-        """Share of the motion while it grows, (1 - cos) / 2, and its rate."""
+    def _run_up(self, time_s: float) -> tuple[float, float]:
+        """Return the share of the motion while it grows, (1 - cos) / 2, and its rate."""
         run_up_s = self._playback.run_up_s
         share = min(max((time_s - self._playback.start_s) / run_up_s, 0.0), 1.0)
         turn = math.pi * share
         return (1 - math.cos(turn)) / 2, math.pi / (2 * run_up_s) * math.sin(turn)
 
 
-def interpolated(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m: Array) -> Array:
+def interpolation_matrix(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m: Array) -> Array:
     """Return H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
     s, y = coordinates_m.T
     rows, columns = grid.rows_m, grid.columns_m
@@ -148,19 +151,19 @@ def interpolated(grid: RecordedGrid, edges_m: tuple[float, float], coordinates_m
     along = hats(s, rows)
     free_rows = (rows >= edges_m[0]) & (rows <= edges_m[1])
     free = (s > edges_m[0]) & (s < edges_m[1])
-    along[np.ix_(free, free_rows)] = cubic(s[free], rows[free_rows])
-    return both_ways(along, cubic(y, columns))
+    along[np.ix_(free, free_rows)] = cubic_shapes(s[free], rows[free_rows])
+    return both_ways(along, cubic_shapes(y, columns))
 
 
-def cubic(places: Array, nodes: Array) -> Array:
+def cubic_shapes(places: Array, nodes: Array) -> Array:
     """Return (places, nodes): cubic Hermite shape functions with slopes by central differences through
     the nodes (at the ends one-sided).  They are C1, and exact for parabolas."""
     slopes = np.gradient(np.eye(len(nodes)), nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
     cell = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
     length = (nodes[cell + 1] - nodes[cell])[:, None]
     t = np.clip((places - nodes[cell])[:, None] / length, 0.0, 1.0)
-    one, two = np.eye(len(nodes))[cell], np.eye(len(nodes))[cell + 1]
-    value = (1 + 2 * t) * (1 - t) ** 2 * one + t**2 * (3 - 2 * t) * two
+    first, second = np.eye(len(nodes))[cell], np.eye(len(nodes))[cell + 1]
+    value = (1 + 2 * t) * (1 - t) ** 2 * first + t**2 * (3 - 2 * t) * second
     value += length * (t * (1 - t) ** 2 * slopes[cell] + t**2 * (t - 1) * slopes[cell + 1])
     return np.asarray(value)
 

@@ -37,21 +37,19 @@ class RigidPanel(CarriedSurface):
 
     def __init__(self, plan: PanelPlan) -> None:
         rectangle = plan.rectangle
-        rows = [0.0, rectangle.length_m]
-        if rectangle.clamp_m > 0:
-            rows = [-rectangle.clamp_m, *rows, rectangle.length_m + rectangle.clamp_m]
-        self._rows_m, self._width_m = np.array(rows), rectangle.width_m
-        material_m = bilinear.points_m(self._rows_m, rectangle.width_m)
+        rows_m = bilinear.clamped_rows_m(rectangle, np.array([0.0, rectangle.length_m]))
+        self._rows_m, self._width_m = rows_m, rectangle.width_m
+        material_m = bilinear.points_m(rows_m, rectangle.width_m)
         per_length = plan.material.density_kg_per_m3 * plan.thickness_m * rectangle.width_m
-        solid = np.ones(len(rows) - 1)
+        solid = np.ones(len(rows_m) - 1)
         if plan.apertures:
             solid[len(solid) // 2] = plan.apertures.material_share(rectangle)
         ends = rectangle.end(material_m).astype(int)
         super().__init__(
             f"panel {plan.name}",
             Mount(rectangle.mounted(material_m), tuple(plan.frames[k] for k in ends)),
-            mass_kg=bilinear.half_row_mass_kg(self._rows_m, per_length * solid),
-            gravity_m_per_s2=plan.gravity_m_per_s2,
+            bilinear.half_row_mass_kg(rows_m, per_length * solid),
+            plan.gravity_m_per_s2,
         )
 
     def interpolation(self, coordinates_m: Array) -> csr_array:

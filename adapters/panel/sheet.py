@@ -1,38 +1,47 @@
-"""The panel as a thin sheet on DOLFINx: the default model (docs/theory/panel_sheet.md)."""
+"""The panel as a thin sheet on DOLFINx: the default model (docs/theory/panel_sheet.md).
+
+All finite-element nodes are surface points, in the order of the grid: y runs fastest.  The nodes
+under the clamps and on their inner edges are the clamp points; as they reach under the clamp they
+carry its rotation, too.
+"""
 
 from __future__ import annotations
 
-from adapters.panel.common.costs import DOLFINX_S
-from adapters.panel.common.lightest_point import lightest_sheet_point_kg
+from functools import partial
+
+from adapters.panel.common.estimates import DOLFINX_S, lightest_sheet_point_kg
 from orchestrator.ports import MeshedPanel
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 
 RESTING_CELL_S = 7e-4
-"""Of the resting shape and modes: 20 s for 50 x 50 cells, 121 s for 100 x 100."""
+"""Time per cells^1.3 for the resting shape and modes: 20 s for 50 x 50 cells, 121 s for 100 x 100."""
 CELL_GIB = 3e-4
-"""0.8 GiB for 50 x 50 cells, 2.9 for 100 x 100, 11 for 200 x 200."""
+"""Memory per cell: 0.8 GiB for 50 x 50 cells, 2.9 for 100 x 100, 11 for 200 x 200."""
 
 
 def build(plan: PanelPlan) -> MeshedPanel:
-    """The sheet at rest between its clamps.
+    """Open the sheet at rest between its clamps.
 
     ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
-    from adapters.panel.finite_element import sheet_panel
+    from adapters.panel.finite_element.compiled_sheet import open_sheet
+    from adapters.panel.finite_element.elastic_panel import open_panel
+    from adapters.panel.finite_element.sheet_forms import sheet
 
-    return sheet_panel.build(plan)
+    structure, grid, nodes = sheet(plan)
+    return open_panel(plan, structure, grid, nodes, partial(open_sheet, plan, grid))
 
 
 def largest_step_s(plan: PanelPlan) -> float:
-    """The largest ``step_s`` that ``build`` accepts for this plan."""
-    from adapters.panel.finite_element import sheet_panel
+    """Return the largest ``step_s`` that ``build`` accepts for this plan."""
+    from adapters.panel.finite_element import elastic_panel, sheet_forms
 
-    return sheet_panel.largest_step_s(plan)
+    return elastic_panel.largest_step_s(plan, sheet_forms.sheet(plan)[0])
 
 
 def cost(work: PanelsWork) -> Cost:
-    """Explicit steps go with the length of a cell; an implicit interval solves a matrix."""
+    """Return the cost: explicit steps go with a cell's length, an implicit interval solves a matrix."""
     cells = work.cells[0] * work.cells[1]
     if work.integrator == "implicit":
         interval_s = 3.5e-3 + 1.5e-4 * cells
@@ -46,7 +55,7 @@ ADAPTER = PanelAdapter(
     about="a membrane that bends, varying along and across (DOLFINx)",
     build=build,
     cost=cost,
-    needs=("adapters.panel.finite_element.sheet_panel",),
+    needs=("adapters.panel.finite_element.compiled_sheet",),
     largest_step_s=largest_step_s,
     memory_GiB=lambda plan: CELL_GIB * plan.cells[0] * plan.cells[1],
     lightest_kg=lightest_sheet_point_kg,

@@ -4,52 +4,52 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from adapters.panel.common.costs import DOLFINX_S
-from adapters.panel.common.lightest_point import lightest_sheet_point_kg
+from adapters.panel.common.estimates import DOLFINX_S, lightest_sheet_point_kg
 from orchestrator.ports import MeshedPanel
 from orchestrator.ports.adapters import Objection, PanelAdapter
 from orchestrator.ports.plans import Cost, MeshSize, PanelPlan, PanelsWork
 
 CELL_S = 1.1e-4
-"""Of a cell and interval, for each cell across: the matrix has that band."""
+"""Time of a cell and interval for each cell across: the matrix has that band."""
 MIDDLE_LAYER = 2 / 3
-"""Of the mass under a point of the surface: what the mid-surface's nodes carry."""
+"""Share of the mass under a point of the surface that the mid-surface's nodes carry."""
 
 
 def build(plan: PanelPlan) -> MeshedPanel:
-    """The solid at rest between its clamps.
+    """Open the solid at rest between its clamps.
 
     ValueError for openings with round ends, for a mesh that no machine carries and for a step that
     is too large, SolverFailed if no resting shape is found.
     """
-    from adapters.panel.finite_element import solid_panel
+    from adapters.panel.finite_element.elastic_panel import open_panel
+    from adapters.panel.finite_element.solid_forms import solid
 
-    return solid_panel.build(plan)
+    return open_panel(plan, *solid(plan))
 
 
 def largest_step_s(plan: PanelPlan) -> float:
-    """The largest ``step_s`` that ``build`` accepts for this plan."""
-    from adapters.panel.finite_element import solid_panel
+    """Return the largest ``step_s`` that ``build`` accepts for this plan."""
+    from adapters.panel.finite_element import elastic_panel, solid_forms
 
-    return solid_panel.largest_step_s(plan)
+    return elastic_panel.largest_step_s(plan, solid_forms.solid(plan)[0])
 
 
 def mesh_size(plan: PanelPlan) -> MeshSize:
-    """The mesh with its openings, before it is made.  ValueError for openings with round ends."""
-    from adapters.panel.finite_element import solid_grid
+    """Return the size of the mesh before it is made.  ValueError for openings with round ends."""
+    from adapters.panel.common import solid_grid
 
     return solid_grid.size(plan)
 
 
 def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
-    """Effective mass of the lightest point of the mid-surface; rims of openings are in the mesh."""
+    """Return the effective mass of the mid-surface's lightest point; rims of openings are in the mesh."""
     if plan.apertures is not None:
         return mesh_size(plan).lightest_kg
     return MIDDLE_LAYER * lightest_sheet_point_kg(plan, surface_cells)
 
 
 def objections(plan: PanelPlan) -> Iterator[Objection]:
-    """Openings with round ends."""
+    """Yield that openings have round ends."""
     if plan.apertures is not None and plan.apertures.shape != "rectangle":
         what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no round ends"
         hint = 'take "rectangle", or panel.solver = "sheet"'
@@ -57,7 +57,7 @@ def objections(plan: PanelPlan) -> Iterator[Objection]:
 
 
 def cost(work: PanelsWork) -> Cost:
-    """Solving a matrix in each interval is nearly all of it."""
+    """Return the cost, nearly all of which is solving a matrix in each interval."""
     along, across = work.cells
     cells = work.resolved_cells or work.panels * along * across
     interval_s = CELL_S * cells * across
@@ -69,7 +69,7 @@ ADAPTER = PanelAdapter(
     build=build,
     cost=cost,
     objections=objections,
-    needs=("adapters.panel.finite_element.solid_panel",),
+    needs=("adapters.panel.finite_element.solid_forms",),
     largest_step_s=largest_step_s,
     mesh_size=mesh_size,
     memory_GiB=lambda plan: mesh_size(plan).memory_GiB,

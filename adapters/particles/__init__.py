@@ -1,6 +1,6 @@
-"""Solvers of the particles: one module each, but for the parts that several share.
+"""Solvers of the particles: one module each.
 
 ``bridge`` is the C++ between LIGGGHTS and its adapter.
 """
 
-SHARED = frozenset({"solid_spheres"})
+SHARED: frozenset[str] = frozenset()

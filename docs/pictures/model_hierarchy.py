@@ -8,7 +8,7 @@ def draw() -> None:
     rows = (
         (2.05, "panel", PANELS, ("rigid", "recorded", "strip", "sheet", "solid")),
         (1.25, "frames", FRAMES, ("prescribed", "two-mass", "planar", "exudyn")),
-        (0.45, "particles", PARTICLES, ("none", "spheres", "coarser", "softer", "liggghts", "stiffer")),
+        (0.45, "particles", PARTICLES, ("none", "coarser", "softer", "liggghts", "stiffer")),
     )
     for y, part, color, models in rows:
         say(axes, 0.55, y, part, color, 11)

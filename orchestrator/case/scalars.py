@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -29,16 +30,14 @@ class Value:
 
 @dataclass(frozen=True)
 class Scalar:
-    """``words`` say what it is, with its unit; ``floor`` is the size below which a value is
-    nothing that a run resolves; ``of`` takes it from a summary, None where the run does not have
-    it; ``of_particles`` and ``of_panels`` say what a case must have for the question to make
-    sense."""
+    """A result: ``words`` say what it is, with its unit; ``floor`` is the size below which a value
+    is nothing that a run resolves; ``of`` takes it from a summary, None where the run does not
+    have it; ``part`` is the part of the machine that it is of, "" where its path does not tell."""
 
     words: str
     floor: float
     of: Callable[[Summary], Value | None]
-    of_particles: bool = False
-    of_panels: bool = False
+    part: str = ""
 
 
 def _inner(table: Any, path: str) -> Any:
@@ -52,111 +51,99 @@ def _inner(table: Any, path: str) -> Any:
     return table
 
 
-def _number(found: Any) -> Value | None:
-    """Of a number or of an estimate, {"value", "half_width", "batches"}."""
+def _number(entry: Any) -> Value | None:
+    """The value of a number or of an estimate, {"value", "half_width", "batches"}."""
     half_width = None
-    if isinstance(found, Mapping) and "value" in found:
-        found, half_width = found["value"], found.get("half_width")
-    if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
+    if isinstance(entry, Mapping) and "value" in entry:
+        entry, half_width = entry["value"], entry.get("half_width")
+    if isinstance(entry, bool) or not isinstance(entry, int | float) or not math.isfinite(entry):
         return None
-    return Value(float(found), None if half_width is None else float(half_width))
+    return Value(float(entry), None if half_width is None else float(half_width))
 
 
 def _at(path: str) -> Callable[[Summary], Value | None]:
     return lambda summary: _number(_inner(summary, path))
 
 
-def _all(summary: Summary, table: str, key: str) -> Iterator[Value]:
+def _all(summary: Summary, table: str, key: str) -> list[Value]:
     """A number of every entry of a table."""
-    for entry in (_inner(summary, table) or {}).values():
-        if (found := _number(_inner(entry, key))) is not None:
-            yield found
+    numbers = [_number(_inner(entry, key)) for entry in (_inner(summary, table) or {}).values()]
+    return [number for number in numbers if number is not None]
 
 
 def _largest(table: str, key: str) -> Callable[[Summary], Value | None]:
-    return lambda summary: max(_all(summary, table, key), key=lambda one: one.value, default=None)
+    return lambda summary: max(_all(summary, table, key), key=lambda number: number.value, default=None)
 
 
 def _mean(table: str, key: str) -> Callable[[Summary], Value | None]:
-    """Over the entries of a table; its half width is the mean of theirs: an upper bound."""
+    """The mean over the entries of a table; its half width is the mean of theirs: an upper bound."""
 
     def of(summary: Summary) -> Value | None:
-        every = list(_all(summary, table, key))
-        if not every:
+        values = _all(summary, table, key)
+        if not values:
             return None
-        widths = [one.half_width for one in every if one.half_width is not None]
-        wide = sum(widths) / len(every) if len(widths) == len(every) else None
-        return Value(sum(one.value for one in every) / len(every), wide)
+        widths = [number.half_width for number in values if number.half_width is not None]
+        wide = fmean(widths) if len(widths) == len(values) else None
+        return Value(fmean(number.value for number in values), wide)
 
     return of
 
 
 def _stroke(summary: Summary) -> Value | None:
-    """Of two frames against each other; of a machine with one frame, its own."""
-    found = _largest("results.motion.relative", "along_m")(summary)
-    if found is None:
-        found = _largest("results.motion.frames", "amplitude_m.0")(summary)
-    return found
+    """The stroke of two frames against each other; of a machine with one frame, its own."""
+    relative = _largest("results.motion.relative", "along_m")(summary)
+    return relative or _largest("results.motion.frames", "amplitude_m.0")(summary)
 
 
 def _middle(summary: Summary) -> Value | None:
-    """Of the probe on a panel that moves most."""
+    """The size of the motion of the probe on a panel that moves most."""
     names = _inner(summary, "results.motion.panel_points") or {}
-    found = [_inner(summary, f"probes.{name}.half_range_m") for name in names]
-    sizes = [math.hypot(*one) for one in found if one and None not in one]
-    return Value(max(sizes)) if sizes else None
+    half_ranges_m = [_inner(summary, f"probes.{name}.half_range_m") for name in names]
+    sizes_m = [math.hypot(*vector) for vector in half_ranges_m if vector and None not in vector]
+    return Value(max(sizes_m)) if sizes_m else None
 
 
-SCALARS: dict[str, Scalar] = {
-    "stroke": Scalar("amplitude of the frames against each other along the deck / m", 1e-6, _stroke),
-    "frame_amplitude": Scalar(
-        "largest amplitude of a frame or a probe on it / m",
-        1e-6,
-        _largest("results.motion.frames", "major_m"),
-    ),
-    "middle_amplitude": Scalar("largest half range of a probe on a panel / m", 1e-6, _middle, of_panels=True),
-    "rms_g": Scalar(
-        "acceleration of probes on panels, root mean square / g",
-        1e-3,
-        _mean("results.motion.panel_points", "rms_g"),
-        of_panels=True,
-    ),
-    "peak_g": Scalar(
-        "acceleration of probes on panels, peak in a cycle / g",
-        1e-2,
-        _mean("results.motion.panel_points", "cycle_peak_g"),
-        of_panels=True,
-    ),
-    "tension": Scalar(
-        "mean pull of the panels on their clamps / N",
-        1e-2,
-        _mean("results.motion.panels", "tension_mean_N"),
-        of_panels=True,
-    ),
-    "peak_tension": Scalar(
-        "largest pull of a panel on its clamps / N",
-        1e-1,
-        _largest("results.motion.panels", "tension_largest_N"),
-        of_panels=True,
-    ),
-    "stretch": Scalar(
-        "largest stretch of a panel / %",
-        1e-3,
-        _largest("results.motion.panels", "stretch_largest_percent"),
-        of_panels=True,
-    ),
-    "efficiency": Scalar("screening efficiency / %", 0.1, _at("results.screening.efficiency_percent"), True),
-    "recovery": Scalar(
-        "fines that passed, of those that came / %", 0.1, _at("results.screening.recovered_percent"), True
-    ),
-    "undersize": Scalar("undersize / (kg/s)", 1e-6, _at("results.screening.undersize_kg_per_s"), True),
-    "oversize": Scalar("oversize / (kg/s)", 1e-6, _at("results.screening.oversize_kg_per_s"), True),
-    "velocity": Scalar(
-        "speed of the bed along the deck / (m/s)", 1e-3, _at("results.bed.velocity_m_per_s"), True
-    ),
-    "on_deck": Scalar("mass on the deck / kg", 1e-6, _at("results.bed.on_deck_kg"), True),
-    "depth": Scalar("largest depth of the bed / m", 1e-4, _at("results.bed.largest_depth_m"), True),
+_FRAMES, _PANELS, _POINTS = (f"results.motion.{table}" for table in ("frames", "panels", "panel_points"))
+_ROWS: dict[str, dict[str, tuple[str, float, Callable[[Summary], Value | None]]]] = {
+    "frames": {
+        "stroke": ("amplitude of the frames against each other along the deck / m", 1e-6, _stroke),
+        "frame_amplitude": (
+            "largest amplitude of a frame or a probe on it / m",
+            1e-6,
+            _largest(_FRAMES, "major_m"),
+        ),
+    },
+    "panels": {
+        "middle_amplitude": ("largest half range of a probe on a panel / m", 1e-6, _middle),
+        "rms_g": ("acceleration of probes on panels, root mean square / g", 1e-3, _mean(_POINTS, "rms_g")),
+        "peak_g": (
+            "acceleration of probes on panels, peak in a cycle / g",
+            1e-2,
+            _mean(_POINTS, "cycle_peak_g"),
+        ),
+        "tension": ("mean pull of the panels on their clamps / N", 1e-2, _mean(_PANELS, "tension_mean_N")),
+        "peak_tension": (
+            "largest pull of a panel on its clamps / N",
+            1e-1,
+            _largest(_PANELS, "tension_largest_N"),
+        ),
+        "stretch": ("largest stretch of a panel / %", 1e-3, _largest(_PANELS, "stretch_largest_percent")),
+    },
+    "particles": {
+        "efficiency": ("screening efficiency / %", 0.1, _at("results.screening.efficiency_percent")),
+        "recovery": (
+            "fines that passed, of those that came / %",
+            0.1,
+            _at("results.screening.recovered_percent"),
+        ),
+        "undersize": ("undersize / (kg/s)", 1e-6, _at("results.screening.undersize_kg_per_s")),
+        "oversize": ("oversize / (kg/s)", 1e-6, _at("results.screening.oversize_kg_per_s")),
+        "velocity": ("speed of the bed along the deck / (m/s)", 1e-3, _at("results.bed.velocity_m_per_s")),
+        "on_deck": ("mass on the deck / kg", 1e-6, _at("results.bed.on_deck_kg")),
+        "depth": ("largest depth of the bed / m", 1e-4, _at("results.bed.largest_depth_m")),
+    },
 }
+SCALARS = {name: Scalar(*row, part) for part, rows in _ROWS.items() for name, row in rows.items()}
 
 
 def value_at(summary: Summary, name: str) -> Value | None:
@@ -171,14 +158,10 @@ def is_of_separation(name: str) -> bool:
     return name in separated or name.startswith("results.screening.")
 
 
-PARTS_OF_PATHS = {
-    "material.": "particles",
-    "results.screening.": "particles",
-    "results.bed.": "particles",
-    "results.motion.frames.": "frames",
-    "results.motion.relative.": "frames",
-    "results.motion.panels.": "panels",
-    "results.motion.panel_points.": "panels",
+_PARTS = {
+    "particles": ("material.", "results.screening.", "results.bed."),
+    "frames": ("results.motion.frames.", "results.motion.relative."),
+    "panels": ("results.motion.panels.", "results.motion.panel_points."),
 }
 
 
@@ -186,13 +169,12 @@ def part_of(name: str, case: Case) -> str:
     """What part of the machine a result is of: "particles", "panels", "frames", or "" where its
     name does not tell.  A probe is of what it is fixed to."""
     if name in SCALARS:
-        found = SCALARS[name]
-        return "particles" if found.of_particles else "panels" if found.of_panels else "frames"
+        return SCALARS[name].part
     words = name.split(".")
     if words[0] == "probes" and words[1] in case.probes:
         probe = case.probes[words[1]]
         return "panels" if probe.panel else "frames" if probe.frame else "particles"
-    return next((part for path, part in PARTS_OF_PATHS.items() if name.startswith(path)), "")
+    return next((part for part, paths in _PARTS.items() if name.startswith(paths)), "")
 
 
 def scalar(name: str) -> Scalar:

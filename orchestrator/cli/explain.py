@@ -15,12 +15,12 @@ from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import Judged, find_dispensable, with_dependents
 from orchestrator.preflight.judgement.pair import Pair
 from orchestrator.preflight.judgement.weighing import weigh_effects, with_doubt
-from orchestrator.preflight.scene.effect import Part, describe_verdict
+from orchestrator.preflight.scene.effect import PARTS, describe_verdict
 from orchestrator.preflight.stability.report import AUTO
 from orchestrator.studies.pairs import TriedEffects
 
 if TYPE_CHECKING:
-    from orchestrator.studies.accuracy.plan import Stored
+    from orchestrator.studies.accuracy.plan import StoredStudy
 
 NARROW = 130  # too narrow for all columns
 WIDTH = 196  # of the table where no terminal sets one
@@ -31,7 +31,7 @@ NOTHING = {"particles": "no particles: nothing to decide", "panels": "no panels:
 
 def print_explanation(
     loaded: JudgedCase,
-    study: Stored | None = None,
+    study: StoredStudy | None = None,
     tried: TriedEffects | None = None,
     asked: Sequence[str] = (),
 ) -> None:
@@ -43,58 +43,74 @@ def print_explanation(
     console = Console(highlight=False, markup=False)
     if not console.is_terminal:
         console.width = WIDTH
-    parts = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
+    effects = judge_effects(loaded) if tried is None else judge_effects(loaded, tried.pairs, asked)
     if study is not None:
-        parts = {part: [_measured(one, study) for one in rows] for part, rows in parts.items()}
+        from orchestrator.studies.accuracy.plan import measured_verdict
+
+        for name, judged in effects.items():
+            effects[name] = replace(judged, verdict=measured_verdict(name, judged.verdict, study))
     level = f"level {loaded.level}" if loaded.level else "no level"
     console.print(f"{loaded.name}, {level}: {loaded.case.title}", soft_wrap=True)
     narrow = console.width < NARROW
-    console.print(effects_table(parts, COLUMNS[:-1] if narrow else COLUMNS))
+    console.print(effects_table(effects, COLUMNS[:-1] if narrow else COLUMNS))
     if narrow:
         console.print(f"(in {NARROW} columns, or in a file, also keys and costs)", soft_wrap=True)
-    for line in () if tried is None else trial_lines(tried, asked):
+    lines = [] if tried is None else [*trial_lines(tried, asked)]
+    for line in (*lines, *summary_lines(loaded, [*effects.values()])):
         console.print(line, soft_wrap=True)
-    for line in summary_lines(loaded, [verdict for rows in parts.values() for verdict in rows]):
-        console.print(line, soft_wrap=True)
-
-
-def _measured(one: Judged, study: Stored) -> Judged:
-    from orchestrator.studies.accuracy.plan import measured_verdict
-
-    return replace(one, verdict=measured_verdict(one.effect, one.verdict, study))
 
 
 def judge_effects(
     loaded: JudgedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
-) -> dict[Part, list[Judged]]:
-    """Judges the effects of the case as it describes itself, by part.
+) -> dict[str, Judged]:
+    """Judges the effects of the case as it describes itself, part by part.
 
     ``pairs`` of runs decide for the results ``asked`` for; by default those that the case has.
     """
     if pairs is None:
         pairs, asked = loaded.choice.pairs, loaded.choice.asked or (*SCALARS,)
 
-    def here(one: Judged) -> Judged:
-        return with_doubt(replace(one, present=one.present and one.effect not in loaded.left_out))
+    def here(judged: Judged) -> Judged:
+        present = judged.present and judged.effect not in loaded.left_out
+        return with_doubt(replace(judged, present=present))
 
-    return {
-        part: [here(one) for one in rows]
-        for part, rows in weigh_effects(loaded.described, pairs, asked).items()
-    }
+    effects = weigh_effects(loaded.described, pairs, asked)
+    return {name: here(judged) for name, judged in effects.items()}
 
 
-def effects_table(parts: dict[Part, list[Judged]], columns: tuple[str, ...]) -> Table:
+def effects_table(effects: Mapping[str, Judged], columns: tuple[str, ...]) -> Table:
     """Returns a table with a row for each effect, part by part."""
-    rows_table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
-        rows_table.add_column(column, no_wrap=column in SHORT, overflow="fold")
-    going = with_dependents(find_dispensable(one for rows in parts.values() for one in rows), "")
-    for part, rows in parts.items():
-        rows_table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
-        for one in rows:
-            rows_table.add_row(*_row(one, going)[: len(columns)])
-        rows_table.add_section()
-    return rows_table
+        table.add_column(column, no_wrap=column in SHORT, overflow="fold")
+    left_out = with_dependents(find_dispensable(effects.values()), "")
+    for part in PARTS:
+        rows = [judged for judged in effects.values() if judged.part == part]
+        table.add_row(f"[{part}]", *[""] * 5, "" if rows else NOTHING.get(part, ""))
+        for judged in rows:
+            verdict = judged.verdict
+            row = (
+                judged.effect,
+                "yes" if judged.present else "no",
+                verdict.number,
+                verdict.value_in_words,
+                verdict.threshold,
+                _by_auto(judged, left_out),
+                f"{describe_verdict(verdict.matters)}: {verdict.why}",
+                "\n".join(text for text in (judged.key, verdict.cost) if text),
+            )
+            table.add_row(*row[: len(columns)])
+        table.add_section()
+    return table
+
+
+def _by_auto(judged: Judged, left_out: Collection[str]) -> str:
+    """Returns what ``effects = "auto"`` does with an effect."""
+    if judged.lacking:
+        return "warns"
+    if not judged.present:
+        return "-"
+    return "leaves out" if judged.effect in left_out else "keeps"
 
 
 def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
@@ -114,37 +130,18 @@ def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
         yield f"  not tried, as --budget was used: {', '.join(tried.omitted)}"
 
 
-def _row(one: Judged, going: Collection[str]) -> tuple[str, ...]:
-    verdict = one.verdict
-    return (
-        one.effect,
-        "yes" if one.present else "no",
-        verdict.number,
-        verdict.value_in_words,
-        verdict.threshold,
-        _by_auto(one, going),
-        f"{describe_verdict(verdict.matters)}: {verdict.why}",
-        "\n".join(text for text in (one.key, verdict.cost) if text),
-    )
-
-
-def _by_auto(one: Judged, going: Collection[str]) -> str:
-    """Returns what ``effects = "auto"`` does with an effect."""
-    if one.lacking:
-        return "warns"
-    if not one.present:
-        return "-"
-    return "leaves out" if one.effect in going else "keeps"
-
-
 def summary_lines(loaded: JudgedCase, verdicts: list[Judged]) -> Iterator[str]:
     """Yields what the case lacks, and what it could do without."""
-    lacking = [one for one in verdicts if one.lacking]
-    spare = [one for one in verdicts if one.spare]
-    yield ("matters, and the case does not have it:" if lacking else "nothing that matters is lacking")
-    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}" for one in lacking)
+    lacking = [f"  {each.effect}: {each.verdict.why}; {each.key}" for each in verdicts if each.lacking]
+    spare = [
+        f"  {each.effect}: {each.verdict.why}; {each.key}; it costs {each.verdict.cost}"
+        for each in verdicts
+        if each.spare
+    ]
+    yield "matters, and the case does not have it:" if lacking else "nothing that matters is lacking"
+    yield from lacking
     yield "may be left out, and the case has it:" if spare else "nothing could be left out"
-    yield from (f"  {one.effect}: {one.verdict.why}; {one.key}; it costs {one.verdict.cost}" for one in spare)
+    yield from spare
     if loaded.case.coupling.scheme == AUTO:  # which one it is takes the solvers to say
         yield "coupling.scheme: the program's choice, which flipflow check names, with the reason"
     yield "formulas, sources, and how crude each estimate is: docs/theory/effects.md"

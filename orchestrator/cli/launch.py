@@ -1,4 +1,4 @@
-"""A run as the command line starts it: what is printed, what goes wrong, and the exit code.
+"""A run as the command line starts or resumes it: what is printed, what goes wrong, and the exit code.
 
 0 done, 1 an internal error, 2 the case or the output folder is wrong, 3 a solver is
 missing, 4 a solver failed or the run became unstable or its results could not be written, 5 done
@@ -9,6 +9,7 @@ but not to be trusted, 6 done but its results could not be made, 129 (SIGHUP), 1
 from __future__ import annotations
 
 import io
+import json
 import os
 import shlex
 import signal
@@ -16,6 +17,7 @@ import sys
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -23,12 +25,21 @@ from rich.console import Console
 
 from orchestrator.case import provenance
 from orchestrator.case.file.errors import CaseError
-from orchestrator.cli.console import TOO_LARGE, find_all_problems
+from orchestrator.cli.console import FAILED, MISSING, TOO_LARGE, WRONG, find_all_problems
 from orchestrator.coupling import mpi
 from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records import run_folder, summary, trust
-from orchestrator.output.records.run_folder import LOG, OF_A_RUN, FolderUnusable, lock
+from orchestrator.output.records.run_folder import (
+    LOG,
+    OF_A_RUN,
+    SUMMARY,
+    FolderUnusable,
+    is_at_work,
+    lock,
+    write_case,
+    write_json,
+)
 from orchestrator.output.report.headline import headline
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.check import warnings
@@ -38,10 +49,13 @@ from orchestrator.preflight.judgement.catalogue import EFFECTS
 from orchestrator.preflight.judgement.pair import key_of, share_pairs
 from orchestrator.preflight.stability.report import stability_report
 from orchestrator.run.interruption import ImmediateStop, Interrupted, immediate_stop
+from orchestrator.run.origin import origin, refuse_another_run
+from orchestrator.run.origin import warnings as origin_warnings
 from orchestrator.run.run import Run
 from orchestrator.studies.pairs import try_before_run
 
-DONE, BROKEN, WRONG, MISSING, FAILED = 0, 1, 2, 3, 4
+KILLED = "the run had been killed, or the machine stopped: nothing says how it ended"
+DONE, BROKEN = 0, 1
 OUT = "out of memory"
 AT_ONCE = 128 + signal.SIGINT
 
@@ -51,15 +65,31 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
     world = mpi.communicator()
     try:
         loaded = load_judged(path, level, overrides)
-        require_runnable(loaded)
+        _require_runnable(loaded)
         loaded = _decide_effects(loaded, path, level, overrides, world)
         entries = account(loaded.described, loaded.left_out, loaded.choice.pairs, loaded.choice.asked)
         if world is not None:  # no folder where another rank refuses
             world.Barrier()
         folder = mpi.first_rank_does(world, lambda: run_folder.create_run_folder(loaded, out, world))
     except Exception as error:
-        return report_refusal(world, error)
-    return execute(loaded, entries, folder, world)
+        return _report_refusal(world, error)
+    return _execute(loaded, entries, folder, world)
+
+
+def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
+    """Goes on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
+    Returns the exit code."""
+    world = mpi.communicator()
+    try:
+        checkpoint = mpi.first_rank_does(world, lambda: _find_checkpoint(folder, sync_point))
+        as_saved = load_judged(folder, None, overrides)
+        loaded = replace(as_saved, name=checkpoint.about["name"], level=checkpoint.about["level"])
+        _require_runnable(loaded)
+        entries = account(loaded.described, loaded.left_out)
+        warned = mpi.first_rank_does(world, lambda: _prepare_folder(folder, checkpoint, loaded, world))
+        return _execute(loaded, entries, folder, world, checkpoint, warned)
+    except Exception as error:
+        return _report_refusal(world, error)
 
 
 def _decide_effects(
@@ -70,18 +100,59 @@ def _decide_effects(
     if not loaded.choice.asked:
         return loaded
     say = _console().print
-    made = mpi.first_rank_does(world, lambda: try_before_run(loaded, say))
-    if not made and world is None:
+    tried = mpi.first_rank_does(world, lambda: try_before_run(loaded, say))
+    if not tried and world is None:
         return loaded
-    known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **made})
+    known = mpi.first_rank_does(world, lambda: {**loaded.choice.pairs, **tried})
     read = loaded.origin.read()
     share_pairs({key_of(read, name): known.get(name) for name in EFFECTS})
     loaded = load_judged(path, level, overrides)
-    require_runnable(loaded)
+    _require_runnable(loaded)
     return loaded
 
 
-def require_runnable(loaded: JudgedCase) -> None:
+def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
+    """Returns the last checkpoint that is whole, or the one of a sync point.  Raises FolderUnusable."""
+    if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
+        raise FolderUnusable(f"{folder}: is not the folder of a run")
+    if is_at_work(folder):
+        raise FolderUnusable(f"{folder}: the run is still going on")
+    checkpoint = (
+        checkpoints.newest(folder) if sync_point is None else checkpoints.at_sync_point(folder, sync_point)
+    )
+    if checkpoint is None and (torn := checkpoints.find_damage(folder)):
+        raise FolderUnusable(f"{folder}: no checkpoint that is whole:\n" + "\n".join(torn))
+    if checkpoint is None and sync_point is not None:
+        raise FolderUnusable(
+            f"{folder}: has no whole checkpoint of sync point {sync_point}; they are in "
+            f"{folder / checkpoints.FOLDER}"
+        )
+    if checkpoint is None:
+        raise FolderUnusable(
+            f"{folder}: nothing was saved; [checkpoint] in a case says when that is done, and what ends "
+            "a run with Ctrl-C does it, too"
+        )
+    return checkpoint
+
+
+def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, world: Any) -> list[str]:
+    """Makes the folder as it was at the checkpoint, and returns warnings about that.  Raises
+    FolderUnusable for what is another run."""
+    now = origin(loaded, folder, world)
+    refuse_another_run(checkpoint, now)
+    killed = [] if (folder / SUMMARY).exists() else [KILLED]
+    checkpoints.remove_later(folder, checkpoint)
+    checkpoint.put_back(folder)
+    for of_the_end in ("failure.txt", SUMMARY):
+        (folder / of_the_end).unlink(missing_ok=True)
+    write_case(folder, loaded)
+    provenance = json.loads((folder / "provenance.json").read_text(encoding="utf-8"))
+    resumed = [*provenance.get("resumed", []), {"at_s": checkpoint.simulated_s, **now["provenance"]}]
+    write_json(folder / "provenance.json", provenance | {"resumed": resumed})
+    return [*killed, *checkpoint.torn, *origin_warnings(checkpoint, now)]
+
+
+def _require_runnable(loaded: JudgedCase) -> None:
     """Raises CaseError for a case with problems, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_all_problems(loaded):
@@ -89,7 +160,7 @@ def require_runnable(loaded: JudgedCase) -> None:
     loaded.case.panel.adapter.load()
 
 
-def report_refusal(world: Any, error: Exception) -> int:
+def _report_refusal(world: Any, error: Exception) -> int:
     """Prints once why nothing is run, and returns the exit code."""
     match error:
         case SolverMissing():
@@ -99,11 +170,11 @@ def report_refusal(world: Any, error: Exception) -> int:
         case MemoryError():
             message, code = TOO_LARGE, WRONG
         case _:
-            message, code = f"internal error: {type(error).__name__}: {error}", BROKEN
+            message, code = _describe_internal(error), BROKEN
     return mpi.in_turn(world, lambda: _console().print(run_folder.printable(message)), code)
 
 
-def execute(
+def _execute(
     loaded: JudgedCase,
     entries: Mapping[str, Entry],
     folder: Path,
@@ -135,7 +206,7 @@ def execute(
         except MemoryError as error:  # of panels' meshes; nothing has been computed
             if first and checkpoint is None:
                 run_folder.remove_folder(folder)
-            return report_refusal(world, error)
+            return _report_refusal(world, error)
         for line in stability.detail_lines():
             LOG.info(line)
         for line in lines:
@@ -208,36 +279,44 @@ def _classify(error: BaseException) -> tuple[int, str, str]:
     if stop := immediate_stop(error):
         code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
         return code, "interrupted", str(stop) or "stopped at once"
+    notes = getattr(error, "__notes__", ())  # the member and the moment, where they are known
     match error:
         case CaseError():
             return WRONG, "refused", str(error)
         case SolverMissing():
             return MISSING, "refused", str(error)
         case SolverFailed() | OSError() | MemoryError():
-            return FAILED, "failed", _with_notes(str(error) or OUT, error)
+            return FAILED, "failed", "; ".join([str(error) or OUT, *notes])
         case Exception():
             LOG.error("internal error", exc_info=error)
-            message = f"internal error: {type(error).__name__}: {error}"
-            return BROKEN, "failed", _with_notes(message, error)
+            return BROKEN, "failed", "; ".join([_describe_internal(error), *notes])
     raise error
+
+
+def _describe_internal(error: Exception) -> str:
+    return f"internal error: {type(error).__name__}: {error}"
 
 
 def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
     """Writes what a run leaves at its end, and returns its exit code: another one than ``code`` where the
-    summary says that the run is doubtful or incomplete, or cannot be written."""
+    summary says that the run is doubtful or incomplete, or cannot be written.  Prints the closing table,
+    and where everything is."""
     try:
         figures = run.finish(status, reason)
-        _print_closing(figures, folder, console)
+        if trust.came_to_its_end(figures["status"]):
+            console.print(summary.closing_table(figures))
+            tiles = (tile.line for tile in headline(figures.get("results") or {}))
+            for line in (*summary.closing_lines(figures), *tiles):
+                _print_and_log(line, console)
+            for doubt in figures["doubts"]:
+                LOG.warning("do not trust this run: %s", doubt)
+                console.print(f"WARNING: do not trust this run: {doubt}")
+        console.print(run_folder.printable(f"results in {folder}"))
     except OSError as error:
         LOG.error("no summary: %s", error)
         console.print(f"no summary: {error}\nall else is in {folder}")
         return FAILED
     return trust.EXIT_CODES.get(figures["status"], code)
-
-
-def _with_notes(reason: str, error: BaseException) -> str:
-    """Returns the reason with the member and the moment, where they are known."""
-    return "; ".join([reason, *getattr(error, "__notes__", ())])
 
 
 def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
@@ -250,36 +329,18 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
         console = _console()
         console.print(reason)
         if status != "refused":
-            _write_what_can_be(run, status, reason, folder, console)
+            logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
+            console.print(f"logs: {logs}" if logs else f"{folder} has gone")
+            try:
+                run.finish(status, reason)
+            except (OSError, MemoryError) as error:
+                console.print(f"no summary: {error or OUT}")
             for line in resume_lines(folder, world):
                 LOG.error(line)
                 console.print(line)
         elif run.resumes is None:
             run_folder.remove_folder(folder)
     return mpi.end_all(world, code)
-
-
-def _write_what_can_be(run: Run, status: str, reason: str, folder: Path, console: Console) -> None:
-    logs = ", ".join(sorted(str(log) for log in folder.rglob("*log*") if log.is_file()))
-    console.print(f"logs: {logs}" if logs else f"{folder} has gone")
-    try:
-        run.finish(status, reason)
-    except (OSError, MemoryError) as error:
-        console.print(f"no summary: {error or OUT}")
-
-
-def _print_closing(figures: dict[str, Any], folder: Path, console: Console) -> None:
-    """Prints the closing table, and where everything is."""
-    if trust.came_to_its_end(figures["status"]):
-        console.print(summary.closing_table(figures))
-        for line in summary.closing_lines(figures):
-            _print_and_log(line, console)
-        for tile in headline(figures.get("results") or {}):
-            _print_and_log(tile.line, console)
-        for doubt in figures["doubts"]:
-            LOG.warning("do not trust this run: %s", doubt)
-            console.print(f"WARNING: do not trust this run: {doubt}")
-    console.print(run_folder.printable(f"results in {folder}"))
 
 
 def _print_and_log(line: str, console: Console) -> None:
@@ -303,12 +364,9 @@ def resume_lines(folder: Path, world: Any) -> Iterator[str]:
 
 def resume_hint(folder: Path, world: Any, checkpoint: Checkpoint | None = None) -> str:
     """Returns the command that takes the run up again, from ``checkpoint`` or the last one."""
-    with_ranks = [] if world is None else ["mpirun", *_as_root(), "-n", str(world.size)]
+    # Open MPI's mpirun wants a word of root where the environment does not allow root
+    allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
+    as_root = [] if allowed else ["--allow-run-as-root"]
+    with_ranks = [] if world is None else ["mpirun", *as_root, "-n", str(world.size)]
     point = [] if checkpoint is None else ["--save", str(checkpoint.sync_points)]
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])
-
-
-def _as_root() -> list[str]:
-    """Returns what Open MPI's mpirun wants of root where the environment does not allow root."""
-    allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
-    return [] if allowed else ["--allow-run-as-root"]

@@ -1,14 +1,21 @@
-"""The command line ``flipflow``: its commands are in the files whose names end in _cli."""
+"""The command line ``flipflow`` and its commands; what each needs is imported when it is called."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli import case_cli, run_cli
-from orchestrator.cli.plan_cli import plan
-from orchestrator.cli.study_cli import study
+from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, checked, refuse, reported_errors
+from orchestrator.cli.study import study
+from orchestrator.studies.options import CasePath, Level, Overrides
+
+if TYPE_CHECKING:
+    from orchestrator.preflight.judge import JudgedCase
+    from orchestrator.studies.accuracy.plan import StoredStudy
+    from orchestrator.studies.pairs import TriedEffects
 
 HELP = """Co-simulation of vibrating flip-flow screens: particles, panels and frames.
 
@@ -75,17 +82,214 @@ def program(
     """Takes what all commands share."""
 
 
-for command in (
-    run_cli.run,
-    run_cli.resume,
-    case_cli.check,
-    case_cli.explain,
-    run_cli.report,
-    run_cli.record,
-):
-    app.command()(command)
-app.command(name="list")(case_cli.list_cases)
-app.command()(plan)
+RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
+Out = Annotated[
+    Path | None, typer.Option("--out", help="new folder for the results [default: runs/<case>-<number>]")
+]
+
+
+@app.command()
+def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrides = None) -> None:
+    """Run a case.
+
+    The case is checked first; nothing is written if it is wrong.  The folder of the run holds
+    the log, time series, files for ParaView, pictures and summary.json (docs/run-folder.md).
+
+    Ctrl-C ends the run at the next sync point with all results written, to be resumed; twice, at
+    once.  Under mpirun, kill -USR1 to mpirun gives it the time that takes.
+    """
+    from orchestrator.cli.launch import run as launch
+
+    raise typer.Exit(launch(case, level, out, overrides or []))
+
+
+@app.command()
+def resume(
+    run: RunPath,
+    overrides: Overrides = None,
+    save: Annotated[
+        int | None, typer.Option("--save", min=0, help="sync point of the checkpoint [default: the last]")
+    ] = None,
+) -> None:
+    """Go on with a run from its last checkpoint.
+
+    Runs are saved every now and then ([checkpoint] in a case), at their end, and by Ctrl-C.  What goes
+    on is, bit for bit, the run that never stopped; on as many processes as it was saved.  It may
+    be given a later end (--set duration_s=...) and other output; any other change is refused.
+    """
+    from orchestrator.cli.launch import resume as go_on
+
+    raise typer.Exit(go_on(run, overrides or [], save))
+
+
+@app.command()
+def check(
+    case: CasePath,
+    level: Level = None,
+    detail: Annotated[
+        bool, typer.Option("--detail", help="all that limits the sync interval, with its numbers")
+    ] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Check a case without running it, and say what is in it.
+
+    Exit code 0: it can be run; 2: it cannot, with every problem in one message.
+    """
+    from orchestrator.cli.overview import overview
+
+    loaded = checked(case, level, overrides)
+    with reported_errors():
+        for line in overview(loaded, detail):
+            CONSOLE.print(line)
+
+
+@app.command()
+def explain(
+    case: CasePath,
+    level: Level = None,
+    study: Annotated[
+        Path | None,
+        typer.Option(help="accuracy.json of flipflow study accuracy [default: the one beside case.toml]"),
+    ] = None,
+    results: Annotated[
+        str | None,
+        typer.Option(
+            "--for",
+            metavar="NAMES",
+            help="results, by short names (efficiency,stroke,...), whose change decides",
+        ),
+    ] = None,
+    budget: Annotated[float, typer.Option(min=0, help="with --for: processor time for all runs / s")] = 300.0,
+    overrides: Overrides = None,
+) -> None:
+    """Say which effects a case calls for, by estimates before any run.
+
+    For each effect: whether the case has it at this level, the dimensionless number that decides,
+    the threshold, what follows, and which key changes it.  At the end: what matters and is
+    lacking, and what could be left out.  No solver is started or needed.  Where flipflow study accuracy
+    has measured what an effect amounts to, its figures take the estimate's place.
+
+    With --for, a verdict is the change of these results in short runs with and without the effect
+    at a cheap level, except where an estimate surely says that it may be left out.  The runs are
+    remembered.
+
+    Exit code 0: done, whatever the verdicts; 2: the case has problems.
+    """
+    from orchestrator.cli.explain import print_explanation
+    from orchestrator.preflight.check import find_table_problems
+
+    loaded = checked(case, level, overrides, find_table_problems)
+    with reported_errors():
+        measured = _stored(loaded, study)
+        asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
+        print_explanation(loaded, measured, _tried(loaded, asked, budget), asked)
+
+
+@app.command()
+def report(run: RunPath) -> None:
+    """Make one HTML page about a run: RUN/report.html.
+
+    It holds everything in itself (figures, tables, a film of the deck) and can be sent to anybody.
+    Works for interrupted and failed runs, too, and says what is missing.
+
+    Exit code 0: made; 2: the folder is no run, or has not ended.
+    """
+    from orchestrator.output.report.page import report as made
+
+    with reported_errors():
+        CONSOLE.print(made(run))
+
+
+@app.command()
+def record(
+    run: RunPath,
+    out: Annotated[Path, typer.Option("--out", help="file to write")],
+    cycles: Annotated[
+        int | None, typer.Option(min=1, help="cycles to record [default: until the panels repeat, up to 8]")
+    ] = None,
+) -> None:
+    """Record the panels of a run, to be played back by panel.solver = "recorded".
+
+    The run must have been made with --set output.shapes_s=<time between rows>, and last until the
+    machine moves steadily.  Another case plays the file back with --set panel.solver=recorded
+    --set panel.recording=<file>, a path from that case's folder, if its panels have the same
+    lengths.
+
+    Exit code 0: written; 2: the folder does not hold what is needed.
+    """
+    from orchestrator.case import recordings
+    from orchestrator.output.records.run_folder import SUMMARY
+    from orchestrator.output.records.trust import is_trusted
+    from orchestrator.studies.points import status
+    from orchestrator.studies.record import record as recorded
+
+    with reported_errors():
+        recording = recorded(run, cycles)
+    try:
+        recordings.write(out, recording.file)
+    except OSError as error:
+        refuse(str(error))
+    if not is_trusted(state := status(run)):
+        CONSOLE.print(f"warning: the run is {state}: {run / SUMMARY} says why")
+    for name, share in recording.change.items():
+        what = f"{recording.cycles} cycles, {100 * share:.2g} % of its motion unlike those before"
+        CONSOLE.print(f"{name}: {what}")
+    CONSOLE.print(f"written: {out}")
+
+
+@app.command(name="list")
+def list_cases(
+    folder: Annotated[Path, typer.Argument(help="folder that holds cases")] = Path("cases"),
+) -> None:
+    """List cases with their titles and levels."""
+    if not folder.is_dir():
+        refuse(f"{folder}: no such folder; name the one that holds your cases: flipflow list FOLDER")
+    for line in _case_lines(folder):
+        CONSOLE.print(line)
+
+
+@app.command()
+def plan(
+    case: CasePath,
+    tolerance: Annotated[str, typer.Option(metavar="SHARE", help="error, as 5% or 0.05")],
+    budget: Annotated[str, typer.Option(metavar="TIME", help="wall time, as 90s, 30min, 1h or 2d")],
+    level: Level = None,
+    study: Annotated[
+        Path | None,
+        typer.Option(
+            "--study", help="accuracy.json of a study [default: beside case.toml, or in runs/<case>-accuracy]"
+        ),
+    ] = None,
+    write: Annotated[
+        str | None, typer.Option(metavar="LEVEL", help="writes this level into the case's folder")
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Choose settings for a tolerance and a time.
+
+    From a stored study of accuracy and a short run on this machine: the cheapest settings within
+    the tolerance, the wall time that they will take here and their error; where that does not fit
+    the budget, what would make it fit.
+
+    Exit code 0: it fits; 4: it does not; 2: the case, the study or the command is wrong.
+    """
+    from orchestrator.cli.plan import choose_settings, parse_share, parse_time_s, print_choice
+
+    wanted, budget_s = parse_share(tolerance), parse_time_s(budget)
+    loaded, sets = checked(case, level, overrides), overrides or []
+    plan = choose_settings(loaded, case, level, study, wanted, budget_s, sets)
+    if not print_choice(plan, case, sets, loaded):
+        raise typer.Exit(FAILED)
+    if write is not None and plan.chosen is not None:
+        from orchestrator.preflight.cost import in_words
+        from orchestrator.preflight.level_file import write_level
+
+        about = f"planned: {100 * plan.chosen.error:.2g} % in {in_words(plan.wall_s)}"
+        with reported_errors():
+            file = write_level(loaded, write, [*sets, *plan.chosen.sets], about)
+        CONSOLE.print(f"written: {file}")
+
+
 app.add_typer(study, name="study")
 
 
@@ -96,6 +300,49 @@ def ladder() -> None:
         "flipflow ladder is a part of study accuracy now: flipflow study accuracy CASE "
         "--parameters panel-mesh,panel-model,frames-model,particles-model,stiffness,number"
     )
+
+
+def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
+    """Returns the study of accuracy that is given, or lies beside the case; None where there is none."""
+    if given is None and not (loaded.folder / "accuracy.json").is_file():
+        return None
+    from orchestrator.studies.accuracy.plan import find_study
+
+    return find_study(loaded, given)
+
+
+def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
+    """Makes runs with and without effects for results that are ``asked`` for; None where none are."""
+    from orchestrator.case.scalars import scalar
+    from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, try_all_effects
+
+    try:
+        for name in asked:
+            scalar(name)
+    except KeyError as error:
+        refuse(f"--for: {error.args[0]}")
+    if not asked:
+        return None
+    limit_s = max(LIMIT_S, budget_s / RUNS_IN_BUDGET)
+    return try_all_effects(loaded, Pairs(limit_s, ERRORS.print), budget_s)
+
+
+def _case_lines(folder: Path) -> Iterator[str]:
+    """Yields a line for each case in a folder, and one for its levels."""
+    from orchestrator.case.file.errors import CaseError, visible
+    from orchestrator.case.file.layers import read_toml
+    from orchestrator.case.load import level_names, load
+
+    for file in sorted(folder.glob("*/case.toml")):
+        try:
+            title = str(read_toml(file).get("title", "(no title)"))
+            level = load(file).level
+            default = level.name if level is not None else ""
+        except CaseError:
+            title, default = f"(has problems: flipflow check {file.parent})", ""
+        names = [f"{n} (default)" if n == default else n for n in level_names(file.parent)]
+        yield visible(f"{file.parent}  {title}")
+        yield visible(f"    levels: {', '.join(names) or 'none'}")
 
 
 def main() -> None:

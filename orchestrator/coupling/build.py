@@ -17,7 +17,12 @@ from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.solver_plans import bushings, frames_plan, particles_plan
 from orchestrator.case.tables.case import Case
-from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, fix_clamps, ignore_load
+from orchestrator.coupling.ablation import (
+    PanelBetweenStillClamps,
+    ParticlesOnStillSurface,
+    UnloadedPanel,
+    UnpushedFrames,
+)
 from orchestrator.coupling.bushing_forces import BushingForces
 from orchestrator.coupling.machine import Machine
 from orchestrator.coupling.metered import (
@@ -30,19 +35,12 @@ from orchestrator.coupling.metered import (
 from orchestrator.coupling.mpi import FramesOnFirstRank
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.schemes import create_scheme
+from orchestrator.coupling.schemes.iterated import case_effort
 from orchestrator.coupling.schemes.scheme import Solvers
-from orchestrator.coupling.surface_indexing import (
-    panel_of_triangle,
-    panel_points,
-    penetrations,
-    probes,
-    touched_surface,
-)
-from orchestrator.coupling.surface_parts import frame_parts, panel_parts, wall_parts
-from orchestrator.ports import Frames, Load, Panel, Particles, Wearing
+from orchestrator.coupling.surface_parts import OpenSurface
+from orchestrator.ports import Frames, Panel, Particles, Wearing
 from orchestrator.ports.plans import FramesPlan, ParticlesPlan
 from orchestrator.preflight.check import find_problems_at_rest
-from orchestrator.preflight.cost import effort
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.stability.report import case_with_scheme
 
@@ -50,23 +48,10 @@ from orchestrator.preflight.stability.report import case_with_scheme
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
     """Plans a case, opens its solvers and puts them together as a machine.
 
-    Parameters
-    ----------
-    loaded
-        The case.
-    folder
-        The run's folder, for files that solvers keep.
-    world
-        An MPI communicator, or None in a run of one process.
-    stopwatch
-        Takes the time of every solver.
-
-    Raises
-    ------
-    SolverMissing, SolverFailed
-        A solver cannot be opened; those opened before are closed.
-    CaseError
-        The case is wrong in a way that only open panels show, or a solver refuses it.
+    Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
+    process; ``stopwatch`` takes the time of every solver.  Raises SolverMissing or SolverFailed where a
+    solver cannot be opened (those opened before are closed), and CaseError for a case that is wrong in
+    a way that only open panels show, or that a solver refuses.
     """
     with ExitStack() as opened:
         machine = _open_machine(loaded, folder, world, stopwatch, opened)
@@ -79,25 +64,18 @@ def _open_machine(
 ) -> Machine:
     case = case_with_scheme(loaded.case)
     # panels first: how they rest decides what particles and frames begin with
-    panels = panel_parts(case, loaded.folder, stopwatch, world)
-    walls, frames = wall_parts(case, loaded.folder), frame_parts(case)
-    parts = [*panels, *walls, *frames]
-    panel_set = PanelSet(len(parts), lambda i: parts[i].open(), world)
+    opened_surface = OpenSurface.of(case, loaded.folder, stopwatch, world)
+    panel_set = opened_surface.together
     opened.callback(panel_set.close)
-    rest = panel_set.initial()
-    # indices in the whole surface
-    surface = touched_surface(case, [*panels, *walls], panel_set, rest.surface.position_m)
-    triangle_panels = panel_of_triangle([*panels, *walls], len(panels))
-    gone_through = penetrations(case, parts, len(panels), panel_set)
-    clamps_of_frames = panel_set.clamps[len(panels) + len(walls) :]
-    centres = {part.name: clamps.start for part, clamps in zip(frames, clamps_of_frames, strict=True)}
+    surface, centres = opened_surface.triangle_surface(), opened_surface.centres()
+    triangle_panels, gone_through = opened_surface.panel_of_triangle(), opened_surface.penetrations()
     # plans of the other solvers
     particles_wanted = particles_plan(case, surface, world, folder)
     start_list = particles_wanted.particles if particles_wanted is not None else no_particles()
     problems = find_problems_at_rest(loaded, surface, triangle_panels, gone_through, start_list)
     if problems:
         raise CaseError(problems)
-    frames_wanted = _plan_frames(case, panel_set, rest.reaction)
+    frames_wanted = _plan_frames(case, panel_set)
     # solvers
     material, particles, wearing = _particles(case, particles_wanted, stopwatch)
     if particles is not None:
@@ -111,22 +89,22 @@ def _open_machine(
     return Machine(
         solvers=_ablated(case, members),
         members=members,
-        scheme=create_scheme(case.coupling.scheme, effort(case)),
+        scheme=create_scheme(case.coupling.scheme, case_effort(case)),
         stopwatch=stopwatch,
         surface=surface,
         panel_of_triangle=triangle_panels,
-        panels=panel_points(case, panels, panel_set),
+        panels=opened_surface.panel_points(),
         penetrations=gone_through,
         centres=centres,
-        probes=probes(case, parts, panel_set),
+        probes=opened_surface.probes(),
         bushings=BushingForces.of(bushings(case), centres, panel_set.mount.position_m),
         material=material,
         wearing=wearing,
     )
 
 
-def _plan_frames(case: Case, panel_set: PanelSet, reaction: Load) -> FramesPlan:
-    held_N = reaction.force_N
+def _plan_frames(case: Case, panel_set: PanelSet) -> FramesPlan:
+    held_N = panel_set.initial().reaction.force_N
     if not case.exchange.panel_reaction:  # frames at rest do not hold what they do not feel
         held_N = np.zeros_like(held_N)
     return frames_plan(case, panel_set.mount.position_m, panel_set.mount.frame, held_N)
@@ -164,9 +142,9 @@ def _ablated(case: Case, members: MeteredSolvers) -> Solvers:
     if not wanted.panel_reaction:
         frames = UnpushedFrames(frames)
     if not wanted.frame_motion:
-        panel = fix_clamps(panel)
+        panel = PanelBetweenStillClamps(panel)
     if not wanted.particle_load:
-        panel = ignore_load(panel)
+        panel = UnloadedPanel(panel)
     if particles is not None and not wanted.panel_motion:
         particles = ParticlesOnStillSurface(particles, panel.initial().surface)
     return Solvers(frames, panel, particles)

@@ -50,7 +50,7 @@ class Machine:
     """All that the run, its records and its reports need to know.
 
     ``centres``: frame name -> number of its centre of mass among the carried points; the next three
-    are the ends of the arms that tell its rotation (``surface_parts.frame_parts``).
+    are the ends of the arms that tell its rotation (``coupling/surface_parts.py``).
     ``panel_of_triangle`` (triangles,): panel number, in the order of ``panels``; -1 for walls.
     ``material`` is None where the case has no particles, ``wearing`` where nothing wears.
     """

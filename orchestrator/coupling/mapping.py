@@ -11,36 +11,38 @@ from dataclasses import replace
 import numpy as np
 from scipy.sparse import csr_array
 
-from orchestrator.coupling.altered_panel import AlteredPanel
+from orchestrator.coupling.wrappers import PanelWrapper
 from orchestrator.ports import Inertia, Known, Load, Motion, Panel, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.panel import surface_ahead, surface_inertia
 
 
-def mapped(panel: Panel, H: csr_array) -> AlteredPanel:
-    """Returns the panel as seen through other points of its surface.
+class MappedPanel(PanelWrapper):
+    """The panel as seen through other points of its surface.
 
     ``H`` (new points, panel's surface points) comes from ``MeshedPanel.interpolation``.
     """
-    HT, sizes = csr_array(H.T), abs(H)
-    follow = surface_ahead(panel)
 
-    def moved(surface: Motion) -> Motion:
-        return Motion(H @ surface.position_m, H @ surface.velocity_m_per_s)
+    def __init__(self, panel: Panel, H: csr_array) -> None:
+        super().__init__(panel)
+        self._H, self._HT, self._sizes = H, csr_array(H.T), abs(H)
 
-    def seen(state: PanelState) -> PanelState:
-        return PanelState(moved(state.surface), state.reaction)
+    def initial(self) -> PanelState:
+        return self._state(super().initial())
 
-    def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        return seen(panel.advance(interval, clamps, Load(HT @ load.force_N)))
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        return self._state(super().advance(interval, clamps, Load(self._HT @ load.force_N)))
 
-    def ahead(interval: Interval, clamps: Known) -> Known:
-        """Of the points that hang on nothing that is not known."""
-        own = follow(interval, clamps)
-        return Known(moved(own.motion), sizes @ np.where(own.which, 0.0, 1.0) == 0.0)
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        """Returns what is known of the points that hang on nothing that is not known."""
+        own = super().ahead(interval, clamps)
+        return Known(self._motion(own.motion), self._sizes @ np.where(own.which, 0.0, 1.0) == 0.0)
 
-    def inertia() -> Inertia:
-        own = surface_inertia(panel)
-        return replace(own, shapes=csr_array(H @ own.shapes))
+    def inertia(self) -> Inertia:
+        own = super().inertia()
+        return replace(own, shapes=csr_array(self._H @ own.shapes))
 
-    return AlteredPanel(panel, advance, lambda: seen(panel.initial()), inertia, ahead)
+    def _motion(self, surface: Motion) -> Motion:
+        return Motion(self._H @ surface.position_m, self._H @ surface.velocity_m_per_s)
+
+    def _state(self, state: PanelState) -> PanelState:
+        return PanelState(self._motion(state.surface), state.reaction)

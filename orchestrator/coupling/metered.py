@@ -9,37 +9,26 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
-from orchestrator.coupling.altered_panel import AlteredPanel
+from orchestrator.coupling.wrappers import FramesWrapper, PanelWrapper, ParticlesWrapper
 from orchestrator.ports import (
-    Account,
     Array,
     ContactTangent,
-    Crossings,
     Frames,
     HermitePath,
-    Inertia,
     Known,
     Load,
     Motion,
-    Mount,
-    Overlaps,
     Panel,
     PanelState,
     Particles,
-    ParticleSnapshot,
-    Predicting,
-    Removed,
     Restorable,
     Saved,
 )
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.failures import solver_failure_context
-from orchestrator.ports.frames import find_driven_points
-from orchestrator.ports.panel import surface_ahead, surface_inertia
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 
@@ -70,18 +59,6 @@ class Stopwatch:
         self._since_s = now
 
 
-_OF_FRAMES = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
-_OF_PANELS = (
-    "received_N_s",
-    "given_N_s",
-    "through_N_s",
-    "received_N_m_s",
-    "given_N_m_s",
-    "_surface",
-    "_clamps",
-)
-
-
 def impulse_N_s(load: Load, interval: Interval) -> Array:
     """Returns the impulse (3,) that a mean load hands over in the interval."""
     return np.asarray(interval.length_s * load.force_N.sum(axis=0))
@@ -104,31 +81,33 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
     return np.asarray(interval.length_s * np.cross(mean_m, load.force_N).sum(axis=0))
 
 
-class MeteredFrames:
+class MeteredFrames(FramesWrapper):
     """Frames with a meter.
 
-    ``received_N_s`` (3,): impulse of the panels on the frames since t = 0, ``through_N_s`` the
-    sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` what
+    ``received_N_s`` (3,) is the impulse of the panels on the frames since t = 0, ``through_N_s`` the
+    sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` has what
     they felt last, and where that took them."""
 
+    BOOKS = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
     last: tuple[Load, Motion]
 
     def __init__(self, frames: Frames, name: str, stopwatch: Stopwatch) -> None:
-        self._frames, self._name, self._stopwatch = frames, name, stopwatch
+        super().__init__(frames)
+        self._name, self._stopwatch = name, stopwatch
         self.received_N_s: Array = np.zeros(3)
         self.through_N_s = 0.0
         self.received_N_m_s: Array = np.zeros(3)
 
     def initial(self) -> Motion:
         with solver_failure_context(self._name, None):
-            self._now = self._frames.initial()
+            self._now = super().initial()
         return self._now
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         self.received_N_s = self.received_N_s + impulse_N_s(reaction, interval)
         self.through_N_s += size_N_s(reaction, interval)
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
-            motion = self._frames.advance(interval, reaction)
+            motion = super().advance(interval, reaction)
         moment_given_N_m_s = moment_N_m_s(reaction, self._now, motion, interval)
         self.received_N_m_s = self.received_N_m_s + moment_given_N_m_s
         self.last, self._now = (reaction, motion), motion
@@ -136,35 +115,57 @@ class MeteredFrames:
 
     def ahead(self, interval: Interval) -> Known | None:
         with self._stopwatch("frames"), solver_failure_context(self._name, interval):
-            return find_driven_points(self._frames, interval)
-
-    def account(self) -> Account:
-        return self._frames.account()
+            return super().ahead(interval)
 
     def save(self) -> Saved:
-        return save_attributes(self, *_OF_FRAMES) | {"inner": self._frames.save()}
+        return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_OF_FRAMES)
-        self._frames.restore(saved["inner"])
-
-    def close(self) -> None:
-        self._frames.close()
+        restore_attributes(self, saved, *self.BOOKS)
+        super().restore(saved["inner"])
 
 
-class MeteredPanel:
+class TimedPanel(PanelWrapper):
+    """A panel that says its ``name`` when it fails, and whose time is booked under ``part``."""
+
+    def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
+        super().__init__(panel)
+        self._name, self._part, self._stopwatch = name, part, stopwatch
+
+    def initial(self) -> PanelState:
+        with solver_failure_context(self._name, None):
+            return super().initial()
+
+    def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
+        with self._stopwatch(self._part), solver_failure_context(self._name, interval):
+            return super().advance(interval, clamps, load)
+
+    def ahead(self, interval: Interval, clamps: Known) -> Known:
+        with self._stopwatch(self._part), solver_failure_context(self._name, interval):
+            return super().ahead(interval, clamps)
+
+
+class MeteredPanel(TimedPanel):
     """A panel with a meter.
 
-    ``received_N_s`` (3,) from the particles, ``given_N_s`` (3,) to the frames, since t = 0, and
-    ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s`` (3,) their
-    moments about the world's origin; ``last`` where the clamps were told to go, under which load,
-    and what came of it."""
+    ``received_N_s`` (3,) is the impulse from the particles, ``given_N_s`` (3,) that to the frames,
+    since t = 0, ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s``
+    (3,) are their moments about the world's origin; ``last`` has where the clamps were told to go,
+    under which load, and what came of it."""
 
+    BOOKS = (
+        "received_N_s",
+        "given_N_s",
+        "through_N_s",
+        "received_N_m_s",
+        "given_N_m_s",
+        "_surface",
+        "_clamps",
+    )
     last: tuple[Motion, Load, PanelState]
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
-        self._panel = meter_panel(panel, name, part, stopwatch)
-        self.mount: Mount = panel.mount
+        super().__init__(panel, name, part, stopwatch)
         self.received_N_s: Array = np.zeros(3)
         self.given_N_s: Array = np.zeros(3)
         self.through_N_s = 0.0
@@ -173,12 +174,12 @@ class MeteredPanel:
         self._clamps = Motion(panel.mount.position_m, np.zeros_like(panel.mount.position_m))
 
     def initial(self) -> PanelState:
-        state = self._panel.initial()
+        state = super().initial()
         self._surface = state.surface
         return state
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        state = self._panel.advance(interval, clamps, load)
+        state = super().advance(interval, clamps, load)
         received_N_m_s = moment_N_m_s(load, self._surface, state.surface, interval)
         given_N_m_s = moment_N_m_s(state.reaction, self._clamps, clamps, interval)
         self.received_N_m_s = self.received_N_m_s + received_N_m_s
@@ -190,50 +191,39 @@ class MeteredPanel:
         self.last = clamps, load, state
         return state
 
-    def ahead(self, interval: Interval, clamps: Known) -> Known:
-        return self._panel.ahead(interval, clamps)
-
-    def inertia(self) -> Inertia:
-        return surface_inertia(self._panel)
-
-    def account(self) -> Account:
-        return self._panel.account()
-
     def save(self) -> Saved:
-        return save_attributes(self, *_OF_PANELS) | {"inner": self._panel.save()}
+        return save_attributes(self, *self.BOOKS) | {"inner": super().save()}
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_OF_PANELS)
-        self._panel.restore(saved["inner"])
-
-    def close(self) -> None:
-        self._panel.close()
+        restore_attributes(self, saved, *self.BOOKS)
+        super().restore(saved["inner"])
 
 
-class MeteredParticles:
+class MeteredParticles(ParticlesWrapper):
     """Particles with a meter.
 
-    ``given_N_s`` (3,): impulse of the particles on the surface since t = 0, ``through_N_s`` the
-    sum of its sizes; ``last`` the path that the surface took last, and the load on it.  Their
+    ``given_N_s`` (3,) is the impulse of the particles on the surface since t = 0, ``through_N_s`` the
+    sum of its sizes; ``last`` has the path that the surface took last, and the load on it.  Their
     ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts intervals
     run, those taken back, too."""
 
+    BOOKS = ("given_N_s", "through_N_s")
     last: tuple[HermitePath, Load]
 
     def __init__(self, particles: Particles, feed: Restorable, name: str, stopwatch: Stopwatch) -> None:
-        self._particles, self._name, self._stopwatch = particles, name, stopwatch
-        self._feed = feed
+        super().__init__(particles)
+        self._feed, self._name, self._stopwatch = feed, name, stopwatch
         self.runs = 0
         self.given_N_s: Array = np.zeros(3)
         self.through_N_s = 0.0
 
     def initial(self) -> Load:
         with solver_failure_context(self._name, None):
-            return self._particles.initial()
+            return super().initial()
 
     def advance(self, interval: Interval, path: HermitePath) -> Load:
         with self._stopwatch("particles"), solver_failure_context(self._name, interval):
-            load = self._particles.advance(interval, path)
+            load = super().advance(interval, path)
         self.last = path, load
         self.given_N_s = self.given_N_s + impulse_N_s(load, interval)
         self.through_N_s += size_N_s(load, interval)
@@ -242,54 +232,19 @@ class MeteredParticles:
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
         with self._stopwatch("particles"):
-            return cast(Predicting, self._particles).contact_tangent(length_s)
-
-    def snapshot(self) -> ParticleSnapshot:
-        return self._particles.snapshot()
-
-    def removed(self) -> Removed:
-        return self._particles.removed()
-
-    def overlaps(self) -> Overlaps:
-        return self._particles.overlaps()
-
-    def crossings(self) -> Crossings:
-        return self._particles.crossings()
-
-    def account(self) -> Account:
-        return self._particles.account()
+            return super().contact_tangent(length_s)
 
     def save(self) -> Saved:
-        inner = {"inner": self._particles.save(), "feed": self._feed.save()}
-        return save_attributes(self, "given_N_s", "through_N_s") | inner
+        inner = {"inner": super().save(), "feed": self._feed.save()}
+        return save_attributes(self, *self.BOOKS) | inner
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "given_N_s", "through_N_s")
-        self._particles.restore(saved["inner"])
+        restore_attributes(self, saved, *self.BOOKS)
+        super().restore(saved["inner"])
         self._feed.restore(saved["feed"])
 
-    def close(self) -> None:
-        self._particles.close()
 
-
-def meter_panel(panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> AlteredPanel:
-    """Returns the panel with a meter: it says its ``name`` when it fails, and its time is booked under
-    ``part``."""
-    follow = surface_ahead(panel)
-
-    def initial() -> PanelState:
-        with solver_failure_context(name, None):
-            return panel.initial()
-
-    def advance(interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        with stopwatch(part), solver_failure_context(name, interval):
-            return panel.advance(interval, clamps, load)
-
-    def ahead(interval: Interval, clamps: Known) -> Known:
-        with stopwatch(part), solver_failure_context(name, interval):
-            return follow(interval, clamps)
-
-    return AlteredPanel(panel, advance, initial, ahead=ahead)
+Member = MeteredFrames | MeteredPanel | MeteredParticles
 
 
 @dataclass(frozen=True)
@@ -299,3 +254,12 @@ class MeteredSolvers:
     frames: MeteredFrames
     panel: MeteredPanel
     particles: MeteredParticles | None
+
+    def by_name(self) -> dict[str, Member]:
+        """Returns the members that there are."""
+        members: dict[str, Member | None] = {
+            "frames": self.frames,
+            "panel": self.panel,
+            "particles": self.particles,
+        }
+        return {name: member for name, member in members.items() if member is not None}

@@ -88,7 +88,7 @@ class FramesOnFirstRank:
         return self._shared(lambda frames: frames.account())
 
     def save(self) -> Saved:
-        """Nothing on ranks that have no frames."""
+        """Returns nothing on ranks that have no frames."""
         return self._frames.save() if self._frames is not None else {}
 
     def restore(self, saved: Saved) -> None:

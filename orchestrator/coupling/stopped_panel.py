@@ -19,11 +19,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_array
 
+from orchestrator.coupling.wrappers import PanelWrapper
 from orchestrator.ports import (
     Account,
     Array,
     Indices,
-    Inertia,
     Known,
     Load,
     MeshedPanel,
@@ -34,45 +34,20 @@ from orchestrator.ports import (
     check_point_count,
 )
 from orchestrator.ports.clock import Interval
-from orchestrator.ports.geometry import Rectangle, foot_on_triangle
-from orchestrator.ports.panel import surface_ahead, surface_inertia
+from orchestrator.ports.geometry import Foot, Rectangle, foot_on_triangle
 from orchestrator.ports.plans import PanelPlan, StopPlan
 from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 @dataclass(frozen=True)
-class Through:
-    """Points (n,) seen from their tops: ``depth_m`` (n,) below them, ``normal`` (n, 3) of the tops,
-    ``share`` (n, 3) of the top's three corners in the point's foot on it; they add up to one."""
-
-    depth_m: Array
-    normal: Array
-    share: Array
-
-
-@dataclass(frozen=True)
 class Tops:
     """All stops of a panel.  Of its n points that can meet one: material coordinates (n, 2), the
-    number of its stop (n,), and area, stiffness and damping of the layer under it (n,)."""
+    number of its stop (n,), and stiffness and damping of the layer under it (n,)."""
 
     coordinates_m: Array
     stop: Indices
     stiffness_N_per_m: Array
     damping_N_s_per_m: Array
-
-    def through(self, corners_m: Array, place_m: Array) -> Through:
-        """Returns how deep points at ``place_m`` (n, 3) have come through their tops.
-
-        ``corners_m`` (stops, 3, 3): the first corner, one along from it, one across from it.
-        """
-        foot = foot_on_triangle(corners_m[self.stop], place_m)
-        return Through(-foot.height_m, foot.normal, foot.share)
-
-    def onto_corners(self, share: Array, force_N: Array, stops: int) -> Array:
-        """Returns the forces (stops, 3, 3) on the tops' corners from forces (n, 3) at the points' feet."""
-        given = np.zeros((stops, 3, 3))
-        np.add.at(given, self.stop, share[:, :, None] * force_N[:, None, :])
-        return given
 
 
 def tops(stops: tuple[StopPlan, ...], rectangle: Rectangle, spacing_m: Array) -> Tops:
@@ -100,18 +75,20 @@ def corners_m(stop: StopPlan, rectangle: Rectangle) -> Array:
 
 POINTS_PER_CELL = 2  # along and across, of the panel's mesh
 
-_STATE = ("_corners", "_surface", "_lost_J", "_from_stops_J", "_to_panel_J")
 
+class StoppedPanel(PanelWrapper):
+    """A ``MeshedPanel`` on stops; the tops' points, three for each stop, follow the clamp points.
 
-class StoppedPanel:
-    """``MeshedPanel``; the tops' points, three for each stop, follow the clamp points."""
+    Raises ValueError if the panel lies on a stop before anything moves: no solver finds the rest of
+    a panel on beams.
+    """
+
+    STATE = ("_corners", "_surface", "_lost_J", "_from_stops_J", "_to_panel_J")
 
     def __init__(self, panel: MeshedPanel, plan: PanelPlan) -> None:
-        """Raises ValueError if the panel lies on a stop before anything moves: no solver finds the
-        rest of a panel on beams."""
+        super().__init__(panel)
+        self.interpolation = panel.interpolation
         at = plan.rectangle
-        self._panel, self._stops = panel, len(plan.stops)
-        self._follow = surface_ahead(panel)
         cell_m = np.divide((at.length_m, at.width_m), plan.cells)
         self._tops = tops(plan.stops, at, cell_m / POINTS_PER_CELL)
         self._H = panel.interpolation(self._tops.coordinates_m)
@@ -123,31 +100,35 @@ class StoppedPanel:
         self._corners = Motion(corners, np.zeros_like(corners))
         self._surface = panel.initial().surface
         self._lost_J = self._from_stops_J = self._to_panel_J = 0.0
-        self._refuse_rest_on(plan)
-
-    def inertia(self) -> Inertia:
-        return surface_inertia(self._panel)
+        depth_m = self._depths_m()
+        if (deepest := int(np.argmax(depth_m))) >= 0 and depth_m[deepest] > 0:
+            name = plan.stops[self._tops.stop[deepest]].name
+            raise ValueError(
+                f"panel {plan.name} lies on its stop {name} before anything moves, "
+                f"{depth_m[deepest]:.3g} m below its top"
+            )
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Of the panel's own clamps; the tops carry nothing that particles touch."""
-        return self._follow(interval, clamps.part(slice(self._clamps)))
+        """Returns what the panel's own clamps tell; the tops carry nothing that particles touch."""
+        return super().ahead(interval, clamps.part(slice(self._clamps)))
 
     def initial(self) -> PanelState:
-        return self._with(self._panel.initial(), np.zeros((3 * self._stops, 3)))
+        return self._with(super().initial(), np.zeros_like(self._corners.position_m))
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         check_point_count("stopped panel's clamps and stops", clamps, len(self.mount.frame))
         own, corners = clamps.part(slice(self._clamps)), clamps.part(slice(self._clamps, None))
         middle, elastic_N, damping_N = self._pushed(corners, interval.length_s)
         force_N = (elastic_N + damping_N)[:, None] * middle.normal
-        state = self._panel.advance(interval, own, Load(load.force_N + self._HT @ force_N))
+        state = super().advance(interval, own, Load(load.force_N + self._HT @ force_N))
         self._book(state.surface, corners, middle, force_N, damping_N)
-        on_corners_N = self._tops.onto_corners(middle.share, -force_N, self._stops)
+        on_corners_N = np.zeros((len(corners) // 3, 3, 3))
+        np.add.at(on_corners_N, self._tops.stop, middle.share[:, :, None] * -force_N[:, None, :])
         return self._with(state, on_corners_N.reshape(-1, 3))
 
     def account(self) -> Account:
-        """Of the panel and the layers on the stops."""
-        own, depth_m = self._panel.account(), np.maximum(self._now().depth_m, 0.0)
+        """Returns what the panel and the layers on the stops own."""
+        own, depth_m = super().account(), np.maximum(self._depths_m(), 0.0)
         stored_J = {"stops": 0.5 * float(self._tops.stiffness_N_per_m @ depth_m**2)}
         received_J = dict(own.received_J)
         received_J["load"] -= self._to_panel_J
@@ -160,46 +141,43 @@ class StoppedPanel:
         )
 
     def save(self) -> Saved:
-        return {"panel": self._panel.save(), **save_attributes(self, *_STATE)}
+        return {"panel": super().save(), **save_attributes(self, *self.STATE)}
 
     def restore(self, saved: Saved) -> None:
-        self._panel.restore(saved["panel"])
-        restore_attributes(self, saved, *_STATE)
-
-    def interpolation(self, coordinates_m: Array) -> csr_array:
-        return self._panel.interpolation(coordinates_m)
-
-    def close(self) -> None:
-        self._panel.close()
+        super().restore(saved["panel"])
+        restore_attributes(self, saved, *self.STATE)
 
     def _with(self, state: PanelState, on_corners_N: Array) -> PanelState:
         return PanelState(state.surface, Load(np.vstack([state.reaction.force_N, on_corners_N])))
 
-    def _now(self) -> Through:
-        place_m = self._H @ self._surface.position_m
-        return self._tops.through(self._corners.position_m.reshape(-1, 3, 3), place_m)
+    def _feet(self, of_corners_m: Array, place_m: Array) -> Foot:
+        """Returns the feet of points at ``place_m`` (n, 3) on their tops, which have their corners
+        (3 stops, 3) at ``of_corners_m``."""
+        return foot_on_triangle(of_corners_m.reshape(-1, 3, 3)[self._tops.stop], place_m)
 
-    def _pushed(self, end: Motion, length_s: float) -> tuple[Through, Array, Array]:
-        """Where the points are in the middle of the interval, and the springs' and the dampers'
+    def _depths_m(self) -> Array:
+        """Returns how deep the points (n,) have come through their tops now."""
+        return -self._feet(self._corners.position_m, self._H @ self._surface.position_m).height_m
+
+    def _pushed(self, end: Motion, length_s: float) -> tuple[Foot, Array, Array]:
+        """Returns where the points are in the middle of the interval, and the springs' and the dampers'
         forces (n,) along the normals."""
         start, velocity_m_per_s = self._corners.position_m, self._H @ self._surface.velocity_m_per_s
         place_m = self._H @ self._surface.position_m + length_s / 2 * velocity_m_per_s
-        middle = self._tops.through(((start + end.position_m) / 2).reshape(-1, 3, 3), place_m)
+        middle = self._feet((start + end.position_m) / 2, place_m)
         tops_m_per_s = self._at_feet(middle, (end.position_m - start) / length_s)
         closing_m_per_s = np.einsum("nk,nk->n", middle.normal, tops_m_per_s - velocity_m_per_s)
-        touching = middle.depth_m > 0
-        elastic_N = np.where(touching, self._tops.stiffness_N_per_m * middle.depth_m, 0.0)
-        damping_N = np.where(touching, self._tops.damping_N_s_per_m * closing_m_per_s, 0.0)
+        depth_m = -middle.height_m
+        elastic_N = np.where(depth_m > 0, self._tops.stiffness_N_per_m * depth_m, 0.0)
+        damping_N = np.where(depth_m > 0, self._tops.damping_N_s_per_m * closing_m_per_s, 0.0)
         return middle, elastic_N, np.maximum(damping_N, -elastic_N)
 
-    def _at_feet(self, middle: Through, of_corners: Array) -> Array:
-        """Values (n, 3) at the points' feet of values at the corners."""
+    def _at_feet(self, middle: Foot, of_corners: Array) -> Array:
+        """Returns values (n, 3) at the points' feet of values at the corners."""
         corners = of_corners.reshape(-1, 3, 3)[self._tops.stop]
         return np.asarray(np.einsum("nc,nck->nk", middle.share, corners))
 
-    def _book(
-        self, surface: Motion, corners: Motion, middle: Through, force_N: Array, damping_N: Array
-    ) -> None:
+    def _book(self, surface: Motion, corners: Motion, middle: Foot, force_N: Array, damping_N: Array) -> None:
         moved_m = self._H @ (surface.position_m - self._surface.position_m)
         tops_m = self._at_feet(middle, corners.position_m - self._corners.position_m)
         self._to_panel_J += float(np.vdot(force_N, moved_m))
@@ -207,12 +185,3 @@ class StoppedPanel:
         closed_m = np.einsum("nk,nk->n", middle.normal, tops_m - moved_m)
         self._lost_J += float(damping_N @ closed_m)
         self._surface, self._corners = surface, corners
-
-    def _refuse_rest_on(self, plan: PanelPlan) -> None:
-        depth_m = self._now().depth_m
-        if (deepest := int(np.argmax(depth_m))) >= 0 and depth_m[deepest] > 0:
-            name = plan.stops[self._tops.stop[deepest]].name
-            raise ValueError(
-                f"panel {plan.name} lies on its stop {name} before anything moves, "
-                f"{depth_m[deepest]:.3g} m below its top"
-            )

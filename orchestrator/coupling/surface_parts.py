@@ -1,7 +1,8 @@
-"""The parts of the surface: panels, walls, and points that are only looked at.
+"""The surface of a machine: its parts, and the indices of their points and triangles in the whole.
 
-Each part is a ``Panel`` to the coupling: a finite-element panel seen through the particles'
-triangles, a wall that a frame carries, or points on a frame that nothing touches.
+The parts are panels, walls, and points that are only looked at.  Each is a ``Panel`` to the
+coupling: a finite-element panel seen through the particles' triangles, a wall that a frame carries,
+or points on a frame that nothing touches.
 """
 
 from __future__ import annotations
@@ -15,23 +16,25 @@ from typing import Any, cast
 import numpy as np
 
 from orchestrator.case import solvers
-from orchestrator.case.deck.panels import Wall, single_panels, to_world, walls
+from orchestrator.case.deck.panels import SinglePanel, Wall, single_panels, to_world, walls
 from orchestrator.case.deck.triangle_grid import TriangleGrid, surface_grids
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.playback import playbacks
-from orchestrator.case.solver_plans import panel_plans
+from orchestrator.case.recordings import playbacks
+from orchestrator.case.solver_plans import material_numbers, panel_plans
 from orchestrator.case.tables.case import Case
-from orchestrator.coupling.mapping import mapped
-from orchestrator.coupling.metered import Stopwatch, meter_panel
+from orchestrator.coupling.machine import PanelPoints, PlacedProbe
+from orchestrator.coupling.mapping import MappedPanel
+from orchestrator.coupling.metered import Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import first_rank_does
+from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.ports import Array, Indices, MeshedPanel, Panel
-from orchestrator.ports.geometry import Edges
+from orchestrator.ports.geometry import Edges, TriangleSurface
+from orchestrator.ports.penetration import Penetrations, ProbedPanel, SurfaceBody
 from orchestrator.ports.plans import PanelPlan
 from orchestrator.ports.recording import RecordedGrid
 
-
-def _nothing(*shape: int) -> Callable[[], Indices]:
-    return lambda: np.empty(shape, dtype=np.int64)
+NO_TRIANGLES = np.empty((0, 3), dtype=np.int64)
+NO_POINTS = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -49,11 +52,11 @@ class SurfacePart:
     open: Callable[[], Panel]
     drawn_m: Array
     points: dict[str, int]
-    triangles: Indices = field(default_factory=_nothing(0, 3))
-    edges: Edges = field(default_factory=lambda: Edges.of(np.empty((0, 2)), _nothing(0, 3)()))
+    triangles: Indices = field(default_factory=lambda: NO_TRIANGLES)
+    edges: Edges = field(default_factory=lambda: Edges.of(np.empty((0, 2)), NO_TRIANGLES))
     material: str = ""
-    centre_line: Indices = field(default_factory=_nothing(0))
-    shape: Indices = field(default_factory=_nothing(0))
+    centre_line: Indices = field(default_factory=lambda: NO_POINTS)
+    shape: Indices = field(default_factory=lambda: NO_POINTS)
     stops: int = 0
 
 
@@ -86,8 +89,8 @@ def _panel(
         own = cast(MeshedPanel, solvers.opened("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
-        panel = meter_panel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
-        return mapped(panel, own.interpolation(coordinates))
+        panel = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
+        return MappedPanel(panel, own.interpolation(coordinates))
 
     first = len(touched.coordinates_m)
     return SurfacePart(
@@ -125,13 +128,9 @@ def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
     return [part(wall) for wall in walls(case, case_folder)]
 
 
-def frame_parts(case: Case) -> list[SurfacePart]:
-    """Returns one part per frame: its centre of mass (under the frame's name), the ends of three arms of
-    1 m from there along the world's axes, which tell its rotation, and its probes."""
-    return [_looked_at(case, name) for name in case.screen.frames]
-
-
 def _looked_at(case: Case, frame: str) -> SurfacePart:
+    """Returns what is looked at of a frame: its centre of mass (under the frame's name), the ends of three
+    arms of 1 m from there along the world's axes, which tell its rotation, and its probes."""
     probes = {
         name: probe.point_m
         for name, probe in case.probes.items()
@@ -146,5 +145,131 @@ def _looked_at(case: Case, frame: str) -> SurfacePart:
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
     """Returns a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
-    made = "adapters.panel.common.carried"
-    return lambda: cast(Panel, import_module(made).build(position_m, frame))
+    module = "adapters.panel.common.carried"
+    return lambda: cast(Panel, import_module(module).build(position_m, frame))
+
+
+@dataclass(frozen=True)
+class OpenSurface:
+    """The open surface of a machine: all parts (panels in the case's order, walls, frames) as one.
+
+    Particles touch the parts that have a material; points on frames belong to the surface, but to no
+    triangle.
+    """
+
+    case: Case
+    parts: list[SurfacePart]
+    together: PanelSet
+
+    @staticmethod
+    def of(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any) -> OpenSurface:
+        """Opens the surface of a case, on every rank of ``world``."""
+        parts = [
+            *panel_parts(case, case_folder, stopwatch, world),
+            *wall_parts(case, case_folder),
+            *(_looked_at(case, frame) for frame in case.screen.frames),
+        ]
+        return OpenSurface(case, parts, PanelSet(len(parts), lambda i: parts[i].open(), world))
+
+    def bodies(self) -> list[SurfaceBody]:
+        """Returns the triangles of every part, in points of the whole surface."""
+        return [
+            SurfaceBody(part.name, part.triangles + points.start)
+            for part, points in zip(self.parts, self.together.surface, strict=True)
+        ]
+
+    def triangle_surface(self) -> TriangleSurface:
+        """Returns all that particles touch, as it rests."""
+        number = material_numbers(self.case)
+        touched = [part for part in self.parts if part.material]
+        return TriangleSurface(
+            self.together.initial().surface.position_m,
+            np.concatenate([NO_TRIANGLES, *(body.triangles for body in self.bodies())]),
+            np.concatenate(
+                [NO_POINTS, *(np.full(len(part.triangles), number[part.material]) for part in touched)]
+            ),
+        )
+
+    def panel_of_triangle(self) -> Indices:
+        """Returns the number of each triangle's panel; -1 for walls."""
+        panels = len(single_panels(self.case))
+        numbers = [number if number < panels else -1 for number in range(len(self.parts))]
+        return np.repeat(np.array(numbers, dtype=np.int64), [len(part.triangles) for part in self.parts])
+
+    def panel_points(self) -> tuple[PanelPoints, ...]:
+        """Returns where the panels' points lie; a clamp is the first up to the middle of the span."""
+        return tuple(
+            self._points_of(part, single, surface, clamps)
+            for part, single, surface, clamps in zip(
+                self.parts,
+                single_panels(self.case),
+                self.together.surface,
+                self.together.clamps,
+                strict=False,
+            )
+        )
+
+    def _points_of(
+        self, part: SurfacePart, single: SinglePanel, surface: slice, clamps: slice
+    ) -> PanelPoints:
+        at, end_of_held = single.rectangle, clamps.stop - 3 * part.stops
+        held = np.arange(clamps.start, end_of_held)
+        first = (self.together.mount.position_m[held] - at.corner_m) @ at.along < at.span_m / 2
+        return PanelPoints(
+            name=part.name,
+            surface=surface,
+            clamps=clamps,
+            centre_line=surface.start + part.centre_line,
+            shape=surface.start + part.shape,
+            first_clamp=held[first],
+            second_clamp=held[~first],
+            stops=np.arange(end_of_held, clamps.stop),
+            edges=surface.start + part.edges.points,
+            edge_length_m=part.edges.length_m,
+        )
+
+    def penetrations(self) -> Penetrations:
+        """Returns the search for penetrations: of panels, where no clamp and no stop holds them, through
+        everything that has triangles."""
+        singles = zip(single_panels(self.case), self.parts, self.together.surface, strict=False)
+        probed = [
+            ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
+            for number, (single, part, points) in enumerate(singles)
+        ]
+        return Penetrations(np.concatenate([part.drawn_m for part in self.parts]), self.bodies(), probed)
+
+    def centres(self) -> dict[str, int]:
+        """Returns the number of each frame's centre of mass among the carried points."""
+        frames = self.case.screen.frames
+        places = zip(self.parts, self.together.clamps, strict=True)
+        return {part.name: clamps.start for part, clamps in places if part.name in frames}
+
+    def probes(self) -> tuple[PlacedProbe, ...]:
+        """Returns the case's probes; points of frames are read from the clamps, which are exact."""
+        placed = []
+        for number, part in enumerate(self.parts):
+            on_frame = part.name in self.case.screen.frames
+            points = self.together.clamps[number] if on_frame else self.together.surface[number]
+            for name, point in part.points.items():
+                if name in self.case.probes:
+                    on = "clamps" if on_frame else "surface"
+                    placed.append(PlacedProbe(name, on, points.start + point))
+        placed += [
+            PlacedProbe(name, "particle", probe.particle)
+            for name, probe in self.case.probes.items()
+            if probe.particle is not None
+        ]
+        return tuple(placed)
+
+
+def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
+    """Returns pairs (k, 2) of points: those of a panel's triangles, as pairs of equal ones, and its edges
+    that are longer than it is thick, where neither a clamp nor a stop holds their middles."""
+    at, points = single.rectangle, np.unique(part.triangles)
+    long = part.edges.points[part.edges.length_m > single.table.thickness_m]
+    pairs = np.concatenate([np.column_stack([points, points]), long])
+    along = (part.drawn_m[pairs].mean(axis=1) - at.corner_m) @ at.along / at.span_m
+    free = (along > 1e-9) & (along < 1.0 - 1e-9)
+    for stop in single.table.stops.values():
+        free &= (along < stop.from_m / at.length_m) | (along > stop.to_m / at.length_m)
+    return np.asarray(pairs[free])

@@ -57,15 +57,17 @@ class Checkpoint:
 
     @property
     def sync_points(self) -> int:
+        """The number of its sync point."""
         return int(self.about["sync_points"])
 
     @property
     def good(self) -> int:
-        """Sync point of the last save, up to this one, at which nothing was amiss; -1: of none."""
+        """The sync point of the last checkpoint, up to this one, at which nothing was amiss; -1 of none."""
         return int(self.about.get("good", self.sync_points))
 
     @property
     def simulated_s(self) -> float:
+        """The time that had been simulated by then."""
         return float(self.about["progress"]["figures"]["simulated_s"])
 
     def state(self, world: Any) -> Saved:

@@ -65,13 +65,8 @@ class Interval:
 
 @cache
 def steps_in(length_s: float, largest_step_s: float) -> int:
-    """Returns the fewest equal steps of at most ``largest_step_s`` that fill ``length_s``.
-
-    Raises
-    ------
-    ValueError
-        The step is not positive.
-    """
+    """Returns the fewest equal steps of at most ``largest_step_s`` that fill ``length_s``.  Raises ValueError
+    for a step that is not positive."""
     if largest_step_s <= 0:
         raise ValueError(f"a step must be positive, got {largest_step_s} s")
     return max(1, -(-exact(length_s) // exact(largest_step_s)))

@@ -26,20 +26,9 @@ class NamedSolverFailed(SolverFailed):
 def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
     """Makes failures inside the context say which solver failed, and when.
 
-    Only the innermost of nested contexts speaks.  Exceptions that are no failures of a solver get
-    the same words as a note.
-
-    Parameters
-    ----------
-    member
-        The solver's name in the message.
-    interval
-        The interval that was running; None at t = 0.
-
-    Raises
-    ------
-    NamedSolverFailed
-        In place of SolverFailed, BrokenRecord, FloatingPointError and MemoryError.
+    ``interval`` is the one that was running, None at t = 0.  NamedSolverFailed takes the place of
+    SolverFailed, BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words
+    as a note.  Only the innermost of nested contexts speaks.
     """
     try:
         yield
@@ -68,20 +57,7 @@ def _when(interval: Interval | None) -> str:
 
 @contextmanager
 def write_failure_context(what: str, time_s: float) -> Iterator[None]:
-    """Makes an error of the disk, or of memory, say what could not be written, and when.
-
-    Parameters
-    ----------
-    what
-        What is being written.
-    time_s
-        The simulated time.
-
-    Raises
-    ------
-    OSError
-        With the reason and these words.
-    """
+    """Makes an error of the disk, or of memory, say what could not be written, and at which time."""
     try:
         yield
     except MemoryError as error:

@@ -125,18 +125,6 @@ class Scheduled(Protocol):
 
 
 def find_driven_points(frames: Frames, interval: Interval) -> Known | None:
-    """Tells where the points that drives move are at the interval's end.
-
-    Parameters
-    ----------
-    frames
-        Any frames, ``Scheduled`` or not.
-    interval
-        The next interval.
-
-    Returns
-    -------
-    Known or None
-        None where nothing is driven.
-    """
+    """Returns where the points that drives move are at the next interval's end, of any frames, ``Scheduled``
+    or not; None where nothing is driven."""
     return frames.ahead(interval) if isinstance(frames, Scheduled) else None

@@ -35,37 +35,21 @@ class Rectangle:
 
     @property
     def normal(self) -> Array:
-        """The unit vector (3,) that points up, to the bed."""
+        """Returns the unit vector (3,) that points up, to the bed."""
         return np.cross(self.along, self.across)
 
     def mounted(self, coordinates_m: Array) -> Array:
-        """Returns where points are with the panel straight between its clamps.
-
-        A slack panel is compressed to ``span_m`` here; solvers find its sag.
-
-        Parameters
-        ----------
-        coordinates_m
-            Material coordinates (n, 2).
-
-        Returns
-        -------
-        Array
-            World positions (n, 3).
-        """
+        """Returns the places (n, 3) of points of material coordinates (n, 2), with the panel straight between
+        its clamps.  A slack panel is compressed to ``span_m`` here; solvers find its sag."""
         s, y = coordinates_m[:, 0], coordinates_m[:, 1]
         free = np.clip(s, 0.0, self.length_m)
         x = free * (self.span_m / self.length_m) + (s - free)
         return np.asarray(self.corner_m + np.outer(x, self.along) + np.outer(y, self.across))
 
     def end(self, coordinates_m: Array) -> Array:
-        """Tells which clamp holds points of material coordinates (n, 2).
+        """Tells which clamp holds points of material coordinates (n, 2): 0 the first, 1 the second, NaN none.
 
-        Returns
-        -------
-        Array
-            (n,): 0 under the first clamp, 1 under the second, NaN for free points.  The inner edges
-            belong to the clamps.
+        The inner edges belong to the clamps.
         """
         s = coordinates_m[:, 0]
         slack = 1e-9 * self.length_m
@@ -93,22 +77,22 @@ class AperturePattern:
 
     @property
     def land_m(self) -> float:
-        """The least width of material between neighbours of a row or column."""
+        """Returns the least width of material between neighbours of a row or column."""
         return min(self.pitch_along_m - self.length_m, self.pitch_across_m - self.width_m)
 
     @property
     def opening_m2(self) -> float:
-        """Exact area of one opening."""
+        """Returns the exact area of one opening."""
         round_m = min(self.length_m, self.width_m) if self.shape == "slot" else 0.0
         return self.length_m * self.width_m - (1 - math.pi / 4) * round_m**2
 
     @property
     def solid_share(self) -> float:
-        """Material's share of a cell's area."""
+        """Returns material's share of a cell's area."""
         return 1.0 - self.opening_m2 / (self.pitch_along_m * self.pitch_across_m)
 
     def material_share(self, rectangle: Rectangle) -> float:
-        """Material's share of the whole free panel's area."""
+        """Returns material's share of the whole free panel's area."""
         region_m2 = float(np.ptp(self.region_m(rectangle), axis=0).prod())
         return 1.0 - (1.0 - self.solid_share) * region_m2 / (rectangle.length_m * rectangle.width_m)
 
@@ -156,7 +140,7 @@ class AperturePattern:
 
 
 def _lost_m2(radius_m: float, pieces: int) -> float:
-    """Area of a circle less that of its inscribed polygon of 2 ``pieces`` sides."""
+    """Returns the area of a circle less that of its inscribed polygon of 2 ``pieces`` sides."""
     return radius_m**2 * (math.pi - pieces * math.sin(math.pi / pieces))
 
 
@@ -274,21 +258,8 @@ TOUCHING = 1e-9  # of a box's size: rounding where a triangle stands against its
 
 
 def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
-    """Returns by how much spheres overlap the nearest of some triangles.
-
-    Parameters
-    ----------
-    position_m, radius_m
-        The spheres, (n, 3) and (n,).
-    corners_m
-        The triangles, (m, 3, 3).
-
-    Returns
-    -------
-    Array
-        (n,), zero for spheres that overlap none.
-    """
-
+    """Returns by how much (n,) spheres, (n, 3) and (n,), overlap the nearest of the triangles (m, 3, 3);
+    zero for spheres that overlap none."""
     from scipy.spatial import cKDTree
 
     deepest_m = np.zeros(len(position_m))

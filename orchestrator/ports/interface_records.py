@@ -100,11 +100,11 @@ class Known:
 
     def among(self, points: int, at: Indices) -> Known:
         """Returns these points as the numbers ``at`` among ``points``; the others are not known."""
-        found = Known.nothing(points)
-        found.which[at] = self.which
-        found.motion.position_m[at] = self.motion.position_m
-        found.motion.velocity_m_per_s[at] = self.motion.velocity_m_per_s
-        return found
+        known = Known.nothing(points)
+        known.which[at] = self.which
+        known.motion.position_m[at] = self.motion.position_m
+        known.motion.velocity_m_per_s[at] = self.motion.velocity_m_per_s
+        return known
 
     def over(self, otherwise: Motion) -> Motion:
         """Returns the motion of all points: ``otherwise`` where it is not known."""
@@ -145,22 +145,7 @@ class Load:
 
 
 def check_point_count(what: str, record: Motion | Load, points: int) -> None:
-    """Refuses a record of another number of points.
-
-    Parameters
-    ----------
-    what
-        The record's name in the message.
-    record
-        The record to look at.
-    points
-        The number of points that it must have.
-
-    Raises
-    ------
-    BrokenRecord
-        The numbers differ; the message has both.
-    """
+    """Raises BrokenRecord, which names ``what`` and both numbers, for a record of other than ``points``."""
     if len(record) != points:
         raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
 

@@ -155,6 +155,6 @@ def sort_removed(parts: Sequence[Removed]) -> Removed:
     places = np.empty((0, 3))
     none = Removed(nobody, nothing, places, places, nothing, nothing, nobody, nobody)
     names = [part.name for part in fields(Removed)]
-    joined = {n: np.concatenate([getattr(one, n) for one in (none, *parts)]) for n in names}
+    joined = {name: np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names}
     order = np.lexsort((joined["id"], joined["time_s"]))
     return Removed(**{name: values[order] for name, values in joined.items()})

@@ -77,11 +77,11 @@ class Penetrations:
     def deepest(self, position_m: Array) -> Penetration | None:
         """Returns the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
         boxes_m = np.stack([self._drawn_boxes_m, boxes_of(position_m[self._triangles])])
-        found = [one for panel in self._panels for one in self._of(panel, position_m, boxes_m)]
-        return max(found, key=lambda one: one.thicknesses, default=None)
+        deepest = (self._deepest_of(panel, position_m, boxes_m) for panel in self._panels)
+        return max(filter(None, deepest), key=lambda each: each.thicknesses, default=None)
 
-    def _of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> list[Penetration]:
-        """Returns the deepest penetration of one panel, if there is any."""
+    def _deepest_of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> Penetration | None:
+        """Returns the deepest penetration of one panel; None without any."""
         drawn_m, now_m = (points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m))
         row, triangle = self._near(panel, drawn_m, now_m, boxes_m)
         was_m, is_m = (
@@ -97,12 +97,12 @@ class Penetrations:
         on_plane = before + (was_m / (was_m - is_m))[:, None] * (after - before)
         through = np.flatnonzero((on_plane >= -ON_RIM).all(axis=1))
         if not len(through):
-            return []
+            return None
         deepest = through[np.argmax(np.abs(is_m[through]))]
         depth_m = float(abs(is_m[deepest]))
         surface = self._bodies[self._body[triangle[deepest]]].name
         name = self._bodies[panel.body].name
-        return [Penetration(name, surface, depth_m, depth_m / panel.thickness_m)]
+        return Penetration(name, surface, depth_m, depth_m / panel.thickness_m)
 
     def _near(
         self, panel: ProbedPanel, drawn_m: Array, now_m: Array, boxes_m: Array

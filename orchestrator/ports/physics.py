@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import numpy.typing as npt
+
+if TYPE_CHECKING:
+    from orchestrator.ports import Array
+    from orchestrator.ports.plans import MotorPlan
 
 Number = TypeVar("Number", float, npt.NDArray[np.float64])
 
@@ -22,3 +26,17 @@ def sphere_volume_m3(diameter_m: Number) -> Number:
 def sphere_mass_kg(diameter_m: Number, density_kg_per_m3: Number | float) -> Number:
     """Returns the mass of a sphere, or of each of several, from diameter in m and density in kg/m3."""
     return math.pi / 6 * density_kg_per_m3 * diameter_m**3
+
+
+def motor_torque_N_m(motor: MotorPlan, lag_rad_per_s: Array) -> Array:
+    """Return an induction motor's torque at a lag of its shaft behind the synchronous speed.
+
+    Kloss, Archiv fuer Elektrotechnik 5, 1916, 59-87: 2 T d D / (d^2 + D^2) at the lag d, where T is
+    the breakdown torque, at the lag D.
+    """
+    rated_rad_per_s = motor.rated_slip * motor.synchronous_rad_per_s
+    rated_N_m = motor.rated_power_W / (motor.synchronous_rad_per_s - rated_rad_per_s)
+    surplus = motor.breakdown_ratio
+    breakdown_rad_per_s = rated_rad_per_s * (surplus + math.sqrt(surplus**2 - 1))
+    twice_N_m = 2 * surplus * rated_N_m * breakdown_rad_per_s
+    return np.asarray(twice_N_m * lag_rad_per_s / (lag_rad_per_s**2 + breakdown_rad_per_s**2))

@@ -122,7 +122,8 @@ def _edges_m(rectangle: Rectangle) -> Array:
 
 
 def _halves(lengths: Array) -> Array:
-    found = np.zeros(len(lengths) + 1)
-    found[:-1] += lengths / 2
-    found[1:] += lengths / 2
-    return found
+    """Returns what each node has of the lengths between them: half of those on both sides."""
+    shares = np.zeros(len(lengths) + 1)
+    shares[:-1] += lengths / 2
+    shares[1:] += lengths / 2
+    return shares

@@ -61,19 +61,9 @@ class Solver(Restorable, Protocol):
 
 
 def save_attributes(owner: object, *names: str) -> Saved:
-    """Returns copies of some attributes as arrays.
+    """Returns copies of some attributes of ``owner`` as arrays, or dictionaries of these, by name.
 
-    Parameters
-    ----------
-    owner
-        The object that has them.
-    names
-        The attributes; the result's keys lack the underscore that marks them as private.
-
-    Returns
-    -------
-    Saved
-        Arrays, or dictionaries of these, by name.
+    The keys lack the underscore that marks attributes as private.
 
     Examples
     --------
@@ -89,21 +79,9 @@ def save_attributes(owner: object, *names: str) -> Saved:
 
 
 def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
-    """Sets attributes to what ``save_attributes`` copied.
+    """Sets attributes to what ``save_attributes`` returned; raises KeyError where ``saved`` lacks one.
 
-    Parameters
-    ----------
-    owner
-        The object that has them; the present values tell of which kind the restored ones must be.
-    saved
-        What ``save_attributes`` returned.
-    names
-        The attributes.
-
-    Raises
-    ------
-    KeyError
-        ``saved`` lacks one of them.
+    The present values tell of which kind the restored ones must be.
     """
     for name in names:
         setattr(owner, name, like(getattr(owner, name), saved[name.lstrip("_")]))
@@ -114,7 +92,7 @@ def as_arrays(value: Any) -> Any:
     if is_dataclass(value):
         return {field.name: as_arrays(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
-        return {name: as_arrays(one) for name, one in value.items()}
+        return {name: as_arrays(inner) for name, inner in value.items()}
     return np.array(value)
 
 
@@ -124,7 +102,7 @@ def like(present: Any, saved: Any) -> Any:
         names = [field.name for field in fields(present)]
         return replace(present, **{n: like(getattr(present, n), saved[n]) for n in names})
     if isinstance(present, Mapping):
-        return {name: like(present[name], one) for name, one in saved.items()}
+        return {name: like(present[name], inner) for name, inner in saved.items()}
     if isinstance(present, np.ndarray):
         return np.array(saved)
     return type(present)(saved[()])
@@ -136,7 +114,7 @@ class SavedAttributes:
     STATE: ClassVar[tuple[str, ...]] = ()
 
     def save(self) -> Saved:
-        """Copies of the attributes."""
+        """Returns copies of the attributes."""
         return save_attributes(self, *self.STATE)
 
     def restore(self, saved: Saved) -> None:
@@ -144,4 +122,4 @@ class SavedAttributes:
         restore_attributes(self, saved, *self.STATE)
 
     def close(self) -> None:
-        """There is nothing to close."""
+        """Does nothing: there is nothing to close."""

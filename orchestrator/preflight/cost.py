@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesion_law
-from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.bed.size_distribution import mean_mass_kg
 from orchestrator.case.bed.sources import initial_particles, inlets
 from orchestrator.case.deck.panels import TRANSPORT_M_S, single_panels, stay_s
@@ -25,7 +24,6 @@ from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.solver_plans import material_numbers, mesh_sizes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
-from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import FramesWork, PanelsWork, ParticlesWork, SolverMissing
 from orchestrator.preflight.stability.report import case_with_scheme
 
@@ -199,28 +197,3 @@ def _output_s(case: Case, particles: float) -> float:
     output_s = OUTPUT_S + OUTPUT_TRIANGLE_S * _triangles(case)
     output_s += OUTPUT_BED_S * has_particles(case) + OUTPUT_PARTICLE_S * particles
     return rows * row_s + case.duration_s / case.output.interval_s * output_s
-
-
-@dataclass(frozen=True)
-class Effort:
-    """An interval is solved when the load that the particles give differs from the one that the
-    panel moved under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean
-    norms over all surface points.  It is run at most ``most`` times."""
-
-    tolerance: float = 1e-3
-    floor_N: float = 0.0
-    most: int = 20
-
-
-def effort(case: Case) -> Effort:
-    """What a case asks for; the floor is the tolerance of the lightest particle's weight."""
-    tolerance = case.coupling.tolerance
-    lightest_kg = min(
-        (
-            float(sphere_mass_kg(np.array(diameter_m), case.materials[name].density_kg_per_m3))
-            for name, diameter_m in smallest_diameters_m(case).items()
-        ),
-        default=0.0,
-    )
-    weight_N = lightest_kg * float(np.linalg.norm(case.gravity_m_per_s2))
-    return Effort(tolerance, tolerance * weight_N, case.coupling.most_iterations)

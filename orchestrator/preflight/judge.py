@@ -52,13 +52,16 @@ NO_PHYSICS = (*NUMERICS, "effects", "effects_for")
 
 @dataclass(frozen=True)
 class Choice:
-    """What ``effects`` did: ``left_out`` by it, name -> why; ``lacking``: what matters and the case
-    does not have, in words ("auto" only); ``problems`` in the key itself; ``described``: the case
-    with all that it describes, None where nothing was left out; ``pairs``: runs with and without
-    an effect that were remembered, by which "auto" chose for the results ``asked`` for;
-    ``undecided``: effects that only such runs could leave out."""
+    """What ``effects`` did.
 
-    left_out: dict[str, str] = field(default_factory=dict)
+    ``left_out`` has what it left out, name -> why; ``lacking`` what matters and the case does not
+    have, in words ("auto" only); ``problems`` are those in the key itself; ``described`` is the case
+    with all that it describes, None where nothing was left out; ``pairs`` are runs with and without
+    an effect that were remembered, by which "auto" chose for the results ``asked`` for;
+    ``undecided`` are effects that only such runs could leave out.
+    """
+
+    left_out: Mapping[str, str] = field(default_factory=dict)
     lacking: tuple[str, ...] = ()
     problems: tuple[CaseProblem, ...] = ()
     described: Case | None = None
@@ -94,7 +97,7 @@ class JudgedCase:
 
 
 def load_judged(path: Path, level: str | None = None, overrides: Sequence[str] = ()) -> JudgedCase:
-    """The case in ``path`` at a level as it will be run.
+    """Return the case in ``path`` at a level as it will be run.
 
     Raises CaseError with every problem in its tables and in ``effects``, or in its level.
     """
@@ -114,21 +117,22 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     layers = loaded.layers.copy()
     if problems := [*_wrong_level(loaded.level)]:
         raise CaseError(problems)
-    choice, case = Choice(), loaded.case
-    if wrong := tuple(_wrong_effects(loaded.asked)):
-        choice = Choice(problems=wrong)
-    elif loaded.asked.effects is not None and not any(True for rule in TABLE_RULES for _ in rule(case.whole)):
+    choice, case = Choice(problems=tuple(_wrong_effects(loaded.asked))), loaded.case
+    broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole))
+    if loaded.asked.effects is not None and not broken:
         choice = _choose(layers, loaded)
         case = validated(layers)
-    given = loaded.origin.given
-    physics = (key for key in changed(given, layers.merged) if key[0] not in NO_PHYSICS)
+    left_out = find_left_out(case)
+    for name, why in choice.left_out.items():
+        left_out[name] = f"{left_out[name]}; {why}" if name in left_out else why
+    physics = (key for key in changed(loaded.origin.given, layers.merged) if key[0] not in NO_PHYSICS)
     return JudgedCase(
         name=loaded.name,
         folder=loaded.folder,
         level=loaded.level.name if loaded.level is not None else "",
         case=case,
         changed=tuple(".".join(key) for key in physics),
-        left_out=_all_left_out(case, choice),
+        left_out=left_out,
         layers=layers,
         choice=choice,
         origin=loaded.origin,
@@ -136,34 +140,57 @@ def judge(loaded: LoadedCase) -> JudgedCase:
 
 
 def known_pairs(origin: Origin, names: Sequence[str]) -> dict[str, Pair]:
-    """Pairs of runs that are remembered of a case, by effect."""
-    if not names:
-        return {}
-    read = origin.read()
+    """Return the pairs of runs that are remembered of a case, by effect."""
+    read = origin.read() if names else {}
     pairs = {name: recall(key_of(read, name)) for name in names}
     return {name: pair for name, pair in pairs.items() if pair is not None}
 
 
 def _choose(layers: Layers, loaded: LoadedCase) -> Choice:
     """Lay over the layers what ``effects`` wants."""
-    bare, source = Case.model_validate(layers.merged), f"effects in {loaded.asked.file}"
-    if loaded.asked.effects == "auto":
+    bare, case, asked = Case.model_validate(layers.merged), loaded.case, loaded.asked.effects
+    source = f"effects in {loaded.asked.file}"
+    if asked == "auto":
         results = tuple(loaded.asked.effects_for) or (*SCALARS,)
-        return _judged_choice(layers, bare, loaded.case, source, loaded.origin, results)
-    without = loaded.level.without if loaded.level is not None else ()
-    return _named_choice(layers, bare, loaded.case, loaded.asked.effects, without, source)
+        choice, spare = _choose_by_verdicts(case, loaded.origin, results)
+    else:
+        without = loaded.level.without if loaded.level is not None else ()
+        laws = [word for word in asked if word in OF_LAW]
+        names = {OF_LAW.get(word, word) for word in asked}
+        if problems := (*_unmet(case, names, without), *_other_laws(layers, laws)):
+            return Choice(problems=problems)
+        for law in laws:
+            layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
+        others = [name for name in EFFECTS if name not in names and can_leave_out(case, name)]
+        choice, spare = Choice(), with_dependents(others, "effects does not name it")
+    for name in spare:
+        if not set(EFFECTS[name].needs) & set(spare):  # what goes with something has no keys of its own
+            layers.lay(EFFECTS[name].overlay(bare), source)
+    left_out = {name: why for name, why in spare.items() if has_effect(case, name)}
+    return replace(choice, left_out=left_out, described=case)
 
 
-def _all_left_out(case: Case, choice: Choice) -> dict[str, str]:
-    """By settings, by ``effects``, or by the one because of the other."""
-    reasons = find_left_out(case)
-    for name, why in choice.left_out.items():
-        reasons[name] = f"{reasons[name]}; {why}" if name in reasons else why
-    return reasons
+def _choose_by_verdicts(
+    case: Case, origin: Origin, results: tuple[str, ...]
+) -> tuple[Choice, dict[str, str]]:
+    """Return what "auto" chooses for some results, and the effects to be left out, with the reason."""
+    open_questions = [one for one in weigh_effects(case).values() if is_undecided(one)]
+    trying = [one.effect for one in open_questions if EFFECTS[one.effect].saves]
+    pairs = known_pairs(origin, trying)
+    judged = weigh_effects(case, pairs, results).values()
+    lacking = (
+        f"{one.effect} matters, and the case does not have it: "
+        f"{one.verdict.in_numbers}; {one.verdict.why}; {one.key}"
+        for one in judged
+        if one.lacking
+    )
+    unknown = tuple(name for name in trying if name not in pairs)
+    choice = Choice(lacking=tuple(lacking), pairs=pairs, asked=results, undecided=unknown)
+    return choice, with_dependents(find_dispensable(judged), 'effects = "auto"')
 
 
 def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
-    """What a level leaves out without naming it, and what it names and does not leave out."""
+    """Yield what a level leaves out without naming it, and what it names and does not leave out."""
     if level is None:
         return
     source = f"levels/{level.name}.toml"
@@ -184,106 +211,50 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
 
 
 def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
-    yield from _misnamed(asked.effects)
-    yield from _unknown_results(asked.effects_for)
-
-
-def _judged_choice(
-    layers: Layers, bare: Case, case: Case, source: str, origin: Origin, asked: tuple[str, ...]
-) -> Choice:
-    estimated = [one for rows in weigh_effects(case).values() for one in rows]
-    trying = tuple(one.effect for one in estimated if is_undecided(one) and EFFECTS[one.effect].saves)
-    pairs = known_pairs(origin, trying)
-    every = [one for rows in weigh_effects(case, pairs, asked).values() for one in rows]
-    lacking = tuple(
-        f"{one.effect} matters, and the case does not have it: "
-        f"{one.verdict.in_numbers}; {one.verdict.why}; {one.key}"
-        for one in every
-        if one.lacking
-    )
-    spare = with_dependents(find_dispensable(every), 'effects = "auto"')
-    _leave_out(layers, bare, spare, source)
-    unknown = tuple(name for name in trying if name not in pairs)
-    left_out = _there(case, spare)
-    return Choice(left_out, lacking, (), case, pairs, asked, unknown)
-
-
-def _unknown_results(names: Any) -> Iterator[CaseProblem]:
-    """In ``effects_for``, what is neither a short name nor a path of keys with dots."""
-    if not isinstance(names, list | tuple):
-        return  # the tables say so
-    for name in names:
+    """Yield names in ``effects`` and ``effects_for`` that there are not."""
+    if asked.effects is not None and asked.effects != "auto":
+        yield from _misnamed(asked.effects)
+    # where effects_for is no list, the tables say so
+    for name in asked.effects_for if isinstance(asked.effects_for, list | tuple) else ():
         try:
-            scalar(str(name))
+            scalar(str(name))  # a short name, or a path of keys with dots
         except KeyError as error:
             yield CaseProblem(("effects_for",), str(error.args[0]))
 
 
-def _named_choice(
-    layers: Layers, bare: Case, case: Case, asked: Sequence[str], without: Collection[str], source: str
-) -> Choice:
-    names = {OF_LAW.get(word, word) for word in asked}
-    wrong = [*_unmet(case, names, without), *_other_laws(layers, asked)]
-    if wrong:
-        return Choice(problems=tuple(wrong))
-    for law in (word for word in asked if word in OF_LAW):
-        layers.lay(EFFECTS[OF_LAW[law]].laws[law], source)
-    others = [name for name in EFFECTS if name not in names and can_leave_out(case, name)]
-    spare = with_dependents(others, "effects does not name it")
-    _leave_out(layers, bare, spare, source)
-    return Choice(_there(case, spare), described=case)
-
-
-def _there(case: Case, spare: Mapping[str, str]) -> dict[str, str]:
-    """Those that the case would have."""
-    return {name: why for name, why in spare.items() if has_effect(case, name)}
-
-
-def _leave_out(layers: Layers, bare: Case, spare: Collection[str], source: str) -> None:
-    """What goes with something that it needs has no keys of its own to change."""
-    for name in spare:
-        if not set(EFFECTS[name].needs) & set(spare):
-            layers.lay(EFFECTS[name].overlay(bare), source)
-
-
 def _misnamed(asked: Any) -> Iterator[CaseProblem]:
-    """What is neither "auto" nor a list of names of effects, and laws that exclude each other."""
-    if asked == "auto" or asked is None:
-        return
+    """Yield what is neither "auto" nor a list of names of effects, and laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
         yield CaseProblem(KEY, f'{shown(asked)} is wrong, "auto" or a list of names is wanted')
         return
-    for word in asked:
+    chosen: dict[str, str] = {}
+    for word in dict.fromkeys(asked):
         if word not in EFFECTS and word not in OF_LAW:
             yield CaseProblem(KEY, f"no effect {shown(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
-    laws = [word for word in dict.fromkeys(asked) if word in OF_LAW]
-    for number, word in enumerate(laws):
-        for other in laws[:number]:
-            if OF_LAW[other] == OF_LAW[word]:
-                what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
-                yield CaseProblem(KEY, what, "name one of them")
+        elif word in OF_LAW and (other := chosen.setdefault(OF_LAW[word], word)) != word:
+            what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
+            yield CaseProblem(KEY, what, "name one of them")
 
 
 def _unmet(case: Case, names: Collection[str], without: Collection[str]) -> Iterator[CaseProblem]:
-    """What is named and is not there."""
-    for name in EFFECTS:
-        effect = EFFECTS[name]
+    """Yield what is named and is not there."""
+    for name, effect in EFFECTS.items():
         if name not in names:
             continue
         for need in effect.needs:
             if need not in names and EFFECTS[need].overlay(case):
                 what = f'"{name}" needs "{need}", which is not named'
                 yield CaseProblem(KEY, what, f'name "{need}", too, or neither')
-        if not effect.described(case):
+        if not effect.is_described(case):
             yield CaseProblem(KEY, f'"{name}": the case does not describe it', effect.key)
         elif (why := why_left_out(case, name)) and name not in without:
             hint = f'change that, or let the level say without = ["{name}"]'
             yield CaseProblem(KEY, f'"{name}" is left out by {why}', hint)
 
 
-def _other_laws(layers: Layers, asked: Sequence[str]) -> Iterator[CaseProblem]:
-    """Laws that are named where the case chooses another."""
-    for law in (word for word in asked if word in OF_LAW):
+def _other_laws(layers: Layers, laws: Sequence[str]) -> Iterator[CaseProblem]:
+    """Yield laws that are named where the case chooses another."""
+    for law in laws:
         for table, keys in EFFECTS[OF_LAW[law]].laws[law].items():
             for key, wanted in keys.items():
                 given = layers.merged.get(table, {}).get(key, wanted)

@@ -16,8 +16,10 @@ from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
 
 
 def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) -> Path:
-    """``levels/<name>.toml`` of the case: its level with ``sets``, and what it leaves out named.
-    Raises CaseError if there is one of that name, and OSError."""
+    """Write ``levels/<name>.toml`` of the case: its level with ``sets``, and what it leaves out named.
+
+    Raises CaseError if there is one of that name, and OSError.
+    """
     file = loaded.folder / "levels" / f"{name}.toml"
     if file.exists():
         raise CaseError([CaseProblem((), "exists already; nothing was written", file=str(file))])

@@ -15,7 +15,7 @@ from orchestrator.output import checkpoints
 from orchestrator.output.checkpoints import Checkpoint
 from orchestrator.output.records.recorder import Recorder
 from orchestrator.output.records.run_folder import HISTORY
-from orchestrator.ports import Saved
+from orchestrator.ports import Restorable, Saved
 from orchestrator.ports.clock import steps_in
 from orchestrator.ports.state import as_arrays, like
 from orchestrator.run.monitor.monitor import Monitor
@@ -33,10 +33,9 @@ class Schedule:
         """Returns whether one is due after ``done`` sync intervals; alike on all ranks."""
         if self._every and done % self._every == 0:
             return True
-        return self._wall_s > 0 and first_rank_does(self._world, self._long_ago)
-
-    def _long_ago(self) -> bool:
-        return time.monotonic() - self._last_s >= self._wall_s
+        return self._wall_s > 0 and first_rank_does(
+            self._world, lambda: time.monotonic() - self._last_s >= self._wall_s
+        )
 
     def done(self) -> None:
         """Notes that a checkpoint has been written now."""
@@ -58,8 +57,11 @@ class Checkpointer:
         about: Callable[[], dict[str, Any]],
         world: Any,
     ) -> None:
-        self._folder, self._machine, self._recorder = folder, machine, recorder
-        self._monitor, self._about, self._world = monitor, about, world
+        self._folder, self._monitor, self._about, self._world = folder, monitor, about, world
+        self._members: dict[str, Restorable] = {**machine.members.by_name()}
+        parts = {"material": machine.material, "scheme": machine.scheme.memory}
+        self._parts: dict[str, Restorable] = {name: part for name, part in parts.items() if part is not None}
+        self._parts |= {"recorder": recorder, "monitor": monitor}
         self._last = self._good = -1
 
     def save(self, state: State, done: int) -> None:
@@ -74,30 +76,20 @@ class Checkpointer:
         self._last = done
 
     def _state(self, state: State) -> Saved:
-        """All that decides how the run goes on, of this rank."""
-        books = {"recorder": self._recorder.save(), "monitor": self._monitor.save()}
-        if self._machine.material is not None:
-            books["material"] = self._machine.material.save()
-        saved = {"members": self._members(), "coupling": as_arrays(state)} | books
-        if self._machine.scheme.memory is not None:
-            saved["scheme"] = self._machine.scheme.memory.save()
-        return saved
+        """Returns all that decides how the run goes on, of this rank."""
+        members = {name: member.save() for name, member in self._members.items()}
+        saved = {"members": members, "coupling": as_arrays(state)}
+        return saved | {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, checkpoint: Checkpoint, start: State) -> State:
         """Takes back all that was saved, into a machine freshly opened whose state is ``start``.
         Returns the state at the sync point of the checkpoint.  Raises ValueError where a checkpoint of
         this run has other arrays."""
-        saved, members = checkpoint.state(self._world), self._machine.members
-        members.frames.restore(saved["members"]["frames"])
-        members.panel.restore(saved["members"]["panel"])
-        if members.particles is not None:
-            members.particles.restore(saved["members"]["particles"])
-        if self._machine.material is not None:
-            self._machine.material.restore(saved["material"])
-        if self._machine.scheme.memory is not None:
-            self._machine.scheme.memory.restore(saved["scheme"])
-        self._recorder.restore(saved["recorder"])
-        self._monitor.restore(saved["monitor"])
+        saved = checkpoint.state(self._world)
+        for name, member in self._members.items():
+            member.restore(saved["members"][name])
+        for name, part in self._parts.items():
+            part.restore(saved[name])
         self._last, self._good = checkpoint.sync_points, checkpoint.good
         state: State = like(start, saved["coupling"])
         # the monitor may be another one: what it observes does not decide how the run goes on
@@ -105,10 +97,3 @@ class Checkpointer:
         if differing := sorted(then ^ now):
             raise ValueError(f"only one of them has the arrays {', '.join(differing)}")
         return state
-
-    def _members(self) -> Saved:
-        members = self._machine.members
-        saved = {"frames": members.frames.save(), "panel": members.panel.save()}
-        if members.particles is not None:
-            saved["particles"] = members.particles.save()
-        return saved

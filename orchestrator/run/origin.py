@@ -81,12 +81,12 @@ def _may_change(key: str, after: Any, simulated_s: float) -> bool:
 
 def _flat(value: Any, within: str = "") -> dict[str, Any]:
     if isinstance(value, Mapping):
-        parts = [(f"{within}.{key}" if within else str(key), one) for key, one in value.items()]
+        parts = [(f"{within}.{key}" if within else str(key), inner) for key, inner in value.items()]
     elif isinstance(value, list | tuple):
-        parts = [(f"{within}.{number}", one) for number, one in enumerate(value, start=1)]
+        parts = [(f"{within}.{number}", inner) for number, inner in enumerate(value, start=1)]
     else:
         return {within: value}
-    return {key: one for name, part in parts for key, one in _flat(part, name).items()}
+    return {key: inner for name, part in parts for key, inner in _flat(part, name).items()}
 
 
 def _checksums(run: Path) -> dict[str, str]:

@@ -80,7 +80,7 @@ class Run:
 
     def _coupled(self, machine: Machine, stop: StopRequest) -> None:
         state = initial_state(machine.solvers)
-        ledger = Ledger(machine.members, machine.scheme.pending(state, self._interval(0)))
+        ledger = Ledger(machine.members, machine.scheme.pending(state, Interval(0, self._interval_s)))
         with write_failure_context("results", 0.0):
             resumed = self.resumes is not None
             recorder = Recorder(self._folder, machine, ledger, state, self._case, self._world, resumed)
@@ -187,12 +187,9 @@ class Run:
                 monitor.observe_output(time_s, state, terms_J, bed)
         self._progress.sync_point(done, time_s, steps)
 
-    def _interval(self, index: int) -> Interval:
-        return Interval(index, self._interval_s)
-
     @property
     def simulated_s(self) -> float:
-        """The simulated time so far."""
+        """Returns the simulated time so far."""
         return self._progress.simulated_s
 
     def finish(self, status: str, reason: str = "") -> dict[str, Any]:

@@ -256,21 +256,21 @@ def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
     """Returns the number of a criterion, in SI units.  Raises Unknown."""
     every = runs[row.run]
     chosen = every.at(row.at) if row.at else every.between(row.between)
-    if row.compare:
-        return COMPARISONS[row.compare](row, chosen, runs)
-    return number_of(row, chosen.points[0].folder)
-
-
-Comparison = Callable[[Criterion, Runs, Mapping[str, Runs]], float]
-
-
-def _of_values(compare: Callable[[Array, Runs], float]) -> Comparison:
-    """Returns a comparison of the numbers of all values of a varied key."""
-
-    def comparison(row: Criterion, chosen: Runs, runs: Mapping[str, Runs]) -> float:
-        return float(compare(np.array([number_of(row, each.folder) for each in chosen.points]), chosen))
-
-    return comparison
+    run = chosen.points[0].folder
+    if row.compare in OVER_VALUES:
+        numbers = np.array([number_of(row, each.folder) for each in chosen.points])
+        return float(OVER_VALUES[row.compare](numbers, chosen))
+    other_run = runs[row.against].points[0].folder if row.against else run
+    if row.compare == ROW_BY_ROW:
+        ours, theirs = (read_dataset(each, row.of) for each in (run, other_run))
+        if ours.shape != theirs.shape:
+            raise Unknown(f"{row.of} has {len(ours)} rows and {len(theirs)}")
+        return float(np.abs(ours - theirs).max())
+    number = number_of(row, run)
+    if not row.compare:
+        return number
+    other = row if row.against else row.model_copy(update={"between_s": row.earlier_s})
+    return WITH_ANOTHER[row.compare](number, number_of(other, other_run))
 
 
 def _lowest_at(numbers: Array, chosen: Runs) -> float:
@@ -281,34 +281,16 @@ def _lowest_at(numbers: Array, chosen: Runs) -> float:
     return float(-b / (2 * a))
 
 
-def _with_another(compare: Callable[[float, float], float]) -> Comparison:
-    """Returns a comparison with the run ``against``, or with the part ``earlier_s``."""
-
-    def comparison(row: Criterion, chosen: Runs, runs: Mapping[str, Runs]) -> float:
-        run, other = chosen.points[0].folder, row
-        number = number_of(row, run)
-        if row.against:
-            run = runs[row.against].points[0].folder
-        else:
-            other = row.model_copy(update={"between_s": row.earlier_s})
-        return compare(number, number_of(other, run))
-
-    return comparison
-
-
-def _row_by_row(row: Criterion, chosen: Runs, runs: Mapping[str, Runs]) -> float:
-    ours, theirs = (read_dataset(each.points[0].folder, row.of) for each in (chosen, runs[row.against]))
-    if ours.shape != theirs.shape:
-        raise Unknown(f"{row.of} has {len(ours)} rows and {len(theirs)}")
-    return float(np.abs(ours - theirs).max())
-
-
-COMPARISONS: dict[str, Comparison] = {
-    # from the first value of a varied key to the last
-    "growth": _of_values(lambda numbers, chosen: numbers[-1] / numbers[0] - 1),
-    "change": _of_values(lambda numbers, chosen: numbers[-1] - numbers[0]),
-    "lowest-at": _of_values(_lowest_at),
-    "ratio": _with_another(lambda ours, theirs: ours / theirs),
-    "difference": _with_another(lambda ours, theirs: abs(ours - theirs)),
-    "row-by-row": _row_by_row,  # the largest difference of two datasets
+OVER_VALUES: dict[str, Callable[[Array, Runs], float]] = {
+    "growth": lambda numbers, chosen: numbers[-1] / numbers[0] - 1,
+    "change": lambda numbers, chosen: numbers[-1] - numbers[0],
+    "lowest-at": _lowest_at,
 }
+"""From the first value of a varied key to the last."""
+WITH_ANOTHER: dict[str, Callable[[float, float], float]] = {
+    "ratio": lambda ours, theirs: ours / theirs,
+    "difference": lambda ours, theirs: abs(ours - theirs),
+}
+"""With the run ``against``, or with the part ``earlier_s``."""
+ROW_BY_ROW = "row-by-row"  # the largest difference of two datasets
+COMPARISONS = (*OVER_VALUES, *WITH_ANOTHER, ROW_BY_ROW)

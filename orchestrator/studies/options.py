@@ -10,14 +10,15 @@ import inspect
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 from rich.table import Table
 
-from orchestrator.studies.points import CaseStudy, Crew, workers_that_fit
+if TYPE_CHECKING:  # every command of flipflow imports this file, and no quick one needs those
+    from orchestrator.studies.points import CaseStudy, Crew
 
-Told = Generator[str | Table | Path, None, bool]
+StudyOutput = Generator[str | Table | Path, None, bool]
 """What a study's command yields to be said, files that it wrote among it; it returns whether all is
 well."""
 
@@ -45,6 +46,8 @@ Scheduler = Annotated[
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
     """Returns the workers that were asked for; by default as many as the machine bears."""
+    from orchestrator.studies.points import Crew, workers_that_fit
+
     return Crew(workers or workers_that_fit(), scheduler)
 
 
@@ -57,28 +60,30 @@ def case_study(
     overrides: Overrides = None,
 ) -> CaseStudy:
     """Returns the study that was asked for."""
+    from orchestrator.studies.points import CaseStudy
+
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
 
 
-RECORDS: dict[Any, Callable[..., Any]] = {CaseStudy: case_study, Crew: crew}
-"""The parameters of these functions are the options that stand for a parameter of the type."""
-
-
-def with_options(command: Callable[..., Told], name: str) -> Callable[..., Told]:
+def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
     """Returns a study's command as a function of single options, as Typer wants it; ``name`` is that
     of the study."""
+    from orchestrator.studies.points import CaseStudy, Crew
+
+    # the parameters of these functions are the options that stand for a parameter of the type
+    records: dict[Any, Callable[..., Any]] = {CaseStudy: case_study, Crew: crew}
     hints = get_type_hints(command, include_extras=True)
     makers, options = {}, []
     for parameter in inspect.signature(command).parameters.values():
-        if make := RECORDS.get(hints[parameter.name]):
+        if make := records.get(hints[parameter.name]):
             makers[parameter.name] = make
-            types = get_type_hints(make, include_extras=True)
+            types = get_type_hints(make, localns={"CaseStudy": CaseStudy, "Crew": Crew}, include_extras=True)
             own = inspect.signature(make).parameters.values()
             options += [each.replace(annotation=types[each.name]) for each in own]
         else:
             options.append(parameter.replace(annotation=hints[parameter.name]))
 
-    def call(**given: Any) -> Told:
+    def call(**given: Any) -> StudyOutput:
         for parameter, make in makers.items():
             made = make(**{key: given.pop(key) for key in inspect.signature(make).parameters})
             given[parameter] = replace(made, name=name) if isinstance(made, CaseStudy) else made

@@ -22,7 +22,7 @@ from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseError
 from orchestrator.case.file.layers import CHEAP_LEVEL
 from orchestrator.case.load import level_names
-from orchestrator.case.playback import turning
+from orchestrator.case.recordings import turning
 from orchestrator.case.scalars import SCALARS
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records.run_folder import resolved_case
@@ -286,7 +286,7 @@ def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget
 
 def try_all_effects(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
     """Returns the pairs of all effects of the case that a pair could decide about."""
-    judged = [each for rows in weigh_effects(loaded.described).values() for each in rows]
+    judged = list(weigh_effects(loaded.described).values())
     return try_effects(loaded, rank_effects(judged), pairs, budget_s)
 
 
@@ -310,11 +310,10 @@ def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
         )
     pairs = try_effects(loaded, names, Pairs(LIMIT_S, say), BUDGET_S).pairs
     asked = loaded.choice.asked or (*SCALARS,)
-    parts = weigh_effects(loaded.described, pairs, asked).values()
-    verdicts = {each.effect: each.verdict for rows in parts for each in rows}
+    judged = weigh_effects(loaded.described, pairs, asked)
     for name, pair in pairs.items():
         if pair.refused:
             say(f"{name} stays, as there are no runs to tell: {pair.refused}")
         else:
-            say(f"{name}: {describe_verdict(verdicts[name].matters)}: {verdicts[name].why}")
+            say(f"{name}: {describe_verdict(judged[name].verdict.matters)}: {judged[name].verdict.why}")
     return pairs

@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -53,45 +54,34 @@ class Crew:
     scheduler: str = ""
 
     def each(self, work: Iterable[Callable[[], str]]) -> Iterator[str]:
-        """Yields what each piece of work returns, in the order in which they end.  A piece is taken
-        from ``work`` only when a worker is free, so that it may depend on what ended before.
-        Interrupted, no more pieces are begun."""
-        waiting = iter(work)
+        """Yields what each piece of work returns, in the order in which they end.  A piece is begun
+        when a worker is free.  Interrupted, no more pieces are begun."""
         if self.workers == 1 and not self.scheduler:
-            yield from (piece() for piece in waiting)
+            yield from (piece() for piece in work)
             return
-        first = next(waiting, None)
-        if first is None:
-            return
-        from distributed import as_completed
-
-        with self._client() as client:
-            running = as_completed([client.submit(first, pure=False)])
-            self._fill(client, running, waiting)
-            for future in running:
-                yield future.result()
-                self._fill(client, running, waiting)
-
-    def _fill(self, client: Any, running: Any, waiting: Iterator[Callable[[], str]]) -> None:
-        """Gives every free worker a piece, as far as there are any."""
-        free = max(1, sum(client.nthreads().values())) - running.count()
-        for _, piece in zip(range(free), waiting, strict=False):
-            running.add(client.submit(piece, pure=False))
-
-    def _client(self) -> Any:
-        from distributed import Client
+        from distributed import Client, as_completed
 
         logging.getLogger("distributed").setLevel(logging.ERROR)  # it does not talk to users
-        if self.scheduler:
-            return Client(self.scheduler)
-        return Client(
-            n_workers=1,
-            threads_per_worker=self.workers,
-            processes=False,
-            memory_limit=None,
-            dashboard_address=None,
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any port, not to others
-        )
+        here = {
+            "n_workers": 1,
+            "threads_per_worker": self.workers,
+            "processes": False,
+            "memory_limit": None,
+            "dashboard_address": None,
+            "scheduler_kwargs": {"dashboard_address": "127.0.0.1:0"},  # any port, not to others
+        }
+        with Client(self.scheduler) if self.scheduler else Client(**here) as client:
+            waiting, running = iter(work), as_completed()
+
+            def fill() -> None:
+                free = max(1, sum(client.nthreads().values())) - running.count()
+                for piece in islice(waiting, free):
+                    running.add(client.submit(piece, pure=False))
+
+            fill()
+            for future in running:
+                yield future.result()
+                fill()
 
 
 def workers_that_fit() -> int:
@@ -171,14 +161,6 @@ class Point:
             return 0
 
 
-def check_case(case: Path, level: str | None, sets: Sequence[str]) -> JudgedCase:
-    """Returns a case that can be run.  Raises CaseError with all that is wrong with it."""
-    loaded = load_judged(case, level, sets)
-    if wrong := find_problems(loaded):
-        raise CaseError(wrong)
-    return loaded
-
-
 @dataclass(frozen=True)
 class CaseStudy:
     """A study of one case as a user asks for it, which makes the points of the study.
@@ -201,7 +183,10 @@ class CaseStudy:
 
     def check(self, sets: Sequence[str] = ()) -> JudgedCase:
         """Returns the case with more overlays.  Raises CaseError with all that is wrong with it."""
-        return check_case(self.case, self.level, [*self.sets, *sets])
+        loaded = load_judged(self.case, self.level, [*self.sets, *sets])
+        if wrong := find_problems(loaded):
+            raise CaseError(wrong)
+        return loaded
 
     def point(self, value: str, sets: Sequence[str] = (), folder: str = "") -> Point:
         """Returns the run of the case with more overlays, in a ``folder`` of the study that is
@@ -258,7 +243,8 @@ def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
         (done if each.done() else waiting).append(each)
     yield from (f"{each.folder.name}: done before" for each in done)
     beside = min(crew.workers, len(waiting))
-    yield from crew.each(partial(_run, (p.words, p.then), p.folder.resolve(), beside) for p in waiting)
+    if waiting:
+        yield from crew.each(partial(_run, (p.words, p.then), p.folder.resolve(), beside) for p in waiting)
 
 
 def _run(commands: Sequence[Sequence[str]], folder: Path, beside: int) -> str:
@@ -320,12 +306,12 @@ def parse_vary(text: str) -> Vary:
     if not equals or not key.strip() or not values.strip():
         raise _wrong(text, "is not key=values")
     if values.count(":") == 2:
-        found = _range(text, values)
+        each = _range(text, values)
     else:
-        found = tuple(value.strip() for value in _apart(values))
-    if len(set(found)) < len(found) or not all(found):
+        each = tuple(value.strip() for value in _apart(values))
+    if len(set(each)) < len(each) or not all(each):
         raise _wrong(text, "has an empty value or one twice")
-    return Vary(key.strip(), found)
+    return Vary(key.strip(), each)
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
@@ -357,7 +343,7 @@ def _wrong(text: str, what: str) -> CaseError:
     return CaseError([CaseProblem((), what, hint, f"--vary {text}")])
 
 
-def seeded(case: Case, number: int) -> tuple[str, ...]:
+def seed_sets(case: Case, number: int) -> tuple[str, ...]:
     """Returns ``--set`` overlays of another choice of random numbers; 0 is the case's own."""
     if number == 0:
         return ()
@@ -369,7 +355,7 @@ def seeded(case: Case, number: int) -> tuple[str, ...]:
 
 def is_random(case: Case) -> bool:
     """Returns whether seeds change anything."""
-    return bool(seeded(case, 1)) and case.particles.adapter is not None
+    return bool(seed_sets(case, 1)) and case.particles.adapter is not None
 
 
 def sample_s(interval_s: float) -> Fraction:
@@ -377,7 +363,7 @@ def sample_s(interval_s: float) -> Fraction:
     return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
 
 
-def sampled_at(interval_s: float) -> tuple[str, ...]:
+def sampling_sets(interval_s: float) -> tuple[str, ...]:
     """Returns ``--set`` overlays of a run that is to be measured: rows often enough, at whole sync
     intervals, and no pictures."""
     every_s = float(sample_s(interval_s))

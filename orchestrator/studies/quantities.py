@@ -74,10 +74,6 @@ def number_of(question: Question, run: Path) -> float:
     return MEASURES[question.measure](question, run)
 
 
-def _result(question: Question, run: Path) -> float:
-    return _value_at(run, question.of)
-
-
 def _value_at(run: Path, path: str) -> float:
     """Returns a number of summary.json; per cents are shares."""
     value = value_at(summary_of(run), path)
@@ -148,14 +144,13 @@ def _largest_sum_J(run: Path, **signs: float) -> float:
     return float(np.abs(np.sum(terms, axis=0)).max())
 
 
-def _unexplained_J(question: Question, run: Path) -> float:
+def _unexplained_J(run: Path) -> float:
     return _largest_sum_J(run, stored=1.0, lost=1.0, supplied=-1.0)
 
 
-def _share_unexplained(question: Question, run: Path) -> float:
-    last_J = {name: float(values_J[-1]) for name, values_J in _energy_J(run).items()}
-    turned_over_J = sum(abs(last) for name, last in last_J.items() if name.startswith(("supplied.", "lost.")))
-    return _unexplained_J(question, run) / turned_over_J
+def _turned_over_J(run: Path) -> float:
+    accounts = _energy_J(run).items()
+    return sum(abs(float(J[-1])) for name, J in accounts if name.startswith(("supplied.", "lost.")))
 
 
 Outcome = Literal["stable", "warned", "stopped", "not run"]
@@ -371,7 +366,7 @@ def _quantity(question: Question, run: Path) -> float:
 
 ABOUT_TRUST = ("trusted", "clear")
 MEASURES: dict[str, Callable[[Question, Path], float]] = {
-    "result": _result,
+    "result": lambda question, run: _value_at(run, question.of),
     "series": _series,
     "amplitude": _amplitude,  # the first harmonic of a point in m
     # of a panel, the largest distance of its middle line from the straight line between its ends in
@@ -383,8 +378,8 @@ MEASURES: dict[str, Callable[[Question, Path], float]] = {
     "created": lambda question, run: abs(share_created(summary_of(run))),
     # the largest size, at any output time, of stored + lost - supplied: the energy, in J, that came
     # from nowhere, by the coupling or by a solver; and over all that was supplied and lost by the end
-    "unexplained": _unexplained_J,
-    "share_unexplained": _share_unexplained,
+    "unexplained": lambda question, run: _unexplained_J(run),
+    "share_unexplained": lambda question, run: _unexplained_J(run) / _turned_over_J(run),
     # the same of stored - supplied, in J: the change of all energy where nothing may take any
     "kept": lambda question, run: _largest_sum_J(run, stored=1.0, supplied=-1.0),
     "trusted": _outcome_is("stable"),

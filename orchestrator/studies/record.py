@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from orchestrator.case import recording_file
+from orchestrator.case import recordings
 from orchestrator.case.deck.panels import SinglePanel, axes, single_panels
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.playback import Turning, shape_of, turning
+from orchestrator.case.recordings import Turning, shape_of, turning
 from orchestrator.case.tables.case import Case
 from orchestrator.output.results.harmonics import first_harmonic
 from orchestrator.output.results.run_reader import RunReader
@@ -61,7 +61,7 @@ class Recorded:
     faded, relative to its own motion (rms)."""
 
     cycles: int
-    file: recording_file.File
+    file: recordings.File
     change: dict[str, float]
 
 
@@ -82,7 +82,7 @@ def record(run: Path, cycles: int | None) -> Recorded:
                     if f"shapes/{panel.name}" not in reader.history:
                         raise _refusal(run, "no shapes were recorded; run it with --set output.shapes_s=")
                     recording, change[panel.name] = _panel(case, reader.history, panel, machine, count)
-                    panels[panel.name] = recording_file.RecordedShape(recording, shape_of(panel))
+                    panels[panel.name] = recordings.RecordedShape(recording, shape_of(panel))
         except (OSError, KeyError, RuntimeError) as error:  # HDF5's, of a file that is damaged
             raise _refusal(run, f"history.h5 cannot be read: {error}") from None
         except TooShort as short:
@@ -90,7 +90,7 @@ def record(run: Path, cycles: int | None) -> Recorded:
                 raise _refusal(run, str(short)) from None
             return best
         if best is None or max(change.values()) < max(best.change.values()):
-            best = Recorded(count, recording_file.File(machine.speed_rad_per_s, panels), change)
+            best = Recorded(count, recordings.File(machine.speed_rad_per_s, panels), change)
         if max(best.change.values()) < ALIKE:
             break
     assert best is not None

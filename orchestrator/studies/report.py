@@ -17,7 +17,7 @@ from orchestrator.output.report.drawing import data_uri, figure, fill_template
 Cell = str | float | int | None
 
 
-def aligned(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
+def align_rows(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
     """Returns rows that all have the columns of all of them; None where something is not known."""
     columns = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in columns} for row in rows]
@@ -25,7 +25,7 @@ def aligned(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
 
 def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
     """Writes rows, whose columns may differ; a cell that is not known is empty."""
-    lines = aligned(rows)
+    lines = align_rows(rows)
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, [*lines[0]] if lines else [])
         writer.writeheader()
@@ -38,7 +38,7 @@ def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
     import pyarrow
     from pyarrow import parquet
 
-    parquet.write_table(pyarrow.Table.from_pylist(aligned(rows)), file)
+    parquet.write_table(pyarrow.Table.from_pylist(align_rows(rows)), file)
     return file
 
 

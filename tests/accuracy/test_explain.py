@@ -13,7 +13,7 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.cli.main import app
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import judge_effects
-from orchestrator.studies.accuracy.plan import Stored, measured_verdict, stored
+from orchestrator.studies.accuracy.plan import StoredStudy, find_study, measured_verdict
 from tests.runs.outside import ROOT
 
 CASE = ROOT / "cases/panel-cycle"
@@ -31,8 +31,8 @@ def study(case: str = "panel-cycle", error: float = 0.03) -> dict[str, Any]:
 @pytest.mark.parametrize(("error", "matters"), [(0.03, False), (0.3, True)])
 def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) -> None:
     """By what repeats itself: the shape's 50 % do not count."""
-    verdicts = {one.effect: one.verdict for one in judge_effects(load_judged(CASE, "draft").case)["panels"]}
-    there = Stored(Path(), study(error=error))
+    verdicts = {name: one.verdict for name, one in judge_effects(load_judged(CASE, "draft").case).items()}
+    there = StoredStudy(Path(), study(error=error))
     found = measured_verdict("variation-across", verdicts["variation-across"], there)
     assert (found.value, found.matters) == (error, matters)
     assert "5 s instead of 2 s" in found.cost
@@ -43,13 +43,13 @@ def test_a_measured_model_decides_about_its_effect(error: float, matters: bool) 
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     loaded, file = load_judged(CASE, "draft"), tmp_path / "accuracy.json"
     file.write_text(json.dumps(study()))
-    there = stored(loaded, file)
+    there = find_study(loaded, file)
     assert there is not None
-    assert there.found == study()
+    assert there.table == study()
     for text, why in ((json.dumps(study("other")), "other"), ("[]", "is no study")):
         file.write_text(text)
         with pytest.raises(CaseError, match=why):
-            stored(loaded, file)
+            find_study(loaded, file)
 
 
 def test_explain_shows_it(tmp_path: Path) -> None:

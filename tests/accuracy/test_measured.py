@@ -12,7 +12,7 @@ from orchestrator.studies.accuracy.combinations import (
     errors,
     parts_s,
     scatter,
-    worst,
+    worst_error,
 )
 from orchestrator.studies.quantities import Metrics
 
@@ -34,8 +34,8 @@ def point(*values: float) -> Combination:
 def test_nothing_random_has_no_interval() -> None:
     wrong = errors(point(1.1), point(1.0), scatter([point(1.1), point(1.0)], False))
     assert wrong == {"deflection_m": Error(pytest.approx(0.1), 0.0), "frame_m": Error(0.0, 0.0)}
-    assert worst(wrong, ["frame_m", "deflection_m"]) == ("deflection_m", wrong["deflection_m"])
-    assert worst(wrong, ["rms_g"]) is None
+    assert worst_error(wrong, ["frame_m", "deflection_m"]) == ("deflection_m", wrong["deflection_m"])
+    assert worst_error(wrong, ["rms_g"]) is None
 
 
 def test_one_seed_tells_nothing_about_chance() -> None:

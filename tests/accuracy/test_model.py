@@ -7,7 +7,7 @@ from typing import Literal
 
 import pytest
 
-from orchestrator.studies.accuracy.model import Model, Option
+from orchestrator.studies.accuracy.convergence import Model, Option
 from orchestrator.studies.accuracy.refinement import Setting
 
 PARTS_S = {"particles": 8.0, "panel": 2.0}

@@ -12,7 +12,7 @@ from orchestrator.preflight.cost import predicted_s
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import ALONE, EXACT, Combination, Error, errors
 from orchestrator.studies.accuracy.refinement import offer
-from orchestrator.studies.points import sampled_at
+from orchestrator.studies.points import sampling_sets
 from orchestrator.studies.quantities import Metrics, relative
 from tests.runs.outside import ROOT
 
@@ -85,6 +85,6 @@ def test_the_solid_is_a_model_where_openings_have_square_corners() -> None:
 
 def test_rows_come_at_whole_sync_intervals() -> None:
     interval_s = load_judged(ROOT / "cases/quickstart", "default").case.coupling.sync_interval_s
-    every_s = float(sampled_at(interval_s)[0].partition("=")[2])
+    every_s = float(sampling_sets(interval_s)[0].partition("=")[2])
     assert exact(every_s) % exact(interval_s) == 0
     assert every_s < 1 / 2 / 500  # accelerations to 500 Hz

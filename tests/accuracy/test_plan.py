@@ -14,7 +14,7 @@ from orchestrator.output.records.run_folder import write_json
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.level_file import write_level
 from orchestrator.studies.accuracy.combinations import part_s
-from orchestrator.studies.accuracy.plan import Plan, Stored, Timing, filling, stored
+from orchestrator.studies.accuracy.plan import Plan, StoredStudy, Timing, filling, find_study
 from tests.cases import case_folder
 from tests.runs.outside import ROOT
 
@@ -25,7 +25,7 @@ OWN = {"label": "own", "sets": [], "error": {"frame_m": 0.04}, "ratio": {"panel"
 COARSE = {"label": "double", "sets": ["coupling.sync_interval_s=2e-4"], "error": {"frame_m": 0.2}}
 
 
-def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -> Stored:
+def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -> StoredStudy:
     axis = [COARSE | {"ratio": {"panel": 0.5}}, OWN, FINE | {"ratio": {"panel": 2.0}}]
     found: dict[str, Any] = {
         "case": case,
@@ -38,7 +38,7 @@ def study(case: str = "quickstart", level: str = "draft", chance: float = 0.0) -
         "options": {"coupling": axis},
         "points": [],
     }
-    return Stored(Path("accuracy.json"), found)
+    return StoredStudy(Path("accuracy.json"), found)
 
 
 def plan(tolerance: float, budget_s: float, duration_s: float = 0.5) -> Plan:
@@ -109,7 +109,7 @@ def test_a_point_that_was_measured_keeps_its_settings() -> None:
     """Brackets, spaces and all."""
     found = study()
     point = {"settings": "mesh", "sets": "'panel.cells=[44, 1]' panel.step_s=0", "error": 0.001}
-    found.found["points"] = [point | {"error_half_width": 0.002, "processor_s": 1.0}]
+    found.table["points"] = [point | {"error_half_width": 0.002, "processor_s": 1.0}]
     one = found.cheapest(0.05)
     assert one is not None
     assert one.sets == ("panel.cells=[44, 1]", "panel.step_s=0")
@@ -128,15 +128,15 @@ def test_chance_is_part_of_what_is_predicted() -> None:
 def test_a_study_is_of_one_case_and_level(tmp_path: Path) -> None:
     loaded, file = load_judged(ROOT / "cases/quickstart", "draft"), tmp_path / "accuracy.json"
     with pytest.raises(CaseError, match="no such file"):
-        stored(loaded, file)
-    for found, why in ((study("other").found, "other"), ([], "is no study")):
+        find_study(loaded, file)
+    for found, why in ((study("other").table, "other"), ([], "is no study")):
         write_json(file, found)
         with pytest.raises(CaseError, match=why):
-            stored(loaded, file)
-    write_json(file, study().found)
-    there = stored(loaded, file)
+            find_study(loaded, file)
+    write_json(file, study().table)
+    there = find_study(loaded, file)
     assert there is not None
-    assert there.found == study().found
+    assert there.table == study().table
 
 
 def test_the_level_that_is_written_is_the_case_that_was_planned(tmp_path: Path) -> None:
@@ -174,5 +174,5 @@ def test_a_study_in_which_nothing_happened_is_no_ground_to_plan_on(
     values: dict[str, float | None], of_nothing: bool
 ) -> None:
     found = study()
-    found.found["points"] = [{"point": "base"} | values, {"point": "parameter", "deflection_m": 1.0}]
+    found.table["points"] = [{"point": "base"} | values, {"point": "parameter", "deflection_m": 1.0}]
     assert found.of_nothing is of_nothing

@@ -10,7 +10,7 @@ from orchestrator.preflight.check import find_problems
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import shared_sets
 from orchestrator.studies.accuracy.refinement import PARAMETERS, offer
-from orchestrator.studies.points import seeded
+from orchestrator.studies.points import seed_sets
 from tests.runs.outside import ROOT
 
 QUICKSTART = ROOT / "cases/quickstart"
@@ -20,10 +20,7 @@ def test_every_setting_but_the_own_is_another_right_case() -> None:
     """With particles on strips.  The scheme and model variants cover the registry."""
     case = load_judged(QUICKSTART, "draft").case
     there = offer(case, [*PARAMETERS], 3)
-    assert there.missing == {
-        "slice": "solver spheres knows no slice between periodic sides",
-        "cut-off": "no block or feed has a smallest_fed_m",
-    }
+    assert there.missing == {"cut-off": "no block or feed has a smallest_fed_m"}
     assert {series.variant for series in there.of("coupling")} == set(SCHEMES)
     assert {series.variant for series in there.of("panel")} == {
         "rigid",
@@ -102,8 +99,8 @@ def test_all_points_write_at_the_same_times_and_keep_their_intervals() -> None:
 
 def test_seeds_change_the_random_numbers_and_nothing_else() -> None:
     case = load_judged(QUICKSTART, "draft").case
-    assert seeded(case, 0) == ()
-    assert seeded(case, 2) == ("bed.blocks.coal.seed=3",)
+    assert seed_sets(case, 0) == ()
+    assert seed_sets(case, 2) == ("bed.blocks.coal.seed=3",)
 
 
 def test_variants_can_be_chosen() -> None:

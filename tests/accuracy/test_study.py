@@ -13,9 +13,9 @@ from orchestrator.case.file.errors import CaseError
 from orchestrator.preflight.judge import load_judged
 from orchestrator.studies.accuracy.combinations import Asked
 from orchestrator.studies.accuracy.convergence import Converged
-from orchestrator.studies.accuracy.plan import by_study, stored
+from orchestrator.studies.accuracy.plan import find_study, time_by_study
 from orchestrator.studies.accuracy.report import write_study
-from orchestrator.studies.accuracy.study import AccuracyStudy, studied
+from orchestrator.studies.accuracy.study import AccuracyStudy, run_study
 from orchestrator.studies.points import CaseStudy, Crew
 from orchestrator.studies.quantities import DECISIVE
 from tests.runs.outside import ROOT, flipflow
@@ -40,7 +40,7 @@ def asked(out: Path, parameters: tuple[str, ...], *sets: str) -> Asked:
 
 def made(wanted: Asked) -> AccuracyStudy:
     """A study with all its runs, each of which is done."""
-    steps = studied(wanted)
+    steps = run_study(wanted)
     while True:
         try:
             line = next(steps)
@@ -173,9 +173,9 @@ def test_what_would_be_run_is_listed_first(tmp_path: Path) -> None:
 def test_a_plan_by_the_study_is_one_of_its_short_run(study: AccuracyStudy, out: Path) -> None:
     """How well times are kept is no test, but a command: tools/plan_series.py."""
     write_study(study, out)
-    found = stored(load_judged(BALL, "draft"), out / "accuracy.json")
+    found = find_study(load_judged(BALL, "draft"), out / "accuracy.json")
     assert found is not None
-    timing, own_s = by_study(found, BALL, "draft"), study.base.processor_s
+    timing, own_s = time_by_study(found, BALL, "draft"), study.base.processor_s
     short_s, long_s = (timing.wall_s(own_s, duration_s) for duration_s in (0.05, 0.1))
     assert timing.start_s < short_s < long_s < 2 * short_s
     assert timing.duration_s(own_s, short_s, 1.0) == pytest.approx(0.05)

@@ -1,4 +1,4 @@
-"""Keys that had another name in an earlier version are refused with the name that they have now."""
+"""Keys and values of earlier versions are refused with the name that they have now."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from orchestrator.case import solvers
 from orchestrator.case.file.errors import RENAMED, CaseError
 from tests.cases import CASE, load_case
 
@@ -31,3 +32,9 @@ def test_an_old_name_in_a_case(tmp_path: Path, before: str, now: str) -> None:
 def test_an_old_name_of_a_table(tmp_path: Path, before: str) -> None:
     (said,) = complaints(tmp_path, CASE + f"\n[{before}]\n")
     assert f'it is called "{RENAMED[before]}" now' in said
+
+
+def test_a_solver_of_an_earlier_version(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(solvers, "names", lambda port: ("liggghts",))
+    (said,) = complaints(tmp_path, CASE + '\n[particles]\nsolver = "spheres"\n')
+    assert "particles.solver: 'spheres' is of an earlier version; use \"liggghts\"" in said

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from adapters.particles.spheres.triangle_spin import TriangleSpin
 from tests.cases import load_case
 from tests.coupled.machines import opened
 from tests.coupled.screen import MACHINE
+from tests.reference.spheres.triangle_spin import TriangleSpin
 
 BALLS = [
     f"bed.particles.ball-{i}-{j}={{position_m=[{0.03 + 0.03 * i}, {0.03 + 0.04 * j}, 0.0101], "

@@ -6,7 +6,12 @@ from collections.abc import Callable
 
 import pytest
 
-from orchestrator.coupling.ablation import ParticlesOnStillSurface, UnpushedFrames, fix_clamps, ignore_load
+from orchestrator.coupling.ablation import (
+    PanelBetweenStillClamps,
+    ParticlesOnStillSurface,
+    UnloadedPanel,
+    UnpushedFrames,
+)
 from orchestrator.coupling.schemes import SCHEMES, create_scheme
 from orchestrator.coupling.schemes.scheme import Solvers, State, initial_state
 from orchestrator.ports import Saved
@@ -28,11 +33,11 @@ def without_reaction(whole: Solvers) -> Solvers:
 
 
 def without_frame_motion(whole: Solvers) -> Solvers:
-    return Solvers(whole.frames, fix_clamps(whole.panel), whole.particles)
+    return Solvers(whole.frames, PanelBetweenStillClamps(whole.panel), whole.particles)
 
 
 def without_load(whole: Solvers) -> Solvers:
-    return Solvers(whole.frames, ignore_load(whole.panel), whole.particles)
+    return Solvers(whole.frames, UnloadedPanel(whole.panel), whole.particles)
 
 
 def without_panel_motion(whole: Solvers) -> Solvers:

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from orchestrator.coupling.ablation import UnpushedFrames, fix_clamps, ignore_load
-from orchestrator.coupling.mapping import mapped
-from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, Stopwatch, meter_panel
+from orchestrator.coupling.ablation import PanelBetweenStillClamps, UnloadedPanel, UnpushedFrames
+from orchestrator.coupling.mapping import MappedPanel
+from orchestrator.coupling.metered import MeteredFrames, MeteredPanel, Stopwatch, TimedPanel
 from orchestrator.coupling.mpi import FramesOnFirstRank
 from orchestrator.coupling.panel_set import PanelSet
 from orchestrator.coupling.schemes import SCHEMES, create_scheme
@@ -209,10 +209,10 @@ def test_where_frames_go_that_feel_nothing_is_known_ahead(name: str) -> None:
 def panels_around(inner: Panel) -> list[Panel]:
     twice = csr_array(np.ones((2, 1)))
     return [
-        ignore_load(inner),
-        meter_panel(inner, "panel", "panel", Stopwatch()),
+        UnloadedPanel(inner),
+        TimedPanel(inner, "panel", "panel", Stopwatch()),
         MeteredPanel(inner, "panels", "mapping", Stopwatch()),
-        mapped(inner, twice),
+        MappedPanel(inner, twice),
         PanelSet(2, lambda i: inner),
         PanelSet(2, lambda i: inner, OneRank()),
     ]
@@ -232,7 +232,7 @@ def test_what_stands_around_panels_passes_on_what_is_known(which: int) -> None:
 
 
 def test_a_panel_whose_clamps_are_held_is_known_to_stand_still() -> None:
-    panel = fix_clamps(DrivenPlate(1.0, 0.0))
+    panel = PanelBetweenStillClamps(DrivenPlate(1.0, 0.0))
     end = Known(point(7.0, 8.0), np.array([False]))
     found = panel.ahead(Interval(3, LENGTH_S), end)
     assert found.which.all()

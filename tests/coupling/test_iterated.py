@@ -9,11 +9,10 @@ import pytest
 
 from orchestrator.coupling.schemes import create_scheme
 from orchestrator.coupling.schemes.acceleration import Aitken, LeastSquares
-from orchestrator.coupling.schemes.iterated import Acceleration
+from orchestrator.coupling.schemes.iterated import Acceleration, Effort
 from orchestrator.coupling.schemes.scheme import Scheme, initial_state
 from orchestrator.ports import Array
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.cost import Effort
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members
 from tests.coupling.test_schemes import chain, exact_chain
 

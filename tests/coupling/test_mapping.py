@@ -9,7 +9,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from orchestrator.case.deck.triangle_grid import TriangleGrid, grid
-from orchestrator.coupling.mapping import mapped
+from orchestrator.coupling.mapping import MappedPanel
 from orchestrator.ports import Account, Load, Motion, Mount, PanelState, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import Rectangle
@@ -95,7 +95,7 @@ def test_loads_come_down_with_their_force_and_their_work(points: int) -> None:
     dense = rng.random((points, 4))
     H = csr_array(dense / dense.sum(axis=1, keepdims=True))
     panel = Recorder(rng)
-    seen = mapped(panel, H)
+    seen = MappedPanel(panel, H)
     force_N = rng.standard_normal((points, 3))
     surface = seen.advance(Interval(0, 1e-3), Motion(*np.zeros((2, 1, 3))), Load(force_N)).surface
     assert surface.position_m == pytest.approx(H @ panel.motion.position_m)

@@ -8,24 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.docs.pages import installed
 from tests.runs.outside import ROOT, command, run_words, summary
 
-PAGE = (ROOT / "docs/how-to/add-a-monitor-item.md").read_text(encoding="utf-8")
 LIMIT = ["monitor.items.fast_particles.then=warn", "monitor.items.fast_particles.limit=0.01"]
-
-
-def installed(folder: Path) -> str:
-    """Installs the page's item into a folder; returns what lets a process find it."""
-    code = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-    entry = re.search(r'entry-points\."(.*?)"\]\n(.*?)\n```', PAGE)
-    assert len(code) == 1
-    assert entry is not None
-    (folder / "fast_particles.py").write_text(code[0])
-    about = folder / "fast_particles-1.0.dist-info"
-    about.mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: fast-particles\nVersion: 1.0\n")
-    (about / "entry_points.txt").write_text(f"[{entry[1]}]\n{entry[2].replace(chr(34), '')}\n")
-    return f"import sys; sys.path.insert(0, {str(folder)!r})"
 
 
 def done_by(words: list[str], before: str = "") -> subprocess.CompletedProcess[str]:
@@ -40,7 +26,9 @@ def test_the_item_is_found_and_warns_also_in_a_run_that_goes_on(tmp_path: Path) 
     done = done_by(run_words("ball-on-panel", run, ["output.pictures=false", "duration_s=0.02"]))
     assert done.returncode == 0, done.stderr
     longer = [word for key in ("duration_s=0.03", *LIMIT) for word in ("--set", key)]
-    done = done_by(["resume", str(run), *longer], installed(tmp_path))
+    done = done_by(
+        ["resume", str(run), *longer], installed(tmp_path, "how-to/add-a-monitor-item.md", "fast_particles")
+    )
     assert done.returncode == 0, done.stderr
     warned = r"particle \d+ moves at .* m/s \(monitor.items.fast_particles.limit = 0.01\)"
     assert re.search(warned, done.stderr)

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
-from adapters.particles.spheres.laws import NormalLaw
 from orchestrator.ports import HermitePath, Motion
 from orchestrator.preflight.stability.limits import HELD, extrapolated_clamps_s, late_contact_s, light_point_s
+from tests.reference.spheres.laws import NormalLaw
 
 PULL_OFF_N = 1.5 * math.pi  # of w = R* = 1
 NECK_M = (math.pi / 8) ** (1 / 3)  # where it snaps, of w = E* = R* = 1

@@ -219,8 +219,8 @@ def test_a_level_may_give_the_key_and_set_overrides_it(tmp_path: Path) -> None:
 def test_explain_judges_what_the_case_describes_and_says_what_is_here(tmp_path: Path) -> None:
     """Openings that effects leave out are still asked about."""
     plain = load_case(tmp_path, FULL, MORE)
-    before = {one.effect: one for rows in judge_effects(plain).values() for one in rows}
-    after = {one.effect: one for rows in judge_effects(full(tmp_path)).values() for one in rows}
+    before = judge_effects(plain)
+    after = judge_effects(full(tmp_path))
     assert after["apertures"].verdict == before["apertures"].verdict
     assert (before["apertures"].present, after["apertures"].present) == (True, False)
 

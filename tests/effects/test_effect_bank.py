@@ -17,7 +17,7 @@ from orchestrator.output.records.summary import write_summary
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import Judged
 from orchestrator.preflight.judgement.pair import Change
-from orchestrator.preflight.scene.effect import Part, Verdict
+from orchestrator.preflight.scene.effect import Verdict
 from orchestrator.studies import points as sweep
 from tests.runs.outside import ROOT
 from tools.effect_bank import bank as banks
@@ -86,9 +86,8 @@ def turned_over(monkeypatch: pytest.MonkeyPatch) -> None:
         matters = None if one.verdict.matters is None else not one.verdict.matters
         return replace(one, verdict=replace(one.verdict, matters=matters, limit=None))
 
-    def all_opposite(case: Case, asked: Sequence[str]) -> dict[Part, list[Judged]]:
-        every = weighed(case, asked=asked)
-        return {part: [opposite(one) for one in rows] for part, rows in every.items()}
+    def all_opposite(case: Case, asked: Sequence[str]) -> dict[str, Judged]:
+        return {name: opposite(one) for name, one in weighed(case, asked=asked).items()}
 
     monkeypatch.setattr(confusion, "weigh_effects", all_opposite)
 

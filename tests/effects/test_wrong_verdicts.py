@@ -52,7 +52,7 @@ ONE_MAT = (  # 0.3 m, mounted taut by 3 mm, its frame shaken normal to it
 def of(case: str, *sets: str, level: str | None = "draft") -> dict[str, Judged]:
     """What is said of a shipped case, by effect."""
     described = load_judged(CASES / case, level, sets).described
-    return {one.effect: one for rows in weigh_effects(described).values() for one in rows}
+    return weigh_effects(described)
 
 
 def test_taut_mats_that_hold_the_frames_together_are_not_left_out() -> None:
@@ -78,7 +78,7 @@ def test_openings_that_soften_the_mats_are_not_left_out() -> None:
 def test_a_mat_at_its_own_frequency_is_not_left_out(tmp_path: Path, speed_share: float) -> None:
     """Brute force at resonance: 1.5 mm without panel-deformation instead of 11.8."""
     case = load_case(tmp_path, DRIVEN_CASE, ONE_MAT).case
-    mat = {one.effect: one for rows in judge_effects(case).values() for one in rows}["panel-inertia"]
+    mat = judge_effects(case)["panel-inertia"]
     assert mat.verdict.value is not None
     own_rad_per_s = 80.0 / mat.verdict.value**0.5
     turns = f"screen.frames.driving.drive.speed_rad_per_s={speed_share * own_rad_per_s}"
@@ -121,7 +121,7 @@ def test_what_passes_the_openings_leaves_in_the_shortest_run(tmp_path: Path) -> 
 
     def removal(*sets: str) -> Verdict:
         case = loaded(tmp_path, [*short, *sets]).case
-        every = {one.effect: one for rows in weigh_effects(case).values() for one in rows}
+        every = weigh_effects(case)
         return every["removal"].verdict
 
     assert removal().matters is False
@@ -242,13 +242,12 @@ def test_two_runs_take_the_place_of_an_estimate() -> None:
 
     pair = Pair("sideways-motion", summary_with=run(0.006), summary_without=run(0.00606))
     described = load_judged(CASES / "ffs0827-empty", "draft").described
-    rows = weigh_effects(described, {"sideways-motion": pair}, ("stroke",))
-    found = next(one for one in rows["frames"] if one.effect == "sideways-motion")
+    found = weigh_effects(described, {"sideways-motion": pair}, ("stroke",))["sideways-motion"]
     assert found.verdict.measured
     assert found.verdict.value == pytest.approx(0.01)
     assert found.verdict.matters is False
     nothing = weigh_effects(described, {"sideways-motion": pair}, ("efficiency",))
-    assert not next(o for o in nothing["frames"] if o.effect == "sideways-motion").verdict.measured
+    assert not nothing["sideways-motion"].verdict.measured
 
 
 def test_a_surface_that_carries_particles_slowly_is_not_left_out() -> None:
@@ -293,8 +292,7 @@ def test_brute_force_of_the_stroke(
 def asked_of(names: Sequence[str], case: str, *sets: str) -> dict[str, Judged]:
     """What is said of a shipped case at level draft, by effect, for some results."""
     described = load_judged(CASES / case, "draft", sets).described
-    rows = (one for rows in weigh_effects(described, asked=names).values() for one in rows)
-    return {one.effect: with_doubt(one) for one in rows}
+    return {name: with_doubt(one) for name, one in weigh_effects(described, asked=names).items()}
 
 
 def test_an_estimate_cries_wolf_over_its_own_results_only() -> None:

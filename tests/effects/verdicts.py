@@ -31,7 +31,7 @@ run_up_s = 0.1
 
 
 def by_name(case: JudgedCase) -> dict[str, Judged]:
-    return {one.effect: one for rows in judge_effects(case.case).values() for one in rows}
+    return judge_effects(case.case)
 
 
 def verdict(folder: Path, effect: str, *overrides: str) -> Judged:

@@ -16,9 +16,9 @@ import pytest
 from scipy.optimize import brentq
 
 from adapters.frames import planar
-from adapters.frames.common.exciter import motor_torque_N_m
 from orchestrator.ports import Array, Frames, Load
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import FramesPlan, MotorPlan
 from tests.frames.contract import INTERVAL_S, accounts, defect_J, loads
 from tests.frames.machines import UP, body, bushing, exciter, two_bodies

@@ -124,7 +124,7 @@ def test_calm_again_it_goes_on_in_whole_intervals(tmp_path: Path) -> None:
     def lets_go(_: object) -> None:
         done.append(1)
         if len(done) == 40:
-            sphere._particles.stiffness_N_per_m = sphere._particles.damping_N_s_per_m = 0.0  # type: ignore[attr-defined]
+            sphere._solver.stiffness_N_per_m = sphere._solver.damping_N_s_per_m = 0.0  # type: ignore[attr-defined]
 
     monitor = monitored(tmp_path, machine, LONG_s, 200, ["monitor.calm_s=0.21"], lets_go)
     assert monitor.pace.parts == 1

@@ -10,8 +10,8 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from adapters.panel.common.compiled import function_space
 from adapters.panel.finite_element import sheet_forms
+from adapters.panel.finite_element.compiled import function_space
 from adapters.panel.finite_element.resting_shape import first_guess_m, settle
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from scipy.sparse import csc_matrix, csr_matrix
 from scipy.sparse.linalg import splu
 
-from adapters.panel.common.compiled import assembled_matrix, function_space
+from adapters.panel.finite_element.compiled import assembled_matrix, function_space
 
 POISSON_RATIO = 0.49
 

@@ -22,7 +22,7 @@ PROGRAM = """
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
-from adapters.panel.common.compiled import form, function_space
+from adapters.panel.finite_element.compiled import form, function_space
 square = mesh.create_unit_square(MPI.COMM_SELF, 2, 2)
 space = function_space(square, ufl.VectorElement("Lagrange", "triangle", 3))
 u, v, w = fem.Function(space), ufl.TestFunction(space), ufl.TrialFunction(space)
@@ -132,7 +132,7 @@ def test_what_is_in_the_cache_waits_for_nobody(tmp_path: Path) -> None:
 
 def test_who_waits_for_a_stopped_process_says_so_and_gives_up(tmp_path: Path) -> None:
     """The second form is not waited for again: the same process still holds the lock."""
-    patience = "import adapters.panel.common.compiled as compiled\ncompiled.GIVEN_UP_AFTER_S = 6.0\n"
+    patience = "import adapters.panel.finite_element.compiled as compiled\ncompiled.GIVEN_UP_AFTER_S = 6.0\n"
     with stopped_while_it_compiles(tmp_path) as stopped:
         errors = started(tmp_path, patience + PROGRAM).communicate(timeout=TOGETHER_S)[1]
         assert f"waiting for process {stopped.pid} on " in errors

@@ -8,7 +8,6 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from adapters.panel.common.body import Action
 from orchestrator.ports import HermitePath, Load, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import AperturePattern
@@ -35,9 +34,9 @@ def test_force_and_energy_of_deformed_shapes(pattern):
     from adapters.panel.finite_element.compiled_sheet import CompiledSheet
     from adapters.panel.finite_element.sheet_forms import sheet
 
-    structure, surface = sheet(given(pattern))
+    structure, grid, nodes = sheet(given(pattern))
     with closing(structure):
-        compiled = CompiledSheet(given(pattern), structure, surface, 1e-5)
+        compiled = CompiledSheet(given(pattern), grid, structure, nodes, structure.bending.flat_m, 1e-5)
         rng = np.random.default_rng(1)
         flat_m, matrix = structure.bending.flat_m, abs(structure.bending.matrix)
         for crumple_m in (1e-5, 1e-4, 1e-3):
@@ -45,9 +44,9 @@ def test_force_and_energy_of_deformed_shapes(pattern):
             stretch = np.eye(3) + 0.1 * rng.uniform(-1.0, 1.0, size=(3, 3))
             shape_m = flat_m @ stretch @ turn + rng.normal(scale=crumple_m, size=flat_m.shape)
             structure.rest(shape_m)
-            force_N = structure.force_N(shape_m)[surface.nodes]
-            compiled.rest(shape_m[surface.nodes])
-            assert difference(compiled.state.internal_N, force_N) < ROUNDING
+            force_N = structure.force_N(shape_m)[nodes]
+            compiled.rest(shape_m[nodes])
+            assert difference(compiled.internal_N, force_N) < ROUNDING
             stored_J, expected_J = compiled.stored_J(), structure.stored_J()
             terms_J = np.vdot(abs(shape_m - flat_m), matrix @ abs(shape_m - flat_m))
             assert stored_J["membrane"] == pytest.approx(expected_J["membrane"], rel=ROUNDING)
@@ -125,20 +124,26 @@ def test_arrays_of_a_wrong_size_or_type_are_refused():
     panel.close()
 
 
-def bound(arrays):
-    """A compiled sheet that stands still and bent under a load, and takes ``arrays`` by other names."""
+def bound(arrays, change=()):
+    """A compiled sheet that stands still and bent under a load, and takes ``arrays`` by other names, and
+    others by ``change`` (None: without it)."""
     from adapters.panel import _kernel
     from adapters.panel.finite_element import compiled_sheet, sheet_forms
 
-    def kernel(**named):
-        return _kernel.Sheet(**named | {name: named[other] for name, other in arrays.items()})
+    compiled = _kernel.Sheet
 
-    structure, surface = sheet_forms.sheet(given(None))
+    def kernel(**named):
+        given_arrays = named | {name: named[other] for name, other in arrays.items()} | dict(change)
+        return compiled(**{name: array for name, array in given_arrays.items() if array is not None})
+
+    structure, grid, nodes = sheet_forms.sheet(given(None))
+    bent_m = structure.bending.flat_m.copy()
+    bent_m[nodes[1::2], 2] += 1e-3
     with closing(structure), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiled_sheet, "Sheet", kernel)
-        sheet = compiled_sheet.CompiledSheet(given(None), structure, surface, 1e-5)
-        sheet.state.velocity_m_per_s[:] = 0.01
-        sheet.rest(structure.bending.flat_m[surface.nodes] + [0.0, 0.0, 1e-3] * (surface.nodes[:, None] % 2))
+        patch.setattr(_kernel, "Sheet", kernel)
+        sheet = compiled_sheet.CompiledSheet(given(None), grid, structure, nodes, bent_m, 1e-5)
+        sheet.velocity_m_per_s[:] = 0.01
+        sheet.rest(bent_m[nodes])
     return sheet
 
 
@@ -146,9 +151,9 @@ def advanced(sheet):
     """All arrays of a sheet after two steps under a load."""
     held_m = sheet._flat_m[sheet.held]
     still = Motion(held_m, np.zeros_like(held_m))
-    action = Action(HermitePath(still, still, 2e-5), np.full_like(sheet.state.position_m, 1e-3))
-    sheet.advance(sheet.state, action, Interval(0, 2e-5))
-    return vars(sheet.state) | sheet.memory
+    outside_N = np.full_like(sheet.position_m, 1e-3)
+    sheet.move(HermitePath(still, still, 2e-5), outside_N, Interval(0, 2e-5))
+    return sheet.memory
 
 
 ALIKE = ("position_m", "velocity_m_per_s", "internal_N", "elastic_N")
@@ -168,3 +173,16 @@ def test_arrays_of_equal_size_cannot_be_exchanged_unnoticed(pair):
 def test_arrays_of_unequal_size_exchanged_are_named(pair):
     with pytest.raises(ValueError, match=rf"({'|'.join(pair)}): \d+ numbers wanted"):
         bound({pair[0]: pair[1], pair[1]: pair[0]})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"flat_m": None}, "missing argument flat_m"),
+        ({"flat": np.zeros(3)}, "unknown argument flat"),
+        ({"flat_m": np.zeros((2, 3), dtype=np.float32)}, "flat_m: not a contiguous array"),
+    ],
+)
+def test_names_and_types_of_arrays_are_checked_when_they_are_bound(change, message):
+    with pytest.raises(TypeError, match=message):
+        bound({}, change)

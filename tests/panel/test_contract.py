@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from orchestrator.coupling.mapping import mapped
+from orchestrator.coupling.mapping import MappedPanel
 from orchestrator.ports import Array, BrokenRecord, Known, Load
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.panel import surface_ahead
@@ -253,7 +253,7 @@ def test_the_shape_of_a_recorded_panel_is_known_ahead() -> None:
     own = case.open()
     sides_m = (given.rectangle.length_m, given.rectangle.width_m)
     places = np.array([(0.0, 0.5), (0.3, 0.2), (1.0, 0.5)]) * sides_m
-    panel = mapped(own, own.interpolation(places))
+    panel = MappedPanel(own, own.interpolation(places))
     first = np.array([frame == "driving" for frame in own.mount.frame])
     farthest_m = 0.0
     for index in range(400):

@@ -75,11 +75,11 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
     import ufl
     from dolfinx import fem
 
-    from adapters.panel.common.compiled import expression, function_space
-    from adapters.panel.finite_element.grid import ElementGrid
+    from adapters.panel.common.grid import ElementGrid
+    from adapters.panel.finite_element.compiled import expression, function_space
+    from adapters.panel.finite_element.perforation import perforated
     from adapters.panel.finite_element.sheet_forms import flat_mesh, scaled_strain
-    from adapters.panel.perforation.sheet import perforated
-    from adapters.panel.perforation.unit_cell import SOLID
+    from adapters.panel.finite_element.unit_cell import SOLID
 
     given = small(ALONG)
     flat = flat_mesh(ElementGrid.of(given.rectangle, (8, 4), ALONG.region_m(given.rectangle)))

@@ -27,7 +27,7 @@ def moving() -> PanelPlan:
 def test_the_shape_at_any_time_is_the_one_recorded() -> None:
     """Also between samples; the rate to h^3 / (72 sqrt 3) or so of the fourth derivative."""
     plan = moving()
-    played = recorded.Played(playback(plan, 1.0))
+    played = recorded.Player(playback(plan, 1.0))
     shape = arch(plan, playback(plan, 1.0).recording.grid.points_m)[:, None]
     for time_s in (0.1001, 0.1234, 0.2, 3.3333):
         angle = 78.5 * (time_s - 0.01)
@@ -39,7 +39,7 @@ def test_the_shape_at_any_time_is_the_one_recorded() -> None:
 
 def test_velocity_is_the_rate_of_the_place_while_it_grows_and_across_samples() -> None:
     """Central differences of 1e-6 s: to 1e-6 of the largest velocity."""
-    played = recorded.Played(playback(small("explicit"), 1.0))
+    played = recorded.Player(playback(small("explicit"), 1.0))
     samples_s = 0.01 + STEP_RAD / 78.5 * np.arange(1, 100)
     for time_s in (*np.linspace(0.019, 0.11, 50), *samples_s):
         before, after = (played.shape(time_s + step_s)[0] for step_s in (-1e-6, 1e-6))

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from adapters.panel.finite_element.grid import ElementGrid
+from adapters.panel.common.grid import ElementGrid
 from tests.panel.elastic_plans import plan
 
 GRID = ElementGrid.of(plan().rectangle, (7, 3))
@@ -48,7 +48,12 @@ def test_a_hinge_has_no_cells_under_the_clamp():
 
 @pytest.mark.parametrize("solver", ["sheet", "solid"])
 def test_missing_package_says_what_to_install(solver):
-    script = f"import sys; sys.modules['dolfinx'] = None; import adapters.panel.finite_element.{solver}_panel"
+    script = (
+        "import sys; sys.modules['dolfinx'] = None\n"
+        f"from adapters.panel import {solver}; {solver}.ADAPTER.load()"
+    )
     failed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert failed.returncode == 1
-    assert f"SolverMissing: panel solver '{solver}' needs DOLFINx 0.5" in failed.stderr
+    assert "SolverMissing: " in failed.stderr
+    assert f"'{solver}'" in failed.stderr.splitlines()[-1]
+    assert "need DOLFINx 0.5" in failed.stderr

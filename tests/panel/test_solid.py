@@ -31,9 +31,9 @@ def structure_of(given, held_s_m=None, volumetric_degree=2):
     import ufl
     from dolfinx import fem
 
-    from adapters.panel.common.compiled import function_space
+    from adapters.panel.common.solid_grid import solid_grid
     from adapters.panel.finite_element import solid_forms
-    from adapters.panel.finite_element.solid_grid import solid_grid
+    from adapters.panel.finite_element.compiled import function_space
     from adapters.panel.finite_element.structure import Structure
 
     box = solid_forms.box_mesh(solid_grid(given), given.thickness_m)
@@ -118,7 +118,7 @@ def test_reduced_integration_prevents_locking():
     for name, degree in (("selective", 2), ("full", 4)):
         structure = structure_of(given, held_s_m=0.0, volumetric_degree=degree)
         sags[name] = (structure.material_m - settled(structure, given))[:, 2].max()
-    flat, _ = sheet_forms.sheet(given)
+    flat, _, _ = sheet_forms.sheet(given)
     left = np.flatnonzero(flat.material_m[:, 0] < 1e-9)
     law = sheet_forms.law(given, fem.Function(flat.space))
     cantilever = Structure(law, 1200 * given.thickness_m, left, flat.bending)

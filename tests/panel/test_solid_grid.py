@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.panel.finite_element.solid_grid import bearable_grid, size, solid_grid
+from adapters.panel.common.solid_grid import bearable_grid, size, solid_grid
 from orchestrator.ports.geometry import AperturePattern
 from tests.panel.elastic_plans import plan
 

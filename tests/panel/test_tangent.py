@@ -64,10 +64,10 @@ def test_newton_s_iteration_stays_quick_when_steps_and_shapes_change(monkeypatch
         assert made_for[self] == pytest.approx(lengths_s[-1])
         return solve(self, force_N)
 
-    def counted_step(self, state, action, start, end, on_held):
+    def counted_step(self, path, outside_N, start, end, on_held):
         solutions.append(0)
-        lengths_s.append((end - start) * action.held.length_s)
-        return step(self, state, action, start, end, on_held)
+        lengths_s.append((end - start) * path.length_s)
+        return step(self, path, outside_N, start, end, on_held)
 
     wanted = plan(length_m=0.12, span_m=0.117, cells=(6, 1), integrator="implicit", step_s=1e-3)
     with closing(sheet.build(wanted)) as panel, monkeypatch.context() as patch:

@@ -11,7 +11,7 @@ pytestmark = pytest.mark.solver
 
 
 def cell(pattern: AperturePattern, thickness_m: float = 0.004):
-    from adapters.panel.perforation.unit_cell import cell_stiffness
+    from adapters.panel.finite_element.unit_cell import cell_stiffness
 
     return cell_stiffness(pattern, thickness_m)
 
@@ -83,7 +83,7 @@ def test_long_slots_leave_bars_that_twist_as_saint_venant_says():
 
 def test_a_finer_mesh_changes_little(monkeypatch: pytest.MonkeyPatch):
     """1 % at twice the triangles per land: corners of the openings converge slowly."""
-    from adapters.panel.perforation import unit_cell
+    from adapters.panel.finite_element import unit_cell
 
     pattern = AperturePattern("rectangle", 0.020, 0.003, 0.025, 0.006)
     usual = cell(pattern)

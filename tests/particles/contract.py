@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from importlib import import_module
-from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from orchestrator.case import solvers
 from orchestrator.ports import Array, HermitePath, Motion, Particles
+from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticleList, ParticlesPlan
@@ -22,11 +22,11 @@ SOFT = GrainMaterial("soft", 1e7, 0.3)
 SOLVERS = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
 
 
-def solver_module(name: str) -> ModuleType:
-    """The door of a solver; the test is skipped where LIGGGHTS's bridge is not built."""
+def solver_adapter(name: str) -> ParticlesAdapter:
+    """The adapter of a solver; the test is skipped where LIGGGHTS's bridge is not built."""
     if name == "liggghts":
         pytest.importorskip("adapters.particles._liggghts")
-    return import_module(f"adapters.particles.{name}")
+    return cast("ParticlesAdapter", solvers.adapter("particles", name))
 
 
 def one(value: float) -> Array:

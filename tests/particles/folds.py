@@ -9,15 +9,15 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 
-from adapters.particles.spheres.contacts import Neighbours
-from adapters.particles.spheres.forces import compute_forces
-from adapters.particles.spheres.laws import Laws
-from adapters.particles.spheres.spheres import Spheres
 from orchestrator.ports import Array, Motion
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import ParticlesPlan
-from tests.particles.contract import solver_module
+from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_plans import make_plan, sheet, spheres
+from tests.reference.spheres.contacts import Neighbours
+from tests.reference.spheres.forces import compute_forces
+from tests.reference.spheres.laws import Laws
+from tests.reference.spheres.spheres import Spheres
 
 RADIUS_M = 2.5e-3
 RIDGE, VALLEY = 1, -1
@@ -66,7 +66,7 @@ def single_N(overlap_m: float) -> float:
 
 def held(code: str, surface: TriangleSurface, place_m: Array) -> Held:
     """Elastic, without friction, every place on its own."""
-    solver_module(code)
+    solver_adapter(code)
     if code == "liggghts":
         return _in_liggghts(make_plan(surface, spheres([0.0, 0.0, 0.05])), place_m)
     return _in_spheres(make_plan(surface, spheres(place_m)))

@@ -8,28 +8,28 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from orchestrator.case.bed.feed import Feeds, Inlet
 from orchestrator.case.bed.material_book import CountedFeed
+from orchestrator.case.bed.size_distribution import size_class
 from orchestrator.coupling.metered import MeteredParticles, Stopwatch
 from orchestrator.ports import HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import ExitPlan, ParticlesPlan
 from orchestrator.ports.state import as_arrays
+from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
-from tests.particles.sizes import Sizes
 from tests.saved_states import differences
 
 
 def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> list[str]:
     """What differs at the end between a run that never stops and one that another solver, freshly
     opened, takes over at ``save_at``; loads in between included."""
-    build = import_module(f"adapters.particles.{solver}").build
+    build = solver_adapter(solver).build
     whole, first, second = build(plan), build(plan), build(plan)
     travel(whole, wave, range(save_at))
     travel(first, wave, range(save_at))
@@ -46,7 +46,7 @@ def resumed(solver: str, plan: ParticlesPlan, save_at: int, intervals: int) -> l
 
 OPEN_END = ExitPlan("end", "oversize", np.array([0.05, 0.0, 0.0]), np.eye(3), np.array([0.01, 0.1, 0.1]))
 INLET = Inlet(
-    sizes=(Sizes(5e-3, 6e-3, 1.0),),
+    sizes=(size_class(5e-3, 6e-3, 1.0),),
     rate_kg_per_s=0.15,
     box_m=np.array([[-0.04, -0.015, 0.034], [0.04, 0.015, 0.046]]),
     velocity_m_per_s=np.array([0.0, 0.0, -0.5]),
@@ -58,7 +58,7 @@ INLET = Inlet(
 def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
     """With a feed that draws at random, and a meter."""
     feed = CountedFeed(plan.particles, Feeds([INLET], every=7))
-    opened = import_module(f"adapters.particles.{solver}").build(replace(plan, feed=feed))
+    opened = solver_adapter(solver).build(replace(plan, feed=feed))
     return MeteredParticles(opened, feed, solver, Stopwatch())
 
 

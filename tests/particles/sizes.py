@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.spatial import cKDTree
 
+from orchestrator.case.bed.size_distribution import size_class
+from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array
 from orchestrator.ports.plans import ParticleList
 
-
-@dataclass(frozen=True)
-class Sizes:
-    smallest_m: float
-    largest_m: float
-    mass_fraction: float
-
-
-COAL = (Sizes(0.0015, 0.003, 0.3), Sizes(0.003, 0.006, 0.3), Sizes(0.006, 0.013, 0.4))
+COAL = (size_class(0.0015, 0.003, 0.3), size_class(0.003, 0.006, 0.3), size_class(0.006, 0.013, 0.4))
 
 
 def smallest_gap_m(particles: ParticleList) -> float:
@@ -31,7 +23,7 @@ def smallest_gap_m(particles: ParticleList) -> float:
     return float(np.min(apart_m - radius_m[i] - radius_m[j], initial=np.inf))
 
 
-def mass_shares(diameter_m: Array, sizes: tuple[Sizes, ...]) -> Array:
+def mass_shares(diameter_m: Array, sizes: tuple[SizeClass, ...]) -> Array:
     mass = [
         np.sum(diameter_m[(diameter_m >= row.smallest_m) & (diameter_m < row.largest_m)] ** 3)
         for row in sizes

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from contextlib import closing
 from dataclasses import replace
-from types import ModuleType
 
 import numpy as np
 import pytest
 
 from orchestrator.ports import Array, Particles
+from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import GrainMaterial, Jkr, Sjkr
 from tests.particles.contract import energy_defect_J
@@ -50,7 +50,7 @@ SHEETS = {
 
 
 @pytest.mark.parametrize("shape", SHEETS)
-def test_pressed_on_a_surface_and_pulled_off(module: ModuleType, shape: str) -> None:
+def test_pressed_on_a_surface_and_pulled_off(module: ParticlesAdapter, shape: str) -> None:
     """The surface comes at 0.2 mm/s, presses and goes: the curve of the theory to 0.5 % of the
     pull-off force (means over 2e-8 m of a curve that ends in an infinite slope: last two left
     out), first touch at zero overlap, parting at the separation of the theory (to one interval,
@@ -80,7 +80,7 @@ def test_pressed_on_a_surface_and_pulled_off(module: ModuleType, shape: str) -> 
 
 
 @pytest.mark.parametrize("shape", ["facets", "cylinder"])
-def test_a_neck_holds_across_triangles(module: ModuleType, shape: str) -> None:
+def test_a_neck_holds_across_triangles(module: ParticlesAdapter, shape: str) -> None:
     """A sphere hangs on a neck, half way to where it snaps, while the surface slides away below
     it over ten facets: on a plane the force stays the same to rounding; on a cylinder of 5 m
     radius, whose facets (0.2 mm) bulge by 1e-9 m, it stays within what that means, 0.3 %."""
@@ -105,7 +105,7 @@ def test_a_neck_holds_across_triangles(module: ModuleType, shape: str) -> None:
     np.testing.assert_allclose(np.array(sliding_N)[:, 2], still_N[0, 2], rtol=tolerance)
 
 
-def pair(module: ModuleType, speed_m_per_s: float, gap_m: float, **changes: object) -> Particles:
+def pair(module: ParticlesAdapter, speed_m_per_s: float, gap_m: float, **changes: object) -> Particles:
     """Two spheres far above the sheet that meet, or part, with ``speed_m_per_s``."""
     half_m, half_m_per_s = RADIUS_M + gap_m / 2, speed_m_per_s / 2
     places = [[-half_m, 0.0, 0.03], [half_m, 0.0, 0.03]]
@@ -123,7 +123,7 @@ def apart_m(solver: Particles) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize("drift_m_per_s", [0.0, 3.0])
-def test_a_pair_pulled_apart(module: ModuleType, drift_m_per_s: float) -> None:
+def test_a_pair_pulled_apart(module: ParticlesAdapter, drift_m_per_s: float) -> None:
     """Two spheres of 4 t, pressed 2e-7 m, part with 1e-4 m/s: what slows them down is the curve
     of the theory, to 0.5 % of the pull-off force.  Flying along with 3 m/s they meet tens of new
     neighbour lists meanwhile, which must not forget the neck."""
@@ -147,7 +147,7 @@ def test_a_pair_pulled_apart(module: ModuleType, drift_m_per_s: float) -> None:
     np.testing.assert_allclose(force_N[inside], curve(overlap_m[inside], PAIR), rtol=0, atol=tolerance_N)
 
 
-def meeting(module: ModuleType, speed_m_per_s: float, **changes: object) -> tuple[bool, float, float]:
+def meeting(module: ParticlesAdapter, speed_m_per_s: float, **changes: object) -> tuple[bool, float, float]:
     """Two free spheres meet: whether they stick, what was lost, and the solver's own defect."""
     solver = pair(module, speed_m_per_s, 1e-8, **changes)
     surface = flat()
@@ -163,14 +163,14 @@ MASS_KG = DENSITY_KG_PER_M3 * 4 / 3 * math.pi * RADIUS_M**3
 
 
 @pytest.mark.parametrize("share", [0.97, 1.03])
-def test_the_critical_sticking_speed_of_a_pair(module: ModuleType, share: float) -> None:
+def test_the_critical_sticking_speed_of_a_pair(module: ParticlesAdapter, share: float) -> None:
     """Without damping: below 4.84 mm/s two spheres stick, above they part.  The step, 2 us,
     shifts where the neck forms and snaps by up to 2 % of the gap it bridges."""
     sticks, _, _ = meeting(module, share * PAIR.sticking_m_per_s(MASS_KG / 2), step_s=2e-6)
     assert sticks == (share < 1.0)
 
 
-def test_a_bounce_loses_the_loop(module: ModuleType) -> None:
+def test_a_bounce_loses_the_loop(module: ParticlesAdapter) -> None:
     """At twice the sticking speed the pair parts with the area of the loop less; the ledger of
     the spheres, which books necks as they form and snap, agrees to 1 % of it (the step: 1 us
     at 10 mm/s is 2 % of the gap that the neck bridges, half of it at each end)."""
@@ -181,7 +181,7 @@ def test_a_bounce_loses_the_loop(module: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("rule", ["sticking", "pull-off"])
-def test_softened_contacts(module: ModuleType, rule: str) -> None:
+def test_softened_contacts(module: ParticlesAdapter, rule: str) -> None:
     """Ten times softer: with w E*^0.4 the sticking speed stays (bracketed to 3 %), with w itself
     the pull-off force stays, but particles stick up to 10^(1/3) times the speed."""
     factor = 0.1**0.4 if rule == "sticking" else 1.0
@@ -201,7 +201,7 @@ def test_softened_contacts(module: ModuleType, rule: str) -> None:
 
 
 @pytest.mark.parametrize("work_J_per_m2", [0.0, 0.05])
-def test_coarse_contacts_are_similar(module: ModuleType, work_J_per_m2: float) -> None:
+def test_coarse_contacts_are_similar(module: ParticlesAdapter, work_J_per_m2: float) -> None:
     """Twice the size with twice the work of adhesion: the same rebound speed, in twice the time
     (particles.coarse_graining)."""
     speeds_m_per_s = []
@@ -224,7 +224,7 @@ def test_coarse_contacts_are_similar(module: ModuleType, work_J_per_m2: float) -
 
 
 @pytest.mark.parametrize("share", [-1.0, -0.5, 0.0, 2.0])
-def test_friction_goes_by_the_force_plus_twice_the_pull_off(module: ModuleType, share: float) -> None:
+def test_friction_goes_by_the_force_plus_twice_the_pull_off(module: ParticlesAdapter, share: float) -> None:
     """A sphere held at an overlap (in units of the separation) while the surface slides away: the
     drag is  mu |F + 2 F_po|,  also in tension and where there is no force at all."""
     overlap_m = -share * PLANE.separation_m if share > 0 else 0.98 * -share * PLANE.separation_m
@@ -250,7 +250,7 @@ class FarAway:
         assert accepted.all()
 
 
-def test_necks_outlive_feeding(module: ModuleType) -> None:
+def test_necks_outlive_feeding(module: ParticlesAdapter) -> None:
     """A sphere that hangs on a neck notices nothing of others that are fed meanwhile."""
     puller = on_surface(module, flat(0.004, 40), feed=FarAway())
     half_m = 0.5 * PLANE.separation_m
@@ -262,7 +262,7 @@ def test_necks_outlive_feeding(module: ModuleType) -> None:
     np.testing.assert_allclose(hanging_N[:, 2], expected_N, rtol=2e-3)
 
 
-def test_sjkr_with_its_mapping_has_the_pull_off_force(module: ModuleType) -> None:
+def test_sjkr_with_its_mapping_has_the_pull_off_force(module: ParticlesAdapter) -> None:
     """k = (9 w E*^2 / (4 pi^2 R))^(1/3): the same pull-off force at a positive overlap (1 %: the
     mapping leaves out terms in overlap / R), nothing beyond contact, and no loop: what the
     surface does on the way in comes back on the way out."""

@@ -7,20 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 
-from adapters.particles import spheres
 from orchestrator.ports import Array, HermitePath, Motion
+from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Jkr, ParticlesPlan
-from tests.particles.contract import solver_module
+from tests.particles.contract import solver_adapter
 from tests.particles.folds import VALLEY, fold
 from tests.particles.liggghts_plans import flat, make_plan
 from tests.particles.liggghts_plans import spheres as spheres_at
+from tests.reference import spheres
 
 STEP_S, BEFORE_S = 1e-7, 2e-5
 CONTACT_S = 1.4e-4  # half a period of the spheres on their springs, about
@@ -48,7 +48,7 @@ def pressed(**changes: Any) -> ParticlesPlan:
 
 
 @contextmanager
-def in_touch(module: ModuleType, plan: ParticlesPlan) -> Iterator[Any]:
+def in_touch(module: ParticlesAdapter, plan: ParticlesPlan) -> Iterator[Any]:
     """The solver some steps after its start."""
     with closing(module.build(plan)) as solver:
         at_rest = Motion(plan.surface.position_m, np.zeros_like(plan.surface.position_m))
@@ -83,7 +83,7 @@ def errors(solver: Any, plan: ParticlesPlan, length_s: float) -> tuple[float, fl
     )
 
 
-def test_it_is_the_tangent_of_the_mean_load(module: ModuleType) -> None:
+def test_it_is_the_tangent_of_the_mean_load(module: ParticlesAdapter) -> None:
     """Against finite differences, in intervals of 1/14 and 1/28 of a contact: the midpoint rule is
     of second order in what it tells of its contact; the sphere on top, whose force is taken as it
     is at the start, is of first order in the push (measured, the same four digits in both
@@ -111,7 +111,7 @@ def test_it_is_the_tangent_of_the_mean_load(module: ModuleType) -> None:
 def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
     plan = pressed(**changes)
     told = []
-    for module in (spheres, solver_module("liggghts")):
+    for module in (spheres, solver_adapter("liggghts")):
         with in_touch(module, plan) as solver:
             told.append(solver.contact_tangent(1e-5))
     mine, theirs = told
@@ -125,11 +125,11 @@ def test_both_adapters_tell_the_same(changes: dict[str, Any]) -> None:
 def test_a_contact_tangent_goes_along_with_a_saved_state() -> None:
     """Bit for bit, back at the sync point and in another instance."""
     plan = pressed()
-    with in_touch(solver_module("liggghts"), plan) as solver:
+    with in_touch(solver_adapter("liggghts"), plan) as solver:
         before, told = solver.save(), solver.contact_tangent(1e-5)
         load_N(solver, plan, np.array([0.0, 0.0, 0.01]), 1e-5)
         again = solver.contact_tangent(1e-5)
-    with closing(solver_module("liggghts").build(plan)) as other:
+    with closing(solver_adapter("liggghts").build(plan)) as other:
         other.restore(before)
         elsewhere = other.contact_tangent(1e-5)
     for name in ("push_N", "impedance_N_s_per_m"):

@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 from orchestrator.case.bed.feed import Feeds, Inlet, RateFeed
+from orchestrator.case.bed.size_distribution import size_class
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
-from tests.particles.sizes import COAL, Sizes, mass_shares, smallest_gap_m
+from tests.particles.sizes import COAL, mass_shares, smallest_gap_m
 
 INLET = Inlet(
     sizes=COAL,
@@ -28,7 +29,7 @@ INLET = Inlet(
     start_s=0.01,
     stop_s=0.06,
 )
-LUMPS = (Sizes(0.008, 0.013, 1.0),)
+LUMPS = (size_class(0.008, 0.013, 1.0),)
 LARGEST_KG = float(sphere_mass_kg(np.array(0.013), 1430.0))
 
 
@@ -175,7 +176,7 @@ def test_the_largest_rate_is_no_more_than_what_is_found(
     1.6 times the estimate), and little that is possible refused."""
     inlet = replace(
         INLET,
-        sizes=(Sizes(smallest_m, largest_m, 1.0),),
+        sizes=(size_class(smallest_m, largest_m, 1.0),),
         box_m=np.array([np.zeros(3), box_m]),
         velocity_m_per_s=np.array(velocity_m_per_s),
         batch_s=batch_s,
@@ -224,7 +225,7 @@ def test_several_feeds_are_one() -> None:
     other = replace(
         INLET,
         box_m=INLET.box_m + 1.0,
-        sizes=(Sizes(0.012, 0.013, 1.0),),
+        sizes=(size_class(0.012, 0.013, 1.0),),
         rate_kg_per_s=6.0,
         material=0,
         seed=2,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from tests.particles.contract import SOLVERS, solver_module
+from tests.particles.contract import SOLVERS, solver_adapter
 from tests.particles.folds import KINDS, RADIUS_M, RIDGE, VALLEY, fold, furrows, held, pit, single_N
 from tests.particles.liggghts_plans import make_plan, spheres, still, travel
 
@@ -193,7 +193,7 @@ def energy_error(code: str, angle_deg: float, kind: int, step_s: float) -> float
         gravity_m_per_s2=np.array([0.0, 0.0, -gravity_m_per_s2]),
         step_s=step_s,
     )
-    with closing(solver_module(code).build(plan)) as solver:
+    with closing(solver_adapter(code).build(plan)) as solver:
         energy_J = [sum(solver.account().stored_J.values())]
         for index in range(40):
             travel(solver, lambda t: still(surface), range(index, index + 1))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.particles.contract import solver_module
+from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_plans import flat, make_plan, spheres
 
 pytestmark = pytest.mark.solver
@@ -44,7 +44,7 @@ CALLS = {"begin_path": PATH, "create": NEW, "set_exits": EXITS}
 @pytest.fixture
 def engine() -> Any:
     plan = make_plan(SURFACE, spheres([0.0, 0.0, 0.01]))
-    with closing(solver_module("liggghts").build(plan)) as solver:
+    with closing(solver_adapter("liggghts").build(plan)) as solver:
         yield solver._engine
 
 

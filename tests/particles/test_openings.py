@@ -12,7 +12,7 @@ from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.triangle_grid import perforated_grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
-from tests.particles.contract import SOLVERS, Run, one, particles, plan, solver_module
+from tests.particles.contract import SOLVERS, Run, one, particles, plan, solver_adapter
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
@@ -23,7 +23,7 @@ STAGGERED = AperturePattern("rectangle", 0.010, 0.006, 0.015, 0.009, 0.5, 0.02, 
 
 
 def build(solver: str, **given: Any) -> Any:
-    return solver_module(solver).build(plan(**given))
+    return solver_adapter(solver).build(plan(**given))
 
 
 every_solver = pytest.mark.parametrize("solver", SOLVERS)

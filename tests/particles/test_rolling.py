@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 from contextlib import closing
-from types import ModuleType
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from orchestrator.ports import Array, Motion, ParticleSnapshot
+from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
@@ -37,7 +37,7 @@ def sunk_m(angle: float) -> float:
 
 
 def after(
-    module: ModuleType, law: str, slope: float, time_s: float, speed_m_per_s: float, **changes: object
+    module: ParticlesAdapter, law: str, slope: float, time_s: float, speed_m_per_s: float, **changes: object
 ) -> ParticleSnapshot:
     """A sphere rolling down (x) a plane with tan = ``slope``, gravity turned instead."""
     angle = math.atan(slope)
@@ -74,7 +74,7 @@ def rate_m_per_s2(slope: float) -> float:
 
 
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
-def test_above_the_threshold_it_rolls_down(module: ModuleType, law: str) -> None:
+def test_above_the_threshold_it_rolls_down(module: ParticlesAdapter, law: str) -> None:
     """From rest, to 1 %: until the spring of epsd2 is stretched the sphere runs ahead, 0.3 mm/s."""
     now = after(module, law, 2 * ROLLING, 0.05, 0.0)
     assert now.velocity_m_per_s[0, 0] == pytest.approx(0.05 * rate_m_per_s2(2 * ROLLING), rel=1e-2)
@@ -82,14 +82,14 @@ def test_above_the_threshold_it_rolls_down(module: ModuleType, law: str) -> None
 
 
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
-def test_below_the_threshold_it_slows_down(module: ModuleType, law: str) -> None:
+def test_below_the_threshold_it_slows_down(module: ParticlesAdapter, law: str) -> None:
     now = after(module, law, ROLLING / 2, 0.05, 0.1)
     assert now.velocity_m_per_s[0, 0] == pytest.approx(0.1 + 0.05 * rate_m_per_s2(ROLLING / 2), rel=5e-3)
 
 
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
 @pytest.mark.parametrize("slope", [0.0, 0.5 * ROLLING])
-def test_below_the_threshold_it_comes_to_rest(module: ModuleType, law: str, slope: float) -> None:
+def test_below_the_threshold_it_comes_to_rest(module: ParticlesAdapter, law: str, slope: float) -> None:
     """From 0.01 m/s after v / (-a), and stays there (1 % of the way): epsd2 swings on its spring
     with 2 % of the speed, cdt turns to and fro and creeps: with 0.3 % of the speed at this step,
     in proportion to the step."""
@@ -101,7 +101,7 @@ def test_below_the_threshold_it_comes_to_rest(module: ModuleType, law: str, slop
 
 
 @pytest.mark.parametrize("law", ["cdt", "epsd2"])
-def test_a_sphere_that_sticks_resists_rolling_without_weight(module: ModuleType, law: str) -> None:
+def test_a_sphere_that_sticks_resists_rolling_without_weight(module: ParticlesAdapter, law: str) -> None:
     """With JKR the couple goes by N + 2 F_po: pulled along the plane by gravity without any weight,
     the sphere rests up to  mu_r 2 F_po,  and rolls with  5/7 (g - mu_r 2 F_po / m)  beyond."""
     for share in (0.9, 2.0):
@@ -144,7 +144,7 @@ def wobbling(points_m: Array, time_s: float) -> Motion:
     return Motion(at(time_s), (at(after_s) - at(before_s)) / (after_s - before_s))
 
 
-def test_a_sphere_that_sticks_is_not_spun_up_by_a_plate_that_wobbles(module: ModuleType) -> None:
+def test_a_sphere_that_sticks_is_not_spun_up_by_a_plate_that_wobbles(module: ParticlesAdapter) -> None:
     """Resistance to rolling takes the sphere along with the plate, which turns by
     sin(w) W a' + (1 - cos(w)) W a x a'  (tilt w about the axis a that goes round with W).  Nothing
     in the model acts about the normal, so the spin about it stays none.  Without the cure of epsd2
@@ -164,7 +164,7 @@ def test_a_sphere_that_sticks_is_not_spun_up_by_a_plate_that_wobbles(module: Mod
     np.testing.assert_allclose(spin_rad_per_s, with_the_plate_rad_per_s, atol=0.01 * WOBBLE_RAD_S * WOBBLE)
 
 
-def test_a_pair_that_sticks_and_tumbles_keeps_its_energy(module: ModuleType) -> None:
+def test_a_pair_that_sticks_and_tumbles_keeps_its_energy(module: ParticlesAdapter) -> None:
     """Two spheres stuck together tumble with 300 rad/s, rolling against each other at first.  Later
     nothing slides: kinetic energy stays to 0.1 % (without the cure: +17 % in 90 ms), and the spins
     about the line of centres stay within what tumbling exchanges."""

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from adapters.particles import spheres
 from orchestrator.ports.clock import Interval
-from tests.particles.contract import solver_module
+from tests.particles.contract import solver_adapter
 from tests.particles.liggghts_bed import PERIODIC, WET, bed_plan, wave
 from tests.particles.liggghts_plans import INTERVAL_S, travel
 from tests.particles.restored_bed import OPEN_END, astray, fed, hesitating, resumed
+from tests.reference import spheres
 
 SMOOTH = {"sliding_friction": 0.0, "rolling_friction": 0.0}
 WEARING = {"wear_m3_per_N_m": np.ones((2, 2))}
@@ -75,7 +75,7 @@ def test_the_way_that_is_taken_back_was_another_one() -> None:
 
 @pytest.mark.solver
 def test_a_state_without_its_arrays_is_refused(tmp_path: Path) -> None:
-    solver = solver_module("liggghts").build(bed_plan(folder=tmp_path))
+    solver = solver_adapter("liggghts").build(bed_plan(folder=tmp_path))
     saved = solver.save()
     del saved["engine"]["torque_N_m"]
     with pytest.raises(RuntimeError, match="no torque_N_m"):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from adapters.particles import spheres
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import closest_on_triangle
 from orchestrator.ports.plans import ExitPlan, GrainMaterial
 from tests.particles.contract import WEIGHTLESS, Run, energy_defect_J, one, particles, plan, plate
+from tests.reference import spheres
 
 MASS_KG = 1430.0 * np.pi / 6.0 * 0.01**3
 

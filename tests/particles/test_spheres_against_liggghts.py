@@ -10,14 +10,14 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from adapters.particles import spheres
 from orchestrator.ports import Account, Array, ParticleSnapshot
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr
-from tests.particles.contract import Run, particles, plan, plate, solver_module
+from tests.particles.contract import Run, particles, plan, plate, solver_adapter
 from tests.particles.folds import furrows, pit
 from tests.particles.liggghts_plans import make_plan
 from tests.particles.liggghts_plans import spheres as spheres_at
+from tests.reference import spheres
 
 pytestmark = pytest.mark.solver
 
@@ -27,7 +27,7 @@ Result = tuple[Array, ParticleSnapshot, Account]
 def both(given: ParticlesPlan, intervals: int, surface_m_per_s: Array) -> tuple[Result, Result]:
     """Loads, last snapshot and account of the spheres and of LIGGGHTS."""
     results = []
-    for module in (spheres, solver_module("liggghts")):
+    for module in (spheres, solver_adapter("liggghts")):
         with closing(module.build(given)) as solver:
             run = Run(solver, given, surface_m_per_s)
             run.advance(intervals)

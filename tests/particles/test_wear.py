@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from adapters.particles import spheres
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
-from tests.particles.contract import WEIGHTLESS, Run, one, particles, plan, plate, solver_module
+from tests.particles.contract import WEIGHTLESS, Run, one, particles, plan, plate, solver_adapter
+from tests.reference import spheres
 
 Build = Callable[[ParticlesPlan], Run]
 
@@ -147,7 +147,7 @@ def test_only_the_pair_with_a_rate_wears(build: Build) -> None:
 @pytest.mark.parametrize("adhesion", [None, Jkr(one(0.2), 1e-2)], ids=["dry", "sticky"])
 def test_two_codes_wear_alike(adhesion: Jkr | None) -> None:
     """Eighteen spheres with rolling resistance on a moving plate, point by point."""
-    liggghts = solver_module("liggghts")
+    liggghts = solver_adapter("liggghts")
     place_m = 0.011 * np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [1, 2], indexing="ij"), -1)
     place_m = place_m.reshape(-1, 3) - np.array([0.0, 0.0, 0.0055])
     velocity_m_per_s = np.random.default_rng(1).normal(0.0, 0.3, (18, 3))

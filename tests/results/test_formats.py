@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
-from orchestrator.case import recording_file
+from orchestrator.case import recordings
 from orchestrator.output import checkpoints
 from orchestrator.output.records.history import COLUMNS, History
 from orchestrator.output.records.run_folder import OtherFormat
@@ -25,7 +25,7 @@ FILES = {"history.h5", "summary.json"}
 NAMING = "orchestrator/output/records/run_folder.py"
 READER = "orchestrator/output/results/run_reader.py"
 WRITERS = {"orchestrator/output/records/history.py", "orchestrator/output/records/summary.py"}
-RECORDINGS = "orchestrator/case/recording_file.py"
+RECORDINGS = "orchestrator/case/recordings.py"
 
 
 def product() -> dict[str, ast.Module]:
@@ -44,7 +44,7 @@ def test_nobody_but_the_reader_opens_a_run() -> None:
         assert not FILES & texts or file == NAMING, f"{file} names a file that RunReader reads"
         if "SUMMARY" in names and not allowed:
             calls = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
-            assert "loads" not in calls or file == "orchestrator/cli/resume.py", file
+            assert "loads" not in calls or file == "orchestrator/cli/launch.py", file
 
 
 def test_the_manual_has_the_schema_of_the_history() -> None:
@@ -101,9 +101,9 @@ def test_another_version_of_a_checkpoint_is_refused(tmp_path: Path) -> None:
 
 def test_another_version_of_a_recording_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "panels.h5"
-    recording_file.write(file, recording_file.File(78.5, {}))
-    assert recording_file.read(file).speed_rad_per_s == 78.5
+    recordings.write(file, recordings.File(78.5, {}))
+    assert recordings.read(file).speed_rad_per_s == 78.5
     with h5py.File(file, "a") as opened:
         opened.attrs["format_version"] = 1
-    with pytest.raises(recording_file.UnreadableRecording, match="has format 1; this flipflow reads"):
-        recording_file.read(file)
+    with pytest.raises(recordings.UnreadableRecording, match="has format 1; this flipflow reads"):
+        recordings.read(file)

@@ -77,9 +77,8 @@ def started(
 
 
 def _environment() -> dict[str, str]:
-    """One thread for each process, the width of a terminal that does not wrap, and this project
-    wherever it is started."""
-    return os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "100", "PYTHONPATH": str(ROOT)}
+    """One thread for each process, and the width of a terminal that does not wrap."""
+    return os.environ | {"OMP_NUM_THREADS": "1", "COLUMNS": "100"}
 
 
 def of(run: Path) -> list[int]:

@@ -15,7 +15,7 @@ from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.preflight.judge import load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from tests.runs.outside import ROOT
-from tools.bench.effects import Asked, Timed, bench, ratio, sets
+from tools.bench.effects import Asked, Timed, bench, ratio, sets, undescribing
 from tools.bench.loaded import loaded_by
 
 BALL = ROOT / "cases/ball-on-panel"
@@ -42,7 +42,7 @@ def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
     case = load_judged(COAL, "draft").case
     others = [one for one in EFFECTS if has_effect(case, one) and one != name]
     without = load_judged(COAL, "draft", [f"effects={others}"]).case
-    undescribed = load_judged(COAL, "draft", sets(EFFECTS[name].undescribed(case))).case
+    undescribed = load_judged(COAL, "draft", sets(undescribing(case, name))).case
     corner_m = single_panels(case)[0].rectangle.corner_m
     one_triangle = np.array([[0, 1, 2]]), np.array([0])
     surface = TriangleSurface(corner_m + np.eye(3), *one_triangle)
@@ -55,9 +55,11 @@ def test_left_out_is_the_same_to_the_solver_as_not_described(name: str) -> None:
 def test_what_is_loaded_is_what_the_case_calls_for() -> None:
     whole = loaded_by(BALL, "draft", [])
     rigid = loaded_by(BALL, "draft", ["panel.solver=rigid"])
-    assert {"panel.strip.panel", "particles.spheres.particles", "frames.prescribed"} <= whole
+    empty = loaded_by(BALL, "draft", ["particles.solver=none"])
+    assert {"panel.strip.panel", "particles.liggghts.particles", "frames.prescribed"} <= whole
     assert "panel.strip.panel" in whole - rigid
-    assert not whole & {"dolfinx", "exudyn", "mpi4py", "gmsh", "matplotlib"}
+    assert not whole & {"dolfinx", "exudyn", "gmsh", "matplotlib"}
+    assert "mpi4py" in whole - empty
 
 
 @pytest.mark.process

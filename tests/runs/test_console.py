@@ -98,7 +98,7 @@ LOADED = "import atexit, sys; atexit.register(lambda: print('loaded:', *sys.modu
     [
         (["--help"], set()),
         (["list", "{folder}"], set()),
-        (["check", "{folder}/quickstart", "--level", "draft"], {"scipy"}),
+        (["check", "{folder}/quickstart", "--level", "draft"], {"scipy", "mpi4py"}),
         # the modes of its panels' mesh limit the sync interval; where solvers are is seen by loading them
         (["check", "{folder}/quickstart"], {"scipy", "petsc4py", "mpi4py", "dolfinx", "exudyn"}),
     ],

@@ -17,7 +17,7 @@ from orchestrator.output.report.page import Film, page
 from orchestrator.output.results.compute import compute_results
 from tests.cases import CASE, case_folder
 from tests.results.synthetic import folder_of
-from tests.runs.outside import HANG_S, ROOT, left_usable
+from tests.runs.outside import HANG_S, left_usable
 
 EVIL_NAME = "x$(touch owned)`touch owned`;\"'${y}\nshell touch owned"
 # what libraries look for in the folder that a program is started in
@@ -54,7 +54,7 @@ def flipflow(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-P", "-c", "from orchestrator.cli.main import main; main()", *words],
         cwd=cwd,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"},
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
         capture_output=True,
         text=True,
         timeout=HANG_S,

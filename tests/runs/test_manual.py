@@ -95,9 +95,7 @@ def test_the_keys_of_the_results(folder: Path) -> None:
 
 def test_the_files(folder: Path) -> None:
     named = {name.rstrip("/") for name in documented("# The folder of a run")}
-    elsewhere = {"<surface>.stl", "failure.txt", "report.html", "recording.h5"} | {
-        n for n in named if "liggghts" in n
-    }
+    elsewhere = {"<surface>.stl", "failure.txt", "report.html", "recording.h5"}
     found = {path.name for path in folder.iterdir()}
     assert found == named - elsewhere | {"walls.stl"}
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.cli import launch
-from orchestrator.cli.resume import resume
+from orchestrator.cli.launch import resume
 from orchestrator.output import checkpoints
 from tests.runs.outside import HANG_S, QUICK, ROOT, flipflow, run_words, started, wait_until
 from tests.runs.same_run import run_differences
@@ -113,7 +113,8 @@ def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_pa
             arrays.write_bytes(arrays.read_bytes()[:-100])
         case "changed":
             half = len(arrays.read_bytes()) // 2
-            arrays.write_bytes(arrays.read_bytes()[:half] + b"?" + arrays.read_bytes()[half + 1 :])
+            # as many bytes as may lie between two arrays, where nothing would be lost
+            arrays.write_bytes(arrays.read_bytes()[:half] + 64 * b"?" + arrays.read_bytes()[half + 64 :])
         case "half":
             about.write_text(about.read_text()[:-20])
     assert resume(folder, []) == launch.DONE
@@ -125,11 +126,11 @@ def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_pa
 def test_a_save_of_another_flipflow_is_said_to_be_one(
     stopped: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One that knew nothing of what the spheres need today; nothing of the save is lost."""
-    monkeypatch.setattr("adapters.particles.spheres.particles._STATE", ("_spheres", "_plan"))
+    """One that knew nothing of what the particles need today; nothing of the save is lost."""
+    monkeypatch.setattr("adapters.particles.liggghts.ledger.ParticleLedger.STATE", ("_mass_kg", "_periodic"))
     assert resume(stopped, []) == launch.FAILED
     said = capsys.readouterr().err
-    assert "cannot be put back (KeyError: 'plan'): it was saved by another flipflow" in said
+    assert "cannot be put back (KeyError: 'periodic'): it was saved by another flipflow" in said
     monkeypatch.undo()
     assert resume(stopped, []) == launch.DONE
 

@@ -164,5 +164,5 @@ def test_studies_take_no_doubtful_run_as_data(doubtful: sweep.Point) -> None:
         evaluate(row, {"one": Runs((doubtful,))})
     point = Combination("parameter", "one", runs=(doubtful,))
     assert point.ended
-    assert not point.measured().metrics
+    assert not point.with_metrics().metrics
     assert outcome(doubtful.folder) == "warned"

@@ -10,7 +10,7 @@ import h5py
 import pytest
 
 from orchestrator.cli import launch
-from orchestrator.cli.resume import resume
+from orchestrator.cli.launch import resume
 from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.records import trust

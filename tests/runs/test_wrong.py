@@ -65,10 +65,10 @@ def test_what_a_solver_refuses_when_it_is_opened(tmp_path: Path) -> None:
 
 
 TOO_LARGE = """
-from adapters.panel.finite_element import sheet_panel as sheet
-def largest_step_s(plan):
+from adapters.panel.finite_element import elastic_panel
+def largest_step_s(plan, structure):
     raise MemoryError("std::bad_alloc")
-sheet.largest_step_s = largest_step_s
+elastic_panel.largest_step_s = largest_step_s
 """
 
 

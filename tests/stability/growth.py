@@ -14,11 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from orchestrator.coupling.schemes import create_scheme as named
+from orchestrator.coupling.schemes.iterated import Effort
 from orchestrator.coupling.schemes.robin import Robin
 from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Array, PanelState
 from orchestrator.ports.clock import Interval
-from orchestrator.preflight.cost import Effort
 from tests.coupling.line import FreeFrame, HungPlate, Sphere, members, point, push
 
 NUMBERS = 12  # sphere, plate, load and where the sphere saw the plate; frame, its acceleration,

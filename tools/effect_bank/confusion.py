@@ -100,8 +100,8 @@ def confusion(scenes: Sequence[Tried]) -> Confusion:
 
 
 def _rows(one: Tried) -> Iterator[Row]:
-    parts = weigh_effects(one.loaded.described, asked=one.scene.asked).values()
-    verdicts = {each.effect: with_doubt(each).verdict for rows in parts for each in rows}
+    judged = weigh_effects(one.loaded.described, asked=one.scene.asked)
+    verdicts = {name: with_doubt(each).verdict for name, each in judged.items()}
     base, *others = one.trials
     for trial in others:
         verdict = verdicts.get(trial.without)

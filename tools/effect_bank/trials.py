@@ -18,7 +18,7 @@ from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.judgement.catalogue import EFFECTS, can_leave_out, has_effect, with_dependents
 from orchestrator.studies import points as sweep
-from orchestrator.studies.points import CaseStudy, sample_s, seeded
+from orchestrator.studies.points import CaseStudy, sample_s, seed_sets
 from tools.effect_bank.bank import Scene
 
 AS_IT_IS = ""
@@ -105,7 +105,7 @@ def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str
     bare = load_judged(case, scene.level, sets).case
     study = CaseStudy(case, scene.level, tuple(sets), out)
     runs = tuple(
-        study.point(whole, seeded(bare, number), f"{whole}-seed{number}" if number else whole)
+        study.point(whole, seed_sets(bare, number), f"{whole}-seed{number}" if number else whole)
         for number in range(scene.seeds)
     )
     return Trial(name, without, runs, predicted_s(bare, particles_at_start(bare)))

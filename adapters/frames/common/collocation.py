@@ -19,7 +19,7 @@ STAGES = 6
 
 
 class Collocation:
-    """Steps of a linear machine under loads at the nodes.
+    """Makes the steps of a linear machine under loads at the nodes.
 
     ``step_s`` is the present length of a step; ``node_s``, ``weight_s`` (stages,) are times from the
     step's start, and weights that sum to the step; ``integral_s`` (stages, stages) takes rates at the

@@ -1,4 +1,4 @@
-"""Where a drive has its body at a time, and how fast it moves it there.  Exact.
+"""Drives: where a drive has its body at a time, and how fast it moves it there, exactly.
 
 Equations: docs/theory/frames.md.
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Driving:
-    """Where a drive's centre is and how fast it moves (3,), the rotation from the drawn position,
+    """Tells where a drive's centre is and how fast it moves (3,), the rotation from the drawn position,
     and the angular velocity (3,) in the world."""
 
     center_m: Array
@@ -57,8 +57,7 @@ def moved(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Arra
 
 
 class DrivenPoints:
-    """The carried points of a plan where its drives have them at a time; all others stay where they
-    were drawn."""
+    """Moves the carried points of a plan as its drives say; all others stay where they were drawn."""
 
     def __init__(self, plan: FramesPlan) -> None:
         self._points_m, carrier = plan.points_m, np.array(plan.carrier, dtype=str)

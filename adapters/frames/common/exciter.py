@@ -16,34 +16,46 @@ from typing import ClassVar
 
 import numpy as np
 
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array
+from orchestrator.ports.physics import motor_torque_N_m
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 
 class Unbalance:
-    """The inertia force of a rotating unbalance on its body, at a given speed.
+    """A rotating unbalance shakes its body with its inertia force.
 
-    With angle phi:  mass_moment (phi'^2 radial - phi'' tangential), which is minus the second
+    With angle phi:  mass_moment (phi'^2 radial - phi'' tangent), which is minus the second
     time derivative of  mass_moment * radial.
     """
 
     def __init__(self, exciter: ExciterPlan) -> None:
-        self._exciter = exciter
-        # rows: radial and tangential at angle 0
-        self._axes = np.stack([exciter.start, np.cross(exciter.axis, exciter.start)])
+        self._exciter, self._across = exciter, np.cross(exciter.axis, exciter.start)
 
     def force_N(self, time_s: Array) -> Array:
-        """Return the force in the world at the times (n,): (n, 3)."""
-        angle, speed, growth = self._turning(time_s)
-        cosine, sine = np.cos(angle), np.sin(angle)
-        along_start = speed**2 * cosine + growth * sine
-        along_tangent = speed**2 * sine - growth * cosine
-        size = self._exciter.mass_moment_kg_m
-        return np.asarray(size * np.stack([along_start, along_tangent], axis=1) @ self._axes)
+        """Return the force in the world (n, 3) at the times (n,), at the exciter's given speed."""
+        return self.inertia_force_N(*self._turning(time_s))
+
+    def inertia_force_N(self, angle_rad: Array, speed_rad_per_s: Array, growth_rad_per_s2: Array) -> Array:
+        """Return the force in the world (n, 3) at these angles, speeds and angular accelerations, (n,)."""
+        push = speed_rad_per_s[:, None] ** 2 * self.radial(angle_rad)
+        push -= growth_rad_per_s2[:, None] * self.tangent(angle_rad)
+        return self._exciter.mass_moment_kg_m * push
+
+    def radial(self, angle_rad: Array | float) -> Array:
+        """Return the unit vectors (..., 3) from the shaft to the unbalance."""
+        return self._turned(np.cos(angle_rad), np.sin(angle_rad))
+
+    def tangent(self, angle_rad: Array | float) -> Array:
+        """Return the derivatives (..., 3) of ``radial`` with respect to the angle."""
+        return self._turned(-np.sin(angle_rad), np.cos(angle_rad))
+
+    def _turned(self, along: Array | float, across: Array | float) -> Array:
+        exciter = self._exciter
+        return np.asarray(np.multiply.outer(along, exciter.start) + np.multiply.outer(across, self._across))
 
     def _turning(self, time_s: Array) -> tuple[Array, Array, Array]:
-        """Angle in rad, speed in rad/s and angular acceleration in rad/s^2."""
+        """Return angle in rad, speed in rad/s and angular acceleration in rad/s^2."""
         full, run_up_s = self._exciter.speed_rad_per_s, self._exciter.run_up_s
         phase, since_s = self._exciter.phase_rad, time_s - self._exciter.start_s
         if since_s[0] >= run_up_s:  # full speed
@@ -60,22 +72,8 @@ class Unbalance:
         return angle + phase, speed, growth
 
 
-def motor_torque_N_m(motor: MotorPlan, lag_rad_per_s: Array) -> Array:
-    """Return an induction motor's torque at a lag of its shaft behind the synchronous speed.
-
-    Kloss, Archiv fuer Elektrotechnik 5, 1916, 59-87: 2 T d D / (d^2 + D^2) at the lag d, where T is
-    the breakdown torque, at the lag D.
-    """
-    rated_rad_per_s = motor.rated_slip * motor.synchronous_rad_per_s
-    rated_N_m = motor.rated_power_W / (motor.synchronous_rad_per_s - rated_rad_per_s)
-    surplus = motor.breakdown_ratio
-    breakdown_rad_per_s = rated_rad_per_s * (surplus + math.sqrt(surplus**2 - 1))
-    twice_N_m = 2 * surplus * rated_N_m * breakdown_rad_per_s
-    return np.asarray(twice_N_m * lag_rad_per_s / (lag_rad_per_s**2 + breakdown_rad_per_s**2))
-
-
-class Shaft:
-    """The angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
+class Shaft(SavedAttributes, Unbalance):
+    """Holds the angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
 
     ``motor_J`` is the motor's work and ``lost_J`` the loss in the bearings.
     """
@@ -83,8 +81,8 @@ class Shaft:
     STATE: ClassVar[tuple[str, ...]] = ("angle_rad", "speed_rad_per_s", "motor_J", "lost_J")
 
     def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan) -> None:
-        self._exciter, self._motor = exciter, motor
-        self._gravity_m_per_s2, self._across = plan.gravity_m_per_s2, np.cross(exciter.axis, exciter.start)
+        super().__init__(exciter)
+        self._motor, self._gravity_m_per_s2 = motor, plan.gravity_m_per_s2
         self.angle_rad, self.speed_rad_per_s = exciter.phase_rad, 0.0
         self.motor_J = self.lost_J = 0.0
 
@@ -117,23 +115,3 @@ class Shaft:
         risen = self.radial(self.angle_rad) - self.radial(self._exciter.phase_rad)
         own_J = self._motor.inertia_kg_m2 * self.speed_rad_per_s**2 / 2
         return own_J + self._exciter.mass_moment_kg_m * (moved_J - float(risen @ self._gravity_m_per_s2))
-
-    def radial(self, angle_rad: Array | float) -> Array:
-        """Return the unit vectors (..., 3) from the shaft to the unbalance."""
-        cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
-        return np.asarray(
-            np.multiply.outer(cosine, self._exciter.start) + np.multiply.outer(sine, self._across)
-        )
-
-    def tangent(self, angle_rad: Array | float) -> Array:
-        """Return the derivatives (..., 3) of ``radial`` with respect to the angle."""
-        cosine, sine = np.cos(angle_rad), np.sin(angle_rad)
-        return np.asarray(
-            np.multiply.outer(cosine, self._across) - np.multiply.outer(sine, self._exciter.start)
-        )
-
-    def save(self) -> Saved:
-        return save_attributes(self, *self.STATE)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *self.STATE)

@@ -8,61 +8,67 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from adapters.frames.common.exciter import Shaft
-from orchestrator.ports import Account, Array, Indices, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
-
-_SUMS = ("outside_N_s", "damping_J", "exciter_J", "reaction_J", "pushed_J")
+from orchestrator.ports import Account, Array
+from orchestrator.ports.linear_frames import driven
+from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.state import SavedAttributes
 
 
 @dataclass(frozen=True)
-class BodySums:
-    """What bodies have at one time: momentum (bodies, 3), kinetic and gravitational energy
-    (bodies,), the latter zero as drawn."""
+class BodyMotion:
+    """Tells how bodies move at one time: velocity and displacement (bodies, 3) of their centres of mass, and
+    the energy (bodies,) of their rotation."""
 
-    momentum_kg_m_per_s: Array
-    kinetic_J: Array
-    gravitational_J: Array
+    velocity_m_per_s: Array
+    moved_m: Array
+    turning_J: Array
 
 
-class FramesLedger:
-    """Sums since ``start``, at t = 0.
+class FramesLedger(SavedAttributes):
+    """Adds up what crossed since ``start``, at t = 0.
 
     ``outside_N_s`` (3,) is the impulse of ground, driven bodies, weight and exciters on the free
     bodies, less that of the reaction on all others; ``damping_J`` is lost in bushings; ``exciter_J``
     and ``reaction_J`` are work; ``pushed_J`` is the work of bushings and reaction on driven bodies.
     """
 
-    def __init__(self, start: BodySums, driven: Indices) -> None:
-        self._start, self._driven = start, driven
+    STATE: ClassVar[tuple[str, ...]] = ("outside_N_s", "damping_J", "exciter_J", "reaction_J", "pushed_J")
+
+    def __init__(self, plan: FramesPlan, start: BodyMotion) -> None:
+        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
+        self._gravity_m_per_s2, self._driven = plan.gravity_m_per_s2, driven(plan)
+        self._first_N_s, self._first_J = self._momentum(start)[self._driven], self._energies_J(start)
         self.outside_N_s = np.zeros(3)
         self.damping_J = self.exciter_J = self.reaction_J = self.pushed_J = 0.0
 
-    def account(self, now: BodySums, elastic_J: float, shafts: Sequence[tuple[Shaft, Array]] = ()) -> Account:
-        """Return the account of bodies as they are ``now``, on bushings that store ``elastic_J``.
+    def account(
+        self, now: BodyMotion, elastic_J: float, shafts: Sequence[tuple[Shaft, Array]] = ()
+    ) -> Account:
+        """Return the account of bodies as they move ``now``, on bushings that store ``elastic_J``.
 
         ``shafts`` come with the velocities (3,) of their places."""
-        driven = self._driven
-        gained_N_s = (now.momentum_kg_m_per_s - self._start.momentum_kg_m_per_s)[driven].sum(axis=0)
+        momentum_N_s, energies_J = self._momentum(now), self._energies_J(now)
+        gained_N_s = (momentum_N_s[self._driven] - self._first_N_s).sum(axis=0)
         supplied_J, lost_J = {"exciter": self.exciter_J}, {"bushing_damping": self.damping_J}
         stored_J = {
-            "kinetic": float(now.kinetic_J.sum()),
+            "kinetic": float(energies_J[0].sum()),
             "bushing_elastic": elastic_J,
-            "gravitational": float(now.gravitational_J.sum()),
+            "gravitational": float(energies_J[1].sum()),
         }
-        if len(driven):
-            gained_J = now.kinetic_J - self._start.kinetic_J
-            gained_J = gained_J + (now.gravitational_J - self._start.gravitational_J)
-            supplied_J["drive"] = float(gained_J[driven].sum()) - self.pushed_J
+        if len(self._driven):
+            gained_J = (energies_J - self._first_J).sum(axis=0)
+            supplied_J["drive"] = float(gained_J[self._driven].sum()) - self.pushed_J
         if shafts:
             supplied_J["motor"] = sum(shaft.motor_J for shaft, _ in shafts)
             lost_J["shaft_bearing"] = sum(shaft.lost_J for shaft, _ in shafts)
             stored_J["shaft"] = sum(shaft.stored_J(velocity) for shaft, velocity in shafts)
         return Account(
-            now.momentum_kg_m_per_s.sum(axis=0),
+            momentum_N_s.sum(axis=0),
             self.outside_N_s + gained_N_s,
             stored_J=stored_J,
             lost_J=lost_J,
@@ -70,8 +76,12 @@ class FramesLedger:
             received_J={"reaction": self.reaction_J},
         )
 
-    def save(self) -> Saved:
-        return save_attributes(self, *_SUMS)
+    def _momentum(self, bodies: BodyMotion) -> Array:
+        """Return the momentum (bodies, 3) in kg m/s."""
+        return np.asarray(self._mass_kg[:, None] * bodies.velocity_m_per_s)
 
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_SUMS)
+    def _energies_J(self, bodies: BodyMotion) -> Array:
+        """Return the kinetic and the gravitational energy, (2, bodies), the latter zero as drawn."""
+        moving_J = self._mass_kg * (bodies.velocity_m_per_s**2).sum(axis=1) / 2
+        risen_J = -self._mass_kg * (bodies.moved_m @ self._gravity_m_per_s2)
+        return np.stack([moving_J + bodies.turning_J, risen_J])

@@ -15,18 +15,18 @@ LARGEST_TILT_RAD = 1.4
 
 
 def build(plan: FramesPlan) -> Frames:
-    """Frames at rest, or about to drop.
+    """Open frames at rest, or about to drop.
 
-    ValueError for unknown bodies, drives that make no sense, or bushings that cannot hold the
+    Raises ValueError for unknown bodies, drives that make no sense, or bushings that cannot hold the
     weight; SolverMissing without Exudyn.
     """
-    from adapters.frames.exudyn import frames
+    from adapters.frames.exudyn.frames import ExudynFrames
 
-    return frames.build(plan)
+    return ExudynFrames(plan)
 
 
 def objections(plan: FramesPlan) -> Iterator[Objection]:
-    """Drives that may turn a frame over."""
+    """Yield drives that may turn a frame over."""
     for drive in plan.drives:
         largest_rad = np.linalg.norm(drive.rotation_rad)
         if largest_rad > LARGEST_TILT_RAD:
@@ -36,7 +36,7 @@ def objections(plan: FramesPlan) -> Iterator[Objection]:
 
 
 def cost(work: FramesWork) -> Cost:
-    """A call, and steps of some 1e-4 s."""
+    """Return the time of a call, and of steps of some 1e-4 s."""
     return Cost(0.4, work.runs * (5e-4 + 1.6 * work.interval_s))
 
 

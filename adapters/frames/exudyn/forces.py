@@ -1,4 +1,4 @@
-"""Forces on bodies at an instant, and the ledger of trapezoidal steps between two instants.
+"""Forces at an instant, shafts of motors, and the ledger of trapezoidal steps between two instants.
 
 Newmark's step with beta = 1/4, gamma = 1/2 is  m (v1 - v0) = h/2 (f0 + f1)  and
 x1 - x0 = h/2 (v0 + v1): so the mean of the forces at its two ends gives its impulse to rounding,
@@ -11,17 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common import linear
-from adapters.frames.common.exciter import Unbalance
-from adapters.frames.common.ledger import BodySums, FramesLedger
+from adapters.frames.common.exciter import Shaft
+from adapters.frames.common.ledger import BodyMotion, FramesLedger
+from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
 from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
 from orchestrator.ports import Array, linear_frames
-from orchestrator.ports.plans import FramesPlan
+from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
+
+MOST_ROUNDS = 50
+TOLERANCE = 1e-14
+"""Of a shaft's synchronous speed: what its step may get wrong."""
 
 
 @dataclass(frozen=True)
 class Instant:
-    """Poses and forces at one time.
+    """Holds poses and forces at one time.
 
     ``stretch_m``, ``stretch_m_per_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3)
     on the first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m``
@@ -45,34 +49,25 @@ class SpatialForces:
     ``bodies``: the numbers (bushings,) of the bushings' first and of their second bodies."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
-        place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
-        first, second = (
-            linear_frames.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
-        )
-        self.bodies = first, second
-        self._ends = Attached.at(place_m, first, drawn_m), Attached.at(place_m, second, drawn_m)
-        self._axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
-        self._sag_m = sag_m
-        self.stiffness_N_per_m = np.array([b.stiffness_N_per_m for b in plan.bushings]).reshape(-1, 3)
-        self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in plan.bushings]).reshape(-1, 3)
-        self._onto_first = linear.onto_bodies(plan, first)
-        self._exciters = [Unbalance(exciter) for exciter in plan.exciters]
-        excited = linear_frames.numbers(plan, tuple(e.body for e in plan.exciters))
-        exciter_m = np.array([e.position_m for e in plan.exciters]).reshape(-1, 3)
-        self._unbalance = Attached.at(exciter_m, excited, drawn_m)
+        self._table, self._sag_m = BushingTable(plan), sag_m
+        self.bodies = self._table.first, self._table.second
+        first, second = (Attached.at(self._table.place_m, body, drawn_m) for body in self.bodies)
+        self._ends = first, second
+        self._onto_first = onto_bodies(plan, first.body)
+        self._unbalances = Unbalances(plan, plan.exciters)
+        self._excited = Attached.at(self._unbalances.place_m, self._unbalances.body, drawn_m)
 
     def exciter_N(self, time_s: float) -> Array:
         """Return the force of each exciter, (exciters, 3)."""
-        when = np.array([time_s])
-        return np.array([exciter.force_N(when)[0] for exciter in self._exciters]).reshape(-1, 3)
+        return np.asarray(self._unbalances.force_N(np.array([time_s]))[0])
 
     def at(self, poses: Poses, exciter_N: Array) -> Instant:
         """Evaluate all forces on bodies in these poses."""
         (from_m, from_m_per_s), (to_m, to_m_per_s) = (end.motion(poses) for end in self._ends)
-        axes = self._axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
+        axes = self._table.axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
         stretch_m = turned(axes, to_m - from_m) + self._sag_m
         stretch_m_per_s = turned(axes, to_m_per_s - from_m_per_s)
-        pull_N = self.stiffness_N_per_m * stretch_m + self.damping_N_s_per_m * stretch_m_per_s
+        pull_N = self._table.stiffness_N_per_m * stretch_m + self._table.damping_N_s_per_m * stretch_m_per_s
         pull_N = turned(axes.transpose(0, 2, 1), pull_N)
         couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
@@ -84,47 +79,116 @@ class SpatialForces:
             to_m,
             couple_N_m,
             exciter_N,
-            self._unbalance.motion(poses)[0],
+            self._excited.motion(poses)[0],
         )
 
     def elastic_J(self, now: Instant) -> float:
         """Return the energy in the bushings."""
-        return float(np.sum(self.stiffness_N_per_m * now.stretch_m**2)) / 2
+        return float(np.sum(self._table.stiffness_N_per_m * now.stretch_m**2)) / 2
 
     def lost_J(self, before: Instant, after: Instant) -> float:
         """Return what bushings dissipate in a step."""
         mean_m_per_s = (before.stretch_m_per_s + after.stretch_m_per_s) / 2
         moved_m = after.stretch_m - before.stretch_m
-        return float(np.sum(self.damping_N_s_per_m * mean_m_per_s * moved_m))
+        return float(np.sum(self._table.damping_N_s_per_m * mean_m_per_s * moved_m))
+
+
+class SpatialShaft(Shaft):
+    """Turns about any axis, in steps of the midpoint rule.
+
+    In a step the frame gets the mean of the unbalance's force,  -u (r'1 - r'0) / h,  so that its
+    impulse is what the unbalance's momentum lost, to rounding; r is the radial unit vector.  The step
+    is predicted with the acceleration of its place that the last two steps lead to, and accepted with
+    the one that the frame then had: second order, as the frames themselves.
+
+    ``wrench`` (6,) is force and moment about the centre of mass of body number ``body`` in the present
+    step.  In each step ``turn`` comes first, then ``feel``.
+    """
+
+    STATE = (*Shaft.STATE, "wrench", "_given_1_s", "_felt_m_per_s2", "_felt_before_m_per_s2")
+
+    def __init__(self, exciter: ExciterPlan, motor: MotorPlan, plan: FramesPlan, drawn_m: Array) -> None:
+        super().__init__(exciter, motor, plan)
+        numbers = linear_frames.numbers(plan, (exciter.body,))
+        self.body = int(numbers[0])
+        self._at = Attached.at(exciter.position_m[None], numbers, drawn_m)
+        self.wrench: Array = np.zeros(6)
+        self._given_1_s: Array = np.zeros(3)  # r' of which the frame got the force
+        self._felt_m_per_s2: Array = np.zeros(3)  # mean over the last step
+        self._felt_before_m_per_s2: Array = np.zeros(3)
+
+    def velocity_m_per_s(self, poses: Poses) -> Array:
+        """Return the velocity (3,) of its place."""
+        return np.asarray(self._at.motion(poses)[1][0])
+
+    def turn(self, poses: Poses, end_s: float, step_s: float) -> Array:
+        """Return the change of its wrench to that of the step from ``poses`` on."""
+        expected_m_per_s2 = 2 * self._felt_m_per_s2 - self._felt_before_m_per_s2
+        angle_rad, speed_rad_per_s = self._ahead(expected_m_per_s2, end_s, step_s)
+        given_1_s = speed_rad_per_s * self.tangent(angle_rad)
+        force_N = self._exciter.mass_moment_kg_m * (self._given_1_s - given_1_s) / step_s
+        place_m, self._velocity_m_per_s = (rows[0] for rows in self._at.motion(poses))
+        arm_m = place_m - poses.center_m[self.body]
+        arm_m += step_s / 2 * (self._velocity_m_per_s - poses.velocity_m_per_s[self.body])
+        before, self._given_1_s = self.wrench, given_1_s
+        self.wrench = np.concatenate([force_N, np.cross(arm_m, force_N)])
+        return self.wrench - before
+
+    def feel(self, poses: Poses, end_s: float, step_s: float) -> None:
+        """Accept the step to ``poses``."""
+        gained_m_per_s = self.velocity_m_per_s(poses) - self._velocity_m_per_s
+        self._felt_before_m_per_s2, self._felt_m_per_s2 = self._felt_m_per_s2, gained_m_per_s / step_s
+        angle_rad, speed_rad_per_s = self._ahead(self._felt_m_per_s2, end_s, step_s)
+        turned_rad = angle_rad - self.angle_rad
+        self.motor_J += self._mean_torque_N_m(speed_rad_per_s, end_s, step_s) * turned_rad
+        self.lost_J += self._motor.bearing_N_m_s * turned_rad**2 / step_s
+        self.angle_rad, self.speed_rad_per_s = angle_rad, speed_rad_per_s
+
+    def _ahead(self, felt_m_per_s2: Array, end_s: float, step_s: float) -> tuple[float, float]:
+        """Return angle and speed at the step's end, where its place has this mean acceleration."""
+        if end_s - step_s < self._exciter.start_s - 1e-9 * step_s:  # until then a brake holds it
+            return self.angle_rad, 0.0
+        speed = self.speed_rad_per_s
+        for _ in range(MOST_ROUNDS):
+            mean = np.array((self.speed_rad_per_s + speed) / 2)
+            torque_N_m = self._mean_torque_N_m(speed, end_s, step_s)
+            growth = self.growth_rad_per_s2(
+                self.angle_rad + step_s / 2 * mean, mean, np.array(torque_N_m), felt_m_per_s2
+            )
+            before, speed = speed, self.speed_rad_per_s + step_s * float(growth)
+            if abs(speed - before) <= TOLERANCE * self._motor.synchronous_rad_per_s:
+                return self.angle_rad + step_s * (self.speed_rad_per_s + speed) / 2, speed
+        raise SolverFailed(
+            f"exudyn frames at {end_s} s: a motor's step does not settle; take a smaller frames.step_s"
+        )
+
+    def _mean_torque_N_m(self, speed_rad_per_s: float, end_s: float, step_s: float) -> float:
+        """Return the mean of the torque over a step that ends at this speed."""
+        ends_s = np.array([end_s - step_s, end_s])
+        return float(self.torque_N_m(np.array([self.speed_rad_per_s, speed_rad_per_s]), ends_s).mean())
 
 
 class SpatialLedger(FramesLedger):
     """The ledger of trapezoidal steps since ``start``; ``carried`` are the reaction's points."""
 
     def __init__(self, plan: FramesPlan, forces: SpatialForces, carried: Attached, start: Poses) -> None:
-        self._forces, self._gravity_m_per_s2 = forces, plan.gravity_m_per_s2
-        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
+        self._forces = forces
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in plan.bodies])
         self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
         driven, free = linear_frames.driven(plan), linear_frames.free(plan)
-        super().__init__(self.sums(start), driven)
+        super().__init__(plan, self.bodies(start))
         self._free_weight_N = self._mass_kg[free].sum() * plan.gravity_m_per_s2
         first, second = forces.bodies
         self._pulls_on_free = 1.0 * np.isin(first, free) - np.isin(second, free)
         self._first_driven, self._second_driven = np.isin(first, driven), np.isin(second, driven)
         self._on_driven, self._not_free = np.isin(carried.body, driven), ~np.isin(carried.body, free)
 
-    def sums(self, poses: Poses) -> BodySums:
-        """Return momentum and energies of bodies in these poses."""
+    def bodies(self, poses: Poses) -> BodyMotion:
+        """Return how bodies in these poses move."""
         velocity_m_per_s, spin_rad_per_s = poses.velocity_m_per_s[:-1], poses.spin_rad_per_s[:-1]
         body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
         turning_J = np.sum(body_spin * turned(self._inertia_kg_m2, body_spin), axis=1) / 2
-        risen_m = poses.center_m[:-1] - self._drawn_m
-        return BodySums(
-            self._mass_kg[:, None] * velocity_m_per_s,
-            self._mass_kg * (velocity_m_per_s**2).sum(axis=1) / 2 + turning_J,
-            -self._mass_kg * (risen_m @ self._gravity_m_per_s2),
-        )
+        return BodyMotion(velocity_m_per_s, poses.center_m[:-1] - self._drawn_m, turning_J)
 
     def step(self, before: Instant, after: Instant, step_s: float) -> None:
         """Book what ground, driven bodies, exciters and weight did to the free bodies, the losses, and

@@ -20,67 +20,58 @@ from typing import Any
 
 import numpy as np
 
-from adapters.frames.common import linear
-from adapters.frames.common.drive import DrivenPoints
+from adapters.frames.common.rigid_frames import RigidFrames, onto_bodies
 from adapters.frames.exudyn import LARGEST_TILT_RAD
-from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger
+from adapters.frames.exudyn.forces import SpatialForces, SpatialLedger, SpatialShaft
 from adapters.frames.exudyn.poses import Attached, Poses, cross
-from adapters.frames.exudyn.shaft import shafts
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count, linear_frames
+from orchestrator.ports import Account, Array, Load, Motion, Saved, check_point_count, linear_frames
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import FramesPlan, SolverFailed, SolverMissing
-from orchestrator.ports.state import restore_attributes, save_attributes
 
 try:
     from adapters.frames.exudyn import system as exudyn_system
 except ImportError as missing:
     raise SolverMissing("the exudyn frames need: pip install exudyn==1.13.6") from missing
 
-_STATE = ("_wrench", "_instant", "_couple_N_m", "_points")
 
-
-def build(plan: FramesPlan) -> ExudynFrames:
-    """Open the frames of ``plan``.
-
-    Raises ValueError for unknown bodies, drives that make no sense, or bushings that cannot hold the
-    weight.
+class ExudynFrames(RigidFrames):
+    """``Frames`` by Exudyn.
 
     ``plan.step_s`` = 0: a step of 0.05 / (highest natural frequency, exciter or drive speed),
-    whose error in a frequency is (w h)^2 / 24 = 1e-4."""
-    return ExudynFrames(plan)
+    whose error in a frequency is (w h)^2 / 24 = 1e-4.
+    """
 
-
-class ExudynFrames:
-    """``Frames`` by Exudyn."""
+    COORDINATES = linear_frames.SPACE
+    STATE = ("_wrench", "_instant", "_couple_N_m", "_points")
+    _shafts: list[SpatialShaft]
+    _ledger: SpatialLedger
 
     def __init__(self, plan: FramesPlan) -> None:
-        self._plan = plan
         self._driven = tuple(
             exudyn_system.Driven(int(number), plan.bodies[number], drive, LARGEST_TILT_RAD)
             for number, drive in zip(linear_frames.driven(plan), plan.drives, strict=True)
         )
-        self._driven_points = DrivenPoints(plan)
-        self._free = linear_frames.free(plan)
+        super().__init__(plan)
         free = [plan.bodies[number] for number in self._free]
         self._mass_kg = np.array([body.mass_kg for body in free])
         self._inertia_kg_m2 = np.array([body.inertia_kg_m2 for body in free]).reshape(-1, 3, 3)
-        self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        machine = linear_frames.linearise(plan, linear_frames.SPACE)
-        self._largest_step_s = exudyn_system.largest_step_s(plan, machine)
-        sag = np.zeros(6 * len(self._free))
-        if plan.drawn_at_rest:
-            sag = machine.sag(linear.resting_load(plan).ravel(), linear.in_play_N(plan))
-        sag_m = (machine.stretch @ sag).reshape(-1, 3)
-        self._carried = Attached.at(plan.points_m, linear_frames.numbers(plan, plan.carrier), self._drawn_m)
-        self._onto_bodies = linear.onto_bodies(plan, self._carried.body)
-        self._shafts = shafts(plan, self._drawn_m)
+        self._longest_s = exudyn_system.largest_step_s(plan, self._machine)
+        sag_m = (self._machine.stretch @ self._sag).reshape(-1, 3)
+        self._carried = Attached.at(plan.points_m, self._carrier, self._drawn_m)
+        self._onto_bodies = onto_bodies(plan, self._carrier)
+        self._shafts = [
+            SpatialShaft(exciter, exciter.motor, plan, self._drawn_m)
+            for exciter in plan.exciters
+            if exciter.motor is not None
+        ]
         steady = tuple(exciter for exciter in plan.exciters if exciter.motor is None)
         prescribed = replace(plan, exciters=steady)
         self._forces = SpatialForces(prescribed, self._drawn_m, sag_m)
         self._bodies = exudyn_system.assemble_system(prescribed, sag_m)
         self._wrench = np.zeros((len(plan.bodies), 6))
-        self._solver: Any = None
-        self._open()
+        self._settings = exudyn_system.settings(plan)
+        exudyn_system.place_at_start(self._bodies.system.systemData, self._driven, len(plan.bodies))
+        self._solver: Any = exudyn_system.open_solver(self._bodies.system, self._settings)
         self._instant = self._forces.at(self._read(), self._forces.exciter_N(0.0))
         self._couple_N_m = self._instant.couple_N_m  # one step before ``_instant``
         self._points = self._moved()
@@ -95,7 +86,7 @@ class ExudynFrames:
         for shaft in self._shafts:
             wrench[shaft.body] += shaft.wrench
         self._apply(wrench)
-        steps = interval.steps(self._largest_step_s)
+        steps = interval.steps(self._longest_s)
         step_s = interval.length_s / steps
         exudyn_system.start_interval(self._solver, step_s)
         for step in range(1, steps + 1):
@@ -105,40 +96,23 @@ class ExudynFrames:
         self._ledger.interval(reaction.force_N, moved_m, interval.length_s)
         return self._points
 
-    def ahead(self, interval: Interval) -> Known | None:
-        return self._driven_points.ahead(interval)
-
     def account(self) -> Account:
         now = self._instant.poses
         shafts = [(shaft, shaft.velocity_m_per_s(now)) for shaft in self._shafts]
         elastic_J = self._forces.elastic_J(self._instant)
-        return self._ledger.account(self._ledger.sums(now), elastic_J, shafts)
+        return self._ledger.account(self._ledger.bodies(now), elastic_J, shafts)
 
     def save(self) -> Saved:
-        system = exudyn_system.save_system(self._bodies.system, self._solver)
-        turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return save_attributes(self, *_STATE) | {
-            "system": system,
-            "ledger": self._ledger.save(),
-            "shafts": turning,
-        }
+        return super().save() | {"system": exudyn_system.save_system(self._bodies.system, self._solver)}
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
+        super().restore(saved)
         exudyn_system.restore_system(self._bodies.system, self._solver, saved["system"])
-        self._ledger.restore(saved["ledger"])
-        for number, shaft in enumerate(self._shafts):
-            shaft.restore(saved["shafts"][str(number)])
 
     def close(self) -> None:
         if self._solver is not None:
             self._solver.FinalizeSolver(self._bodies.system, self._settings)
             self._solver = None
-
-    def _open(self) -> None:
-        self._settings = exudyn_system.settings(self._plan)
-        exudyn_system.place_at_start(self._bodies.system.systemData, self._driven, len(self._plan.bodies))
-        self._solver = exudyn_system.open_solver(self._bodies.system, self._settings)
 
     def _read(self) -> Poses:
         data = self._bodies.system.systemData
@@ -149,7 +123,7 @@ class ExudynFrames:
         return Motion(*self._carried.motion(self._instant.poses))
 
     def _wrench_of(self, reaction: Load, length_s: float) -> Array:
-        """Force and moment about the centre of mass, (bodies, 6), with the lever arms expected
+        """Return force and moment about the centre of mass, (bodies, 6), with the lever arms expected
         in the middle of the interval."""
         body, poses, now = self._carried.body, self._instant.poses, self._points
         arm_m = now.position_m - poses.center_m[body]
@@ -175,8 +149,10 @@ class ExudynFrames:
         self._wrench = wrench
 
     def _torque_N_m(self) -> Array:
-        """At the end of the coming step: Exudyn applies a bushing's force at its two ends, which
-        lie a stretch apart, without the couple that balances it; extrapolated, it goes here."""
+        """Return the torques at the end of the coming step.
+
+        Exudyn applies a bushing's force at its two ends, which lie a stretch apart, without the couple
+        that balances it; extrapolated, it goes here."""
         couple_N_m = 2 * self._instant.couple_N_m - self._couple_N_m
         return np.asarray(self._wrench[:, 3:] + couple_N_m)
 

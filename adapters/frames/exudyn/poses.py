@@ -11,7 +11,7 @@ from orchestrator.ports import Array, Indices
 
 @dataclass(frozen=True)
 class Poses:
-    """Bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the
+    """Holds bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the
     body number -1 means it.  ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3),
     ``rotation`` (bodies + 1, 3, 3), all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps
     the rates of the rotation angles to angular velocities."""
@@ -51,7 +51,7 @@ def turning(angles_rad: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Attached:
-    """Points fixed to bodies: ``body`` (n,), -1 for the ground, and ``arm_m`` (n, 3) from the
+    """Holds points fixed to bodies: ``body`` (n,), -1 for the ground, and ``arm_m`` (n, 3) from the
     centre of mass in body axes (for the ground: the place itself)."""
 
     body: Indices

@@ -26,8 +26,10 @@ its path by 1e6 N (1 ms)^2 / 4 / 1e18 kg = 2.5e-19 m in a step of a millisecond.
 
 @dataclass(frozen=True)
 class Multibody:
-    """``system`` lives as long as ``container``; ``exciters``, ``forces`` and ``torques`` are
-    load numbers: one per exciter, and a wrench about each body's centre of mass."""
+    """Holds Exudyn's system, which lives as long as ``container``.
+
+    ``exciters``, ``forces`` and ``torques`` are load numbers: one per exciter, and a wrench about each
+    body's centre of mass."""
 
     container: Any
     system: Any
@@ -82,7 +84,7 @@ def assemble_system(plan: FramesPlan, sag_m: Array) -> Multibody:
 
 
 def _node(system: Any, body: BodyPlan) -> int:
-    """Tait-Bryan angles: their coordinates are total displacements, as ``Poses.of`` reads them."""
+    """Add a node of total displacements and Tait-Bryan angles, as ``Poses.of`` reads its coordinates."""
     place = [*body.center_of_mass_m, 0.0, 0.0, 0.0]
     return int(system.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=place)))
 
@@ -180,7 +182,7 @@ def largest_step_s(plan: FramesPlan, machine: linear_frames.LinearMachine) -> fl
 
 
 class Driven:
-    """A driven body among free ones, number ``body``: steered so that every step ends where its drive
+    """Steers a driven body among free ones, number ``body``, so that every step ends where its drive
     says.
 
     A trapezoidal step evaluates forces at its end only (those of its start are in the stored

@@ -20,28 +20,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Collocation, onward
-from adapters.frames.common.drive import DrivenPoints
-from adapters.frames.common.ledger import BodySums, FramesLedger
+from adapters.frames.common.ledger import BodyMotion, FramesLedger
+from adapters.frames.common.rigid_frames import RigidFrames, free_first
 from adapters.frames.planar.forces import Bushings, OutsideForces, PlanarShaft, Pulls
-from adapters.frames.planar.plane import (
-    Complex,
-    PlanarPoses,
-    carrying,
-    in_plane,
-    in_space,
-    planar_drives,
-    power,
-    wrench,
-)
-from orchestrator.ports import Account, Array, Known, Load, Motion, Saved, check_point_count, linear_frames
+from adapters.frames.planar.plane import Complex, PlanarDrive, PlanarPoses, carrying, in_space, power, wrench
+from orchestrator.ports import Account, Array, Load, Motion, check_point_count, linear_frames
 from orchestrator.ports.adapters import FramesAdapter, Objection
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import Cost, FramesPlan, FramesWork, SolverFailed
-from orchestrator.ports.state import restore_attributes, save_attributes
 
-_STATE = ("_coordinates", "_poses", "_added")
 LARGEST_STEP_RAD = 0.5
 """Of the machine's fastest rate: the error is rounding."""
 MOST_ROUNDS = 50
@@ -50,18 +38,9 @@ TOLERANCE = 1e-13
 ROUNDING = 1e-15
 
 
-def build(plan: FramesPlan) -> PlanarFrames:
-    """Open the frames of ``plan``; its ``step_s`` = 0 takes the largest step without error.
-
-    Raises ValueError for unknown bodies, drives that make no sense or leave the plane, or bushings
-    that cannot hold the weight.
-    """
-    return PlanarFrames(plan)
-
-
 @dataclass(frozen=True)
 class Nodes:
-    """At the nodes of a step: ``load`` (nodes, freedoms), the equations' right side, all bodies'
+    """Holds the load (nodes, freedoms) at the nodes of a step, the equations' right side, with all bodies'
     poses and the bushings' pulls."""
 
     load: Array
@@ -69,45 +48,51 @@ class Nodes:
     pulls: Pulls
 
 
-class PlanarFrames:
-    """``Frames`` that stay in the plane."""
+class PlanarFrames(RigidFrames):
+    """``Frames`` that stay in the plane; ``plan.step_s`` = 0 takes the largest step without error.
+
+    Raises ValueError for unknown bodies, drives that make no sense or leave the plane, or bushings
+    that cannot hold the weight.
+    """
+
+    COORDINATES = linear_frames.PLANE
+    STATE = ("_coordinates", "_poses", "_added", "_ratio")
+    _shafts: list[PlanarShaft]
 
     def __init__(self, plan: FramesPlan) -> None:
-        self._plan = plan = linear.free_first(plan)
-        self._drives, self._driven_points = planar_drives(plan), DrivenPoints(plan)
-        self._free = slice(0, len(linear_frames.free(plan)))
-        machine = linear_frames.linearise(plan, linear_frames.PLANE)
+        super().__init__(free_first(plan))
+        plan, drawn_m, machine = self._plan, self._drawn_m, self._machine
+        driven = zip(linear_frames.driven(plan), plan.drives, strict=True)
+        self._drives = [PlanarDrive(int(number), plan.bodies[number], drive) for number, drive in driven]
+        self._moving = slice(0, len(self._free))  # the free bodies, which come first
         self._damping, self._stiffness = machine.damping, machine.stiffness
-        self._largest_step_s = linear.largest_step_s(plan, machine, LARGEST_STEP_RAD)
-        self._collocation, self._rounds = Collocation(machine), Rounds(TOLERANCE)
-        sag = np.zeros(len(machine.mass))
-        if plan.drawn_at_rest:
-            load = linear.resting_load(plan)[:, linear_frames.PLANE].ravel()
-            sag = machine.sag(load, linear.in_play_N(plan))
-        drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
-        carrier = linear_frames.numbers(plan, plan.carrier)
-        self._carried = carrying(carrier, plan.points_m, drawn_m)
-        self._bushings = Bushings(plan, drawn_m, (machine.stretch @ sag).reshape(-1, 3))
-        self._shafts = [PlanarShaft(e, e.motor, plan, drawn_m) for e in plan.exciters if e.motor is not None]
+        self._longest_s = self._largest_step_s(LARGEST_STEP_RAD)
+        self._collocation, self._ratio = Collocation(machine), 1.0
+        self._carried = carrying(self._carrier, plan.points_m, drawn_m)
+        self._bushings = Bushings(plan, drawn_m, (machine.stretch @ self._sag).reshape(-1, 3))
+        self._shafts = [
+            PlanarShaft(exciter, exciter.motor, plan, drawn_m)
+            for exciter in plan.exciters
+            if exciter.motor is not None
+        ]
         self._inertia = np.full((len(plan.bodies), 3), np.inf)  # driven bodies feel nothing
-        self._inertia[self._free] = np.diag(machine.mass).reshape(-1, 3)
+        self._inertia[self._moving] = np.diag(machine.mass).reshape(-1, 3)
         self._forces = OutsideForces(plan, drawn_m, self._carried)
         self._coordinates = self._driven_at(np.zeros(1))
         self._poses = PlanarPoses.of(*self._coordinates)
-        self._added = np.zeros((STAGES, sag.size))  # by finite rotations, at the last step's nodes
+        self._added = np.zeros((STAGES, self._sag.size))  # by finite rotations, at the last step's nodes
         self._onward = onward()
-        self._mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._spun_kg_m2 = np.array([body.inertia_kg_m2[1, 1] for body in plan.bodies])
-        self._into_outside = np.ones((len(carrier), 3))
-        self._into_outside[np.isin(carrier, linear_frames.free(plan))] = [0.0, 1.0, 0.0]
-        self._ledger = FramesLedger(self._sums(), linear_frames.driven(plan))
+        self._into_outside = np.ones((len(self._carrier), 3))
+        self._into_outside[np.isin(self._carrier, self._free)] = [0.0, 1.0, 0.0]
+        self._ledger = FramesLedger(plan, self._bodies())
 
     def initial(self) -> Motion:
         return self._moved()
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
         check_point_count("frames' reaction", reaction, len(self._plan.points_m))
-        steps = interval.steps(self._largest_step_s)
+        steps = interval.steps(self._longest_s)
         self._collocation.set_step(interval.length_s / steps)
         on_bodies, before = self._forces.reaction(reaction.force_N), self._poses.place[0]
         for step in range(steps):
@@ -115,36 +100,14 @@ class PlanarFrames:
         work_J = power(on_bodies, self._poses.place[0] - before).reshape(2, -1).sum(axis=0)
         ledger = self._ledger
         ledger.reaction_J += float(work_J.sum())
-        ledger.pushed_J += float(work_J[self._free.stop :].sum())
+        ledger.pushed_J += float(work_J[self._moving.stop :].sum())
         ledger.outside_N_s -= interval.length_s * (reaction.force_N * self._into_outside).sum(axis=0)
         return self._moved()
-
-    def ahead(self, interval: Interval) -> Known | None:
-        return self._driven_points.ahead(interval)
 
     def account(self) -> Account:
         elastic_J = self._bushings.elastic_J(self._bushings.pulls(self._poses))
         shafts = [(shaft, shaft.velocity_m_per_s(self._poses)) for shaft in self._shafts]
-        return self._ledger.account(self._sums(), elastic_J, shafts)
-
-    def save(self) -> Saved:
-        ratio = np.array(self._rounds.ratio)
-        turning = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
-        return save_attributes(self, *_STATE) | {
-            "ratio": ratio,
-            "ledger": self._ledger.save(),
-            "shafts": turning,
-        }
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_STATE)
-        self._rounds.ratio = float(saved["ratio"])
-        self._ledger.restore(saved["ledger"])
-        for number, shaft in enumerate(self._shafts):
-            shaft.restore(saved["shafts"][str(number)])
-
-    def close(self) -> None:
-        pass
+        return self._ledger.account(self._bodies(), elastic_J, shafts)
 
     def _step(self, start_s: float, reaction: Complex) -> None:
         time_s = start_s + self._collocation.node_s
@@ -156,22 +119,27 @@ class PlanarFrames:
         coordinates = self._driven_at(np.array([start_s + self._collocation.step_s]))
         x, v = self._freedoms()
         ends = self._collocation.end(x, v, nodes.load)
-        coordinates[:, 0, self._free] = np.reshape(ends, (2, -1, 3))
+        coordinates[:, 0, self._moving] = np.reshape(ends, (2, -1, 3))
         self._coordinates, self._poses = coordinates, PlanarPoses.of(*coordinates)
 
     def _nodes(self, start_s: float, given: Complex) -> Nodes:
-        """The collocation's equations, solved in rounds: each shrinks what the last got wrong
-        by the share that finite rotations have in the bushings' forces, times (step w)^2."""
+        """Solve the collocation's equations in rounds: each shrinks what the last got wrong
+        by the share that finite rotations have in the bushings' forces, times (step w)^2.
+
+        What is still wrong after a round is  q / (1 - q)  times its change, with q the last ratio of
+        changes; before there is one, that of the last step to the power 0.8, which forgets it slowly
+        (Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.8).
+        """
         x, v = self._freedoms()
         time_s = start_s + self._collocation.node_s
         coordinates = self._driven_at(time_s)
         ahead = np.exp(1j * self._poses.spin_rad_per_s * self._collocation.node_s[:, None])
-        expected = wrench(given, self._poses.turn * ahead)[:, self._free].reshape(len(time_s), -1)
+        expected = wrench(given, self._poses.turn * ahead)[:, self._moving].reshape(len(time_s), -1)
         load = expected + self._onward @ self._added
-        self._rounds.begin()
+        self._ratio, change_before = max(self._ratio, ROUNDING) ** 0.8, math.inf
         for _ in range(MOST_ROUNDS):
             xs, vs = self._collocation.stages(x, v, load)
-            coordinates[:, :, self._free] = np.reshape((xs, vs), (2, len(time_s), -1, 3))
+            coordinates[:, :, self._moving] = np.reshape((xs, vs), (2, len(time_s), -1, 3))
             poses = PlanarPoses.of(*coordinates)
             pulls = self._bushings.pulls(poses)
             force = given + pulls.force
@@ -181,9 +149,14 @@ class PlanarFrames:
             total[..., 2] += pulls.couple_N_m
             for shaft in self._shafts:
                 shaft.feel(self._acceleration(poses, total))
-            before, load = load, total[:, self._free].reshape(xs.shape) + self._linear(xs, vs)
+            before, load = load, total[:, self._moving].reshape(xs.shape) + self._linear(xs, vs)
             size = np.abs(load).max(initial=0.0) + np.abs(pulls.pull_N).max(initial=0.0)
-            if self._rounds.settled(np.abs(load - before).max(initial=0.0), size):
+            change = np.abs(load - before).max(initial=0.0)
+            if 0.0 < change_before < math.inf:
+                self._ratio = change / change_before
+            change_before = change
+            left = change * self._ratio / (1 - self._ratio) if self._ratio < 1 else math.inf
+            if change == 0 or left <= TOLERANCE * size:
                 self._added = load - expected
                 return Nodes(load, poses, pulls)
         raise SolverFailed(
@@ -191,16 +164,16 @@ class PlanarFrames:
         )
 
     def _acceleration(self, poses: PlanarPoses, total: Array) -> Complex:
-        """Of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
+        """Return that of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
         share = total / self._inertia
         return poses.acceleration(share[..., 0] + 1j * share[..., 1], share[..., 2])
 
     def _linear(self, xs: Array, vs: Array) -> Array:
-        """What the left side of the equations says of the bushings, (nodes, freedoms)."""
+        """Return what the left side of the equations says of the bushings, (nodes, freedoms)."""
         return np.asarray(xs @ self._stiffness + vs @ self._damping)
 
     def _book(self, nodes: Nodes, exciter_N: Complex, reaction: Complex) -> None:
-        """Momentum by the forces of the step's own equations."""
+        """Book a step: its momentum by the forces of its own equations, and its energies."""
         x, v = self._freedoms()
         xs, vs = self._collocation.stages(x, v, nodes.load)
         force_N = (nodes.load - self._linear(xs, vs)).reshape(len(xs), -1, 3).sum(axis=1)
@@ -208,30 +181,23 @@ class PlanarFrames:
         for drive in self._drives:
             driven_W += self._bushings.work_W(nodes.poses, nodes.pulls, drive.body)
         weight_s, ledger = self._collocation.weight_s, self._ledger
-        outside_N = force_N[:, 0] + 1j * force_N[:, 1] - reaction[self._free].sum()
+        outside_N = force_N[:, 0] + 1j * force_N[:, 1] - reaction[self._moving].sum()
         ledger.outside_N_s += in_space(np.asarray(weight_s @ outside_N))
         ledger.damping_J += float(weight_s @ self._bushings.lost_W(nodes.poses, nodes.pulls))
         ledger.exciter_J += float(weight_s @ self._forces.exciter_W(nodes.poses, exciter_N))
         ledger.pushed_J += float(weight_s @ driven_W)
 
-    def _sums(self) -> BodySums:
-        """Momentum and energies of all bodies now."""
-        poses, mass_kg = self._poses, self._mass_kg
-        velocity_m_per_s = poses.velocity_m_per_s[0]
-        moving_J = mass_kg * np.abs(velocity_m_per_s) ** 2 / 2
-        gravity_m_per_s2 = in_plane(self._plan.gravity_m_per_s2)
-        return BodySums(
-            in_space(mass_kg * velocity_m_per_s),
-            moving_J + self._spun_kg_m2 * poses.spin_rad_per_s[0] ** 2 / 2,
-            -mass_kg * power(gravity_m_per_s2, poses.moved_m[0]),
-        )
+    def _bodies(self) -> BodyMotion:
+        poses = self._poses
+        turning_J = self._spun_kg_m2 * poses.spin_rad_per_s[0] ** 2 / 2
+        return BodyMotion(in_space(poses.velocity_m_per_s[0]), in_space(poses.moved_m[0]), turning_J)
 
     def _freedoms(self) -> Array:
-        """(2, freedoms): coordinates of the free bodies, and their rates."""
-        return self._coordinates[:, 0, self._free].reshape(2, -1)
+        """Return coordinates of the free bodies, and their rates: (2, freedoms)."""
+        return self._coordinates[:, 0, self._moving].reshape(2, -1)
 
     def _driven_at(self, time_s: Array) -> Array:
-        """(2, times, bodies, 3): places and rates of the driven bodies, zero for the others."""
+        """Return places and rates of the driven bodies, zero for the others: (2, times, bodies, 3)."""
         found = np.zeros((2, len(time_s), len(self._plan.bodies), 3))
         for drive in self._drives:
             found[:, :, drive.body] = drive.coordinates(time_s)
@@ -243,35 +209,11 @@ class PlanarFrames:
         return Motion(position_m, in_space((poses.rate @ self._carried)[0]))
 
 
-class Rounds:
-    """Decides when an iteration that converges linearly may end.
-
-    What is still wrong after a round is  q / (1 - q)  times its change, with q the last ratio of
-    changes; before there is one, that of the last step to the power 0.8, which forgets it slowly
-    (Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.8).
-
-    ``begin`` comes before the first round of each step, ``settled`` after each round; ``ratio`` is
-    all that is kept from step to step.
-    """
-
-    def __init__(self, tolerance: float) -> None:
-        self._tolerance = tolerance
-        self.ratio, self._before = 1.0, math.inf
-
-    def begin(self) -> None:
-        self.ratio, self._before = max(self.ratio, ROUNDING) ** 0.8, math.inf
-
-    def settled(self, change: float, size: float) -> bool:
-        """Tell whether less than the tolerance, a share of ``size``, is still wrong."""
-        if self._before < math.inf and self._before > 0:
-            self.ratio = change / self._before
-        self._before = change
-        left = change * self.ratio / (1 - self.ratio) if self.ratio < 1 else math.inf
-        return change == 0 or left <= self._tolerance * size
+build = PlanarFrames
 
 
 def objections(plan: FramesPlan) -> Iterator[Objection]:
-    """Drives that leave the vertical plane, and shafts of motors that are not across it."""
+    """Yield drives that leave the vertical plane, and shafts of motors that are not across it."""
     for drive in plan.drives:
         if any((drive.amplitude_m[1], drive.rotation_rad[0], drive.rotation_rad[2])):
             what = "leaves the vertical plane, to which frames.solver planar is bound"
@@ -285,7 +227,7 @@ def objections(plan: FramesPlan) -> Iterator[Objection]:
 
 
 def cost(work: FramesWork) -> Cost:
-    """A motor is sought within each step."""
+    """Return the time of a call in each interval; a motor is sought within each step."""
     return Cost(0.05, work.runs * (6e-4 + 8e-4 * work.motors))
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.frames.common import linear
 from adapters.frames.common.collocation import STAGES, Collocation
-from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.common.exciter import Shaft
+from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
 from adapters.frames.planar.plane import Complex, PlanarPoses, Symmetric, carrying, in_plane, in_space, power
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
@@ -16,7 +16,7 @@ from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 
 @dataclass(frozen=True)
 class Pulls:
-    """Of bushings, (times, bushings) each: between their ends ``stretch_m`` and its rate, along
+    """Holds what bushings do, (times, bushings) each: between their ends ``stretch_m`` and its rate, along
     the axes as drawn ``elongation_m`` with preload; ``drag_N`` by damping, ``pull_N`` in all on
     the first body.  On the bodies: ``force`` (times, 2 bodies) on the natural coordinates and
     ``couple_N_m`` (times, bodies)."""
@@ -31,25 +31,18 @@ class Pulls:
 
 
 class Bushings:
-    """``sag_m`` (bushings, 3): how far each is stretched along its axes as drawn."""
+    """Evaluates the bushings, each stretched along its axes by ``sag_m`` (bushings, 3) as drawn."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
-        place_m = np.array([b.position_m for b in plan.bushings]).reshape(-1, 3)
-        axes = np.array([b.axes for b in plan.bushings]).reshape(-1, 3, 3)
-        first, second = (
-            linear_frames.numbers(plan, tuple(b.bodies[end] for b in plan.bushings)) for end in (0, 1)
-        )
-        self._stretching = carrying(second, place_m, drawn_m) - carrying(first, place_m, drawn_m)
-        self._first = linear.onto_bodies(plan, first)
-        self._on_ground = np.asarray(first < 0, dtype=np.float64)
-        back = axes.transpose(0, 2, 1)
+        table = BushingTable(plan)
+        self._stretching = carrying(table.second, table.place_m, drawn_m)
+        self._stretching -= carrying(table.first, table.place_m, drawn_m)
+        self._first = onto_bodies(plan, table.first)
+        self._on_ground = np.asarray(table.first < 0, dtype=np.float64)
+        back = table.axes.transpose(0, 2, 1)
         self._preload_m = in_plane((back @ sag_m[:, :, None])[:, :, 0])
-        stiffness, damping = (
-            np.array([getattr(b, of) for b in plan.bushings]).reshape(-1, 3, 1)
-            for of in ("stiffness_N_per_m", "damping_N_s_per_m")
-        )
-        self._stiffness = Symmetric.of(back @ (stiffness * axes))
-        self._damping = Symmetric.of(back @ (damping * axes))
+        self._stiffness = Symmetric.of(back @ (table.stiffness_N_per_m[:, :, None] * table.axes))
+        self._damping = Symmetric.of(back @ (table.damping_N_s_per_m[:, :, None] * table.axes))
 
     def pulls(self, poses: PlanarPoses) -> Pulls:
         """Return the pulls.  The spring axes turn with the first body, which therefore gets the couple
@@ -82,27 +75,22 @@ class Bushings:
 
 
 class OutsideForces:
-    """Forces on the natural coordinates, but those of bushings and of unbalances with motors.
+    """Evaluates forces on the natural coordinates, but those of bushings and of unbalances with motors.
 
     ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per
     coordinate."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, carried: Complex) -> None:
         exciters = [exciter for exciter in plan.exciters if exciter.motor is None]
-        self._unbalances = [Unbalance(exciter) for exciter in exciters]
-        excited = linear_frames.numbers(plan, tuple(e.body for e in exciters))
-        place_m = np.array([e.position_m for e in exciters]).reshape(-1, 3)
-        self._excited = carrying(excited, place_m, drawn_m)
+        self._unbalances = Unbalances(plan, exciters)
+        self._excited = carrying(self._unbalances.body, self._unbalances.place_m, drawn_m)
         mass_kg = np.array([body.mass_kg for body in plan.bodies])
         self._weight = np.concatenate([mass_kg * in_plane(plan.gravity_m_per_s2), 0 * mass_kg])
         self._onto_bodies = carried.conj().T
 
     def exciter_N(self, time_s: Array) -> Complex:
         """Return the exciters' forces, (times, exciters)."""
-        force_N = np.zeros((len(time_s), len(self._unbalances)), dtype=np.complex128)
-        for number, unbalance in enumerate(self._unbalances):
-            force_N[:, number] = in_plane(unbalance.force_N(time_s))
-        return force_N
+        return in_plane(self._unbalances.force_N(time_s))
 
     def reaction(self, force_N: Array) -> Complex:
         """Return the force (2 bodies,) on the natural coordinates of forces (n, 3) on the carried points."""
@@ -118,7 +106,7 @@ class OutsideForces:
 
 
 class PlanarShaft(Shaft):
-    """A shaft across the plane, at the nodes of the frames' own collocation.
+    """Turns across the plane, at the nodes of the frames' own collocation.
 
     In each round of the frames' iteration, ``force`` and then ``feel``; ``end`` when the step is
     accepted.  Raises ValueError for a shaft that does not lie across.
@@ -143,8 +131,7 @@ class PlanarShaft(Shaft):
         torque = turns * self.torque_N_m(speed, time_s)
         growth = turns * self.growth_rad_per_s2(angle, speed, torque, self._felt_m_per_s2)
         self._speed_rad_per_s, self._growth_rad_per_s2, self._torque_N_m = speed, growth, torque
-        push = speed[:, None] ** 2 * self.radial(angle) - growth[:, None] * self.tangent(angle)
-        return np.outer(self._exciter.mass_moment_kg_m * in_plane(push), self._at.conj())
+        return np.outer(in_plane(self.inertia_force_N(angle, speed, growth)), self._at.conj())
 
     def feel(self, acceleration: Complex) -> None:
         """Take the acceleration of the natural coordinates, (nodes, 2 bodies)."""

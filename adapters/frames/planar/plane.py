@@ -18,8 +18,8 @@ import numpy as np
 import numpy.typing as npt
 
 from adapters.frames.common.drive import shifted, turned
-from orchestrator.ports import Array, Indices, linear_frames
-from orchestrator.ports.plans import BodyPlan, DrivePlan, FramesPlan
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.plans import BodyPlan, DrivePlan
 
 Complex = npt.NDArray[np.complex128]
 
@@ -52,7 +52,7 @@ def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
 
 @dataclass(frozen=True)
 class Symmetric:
-    """Symmetric matrices of the plane:  matrix times vector = even v + odd conj(v)."""
+    """Holds symmetric matrices of the plane:  matrix times vector = even v + odd conj(v)."""
 
     even: Array
     odd: Complex
@@ -69,7 +69,7 @@ class Symmetric:
 
 @dataclass(frozen=True)
 class PlanarPoses:
-    """Bodies in the plane at several times: natural coordinates ``place`` and their ``rate`` (times, 2
+    """Holds bodies in the plane at several times: natural coordinates ``place`` and their ``rate`` (times, 2
     bodies), displacements first; ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies)."""
 
     place: Complex
@@ -92,7 +92,7 @@ class PlanarPoses:
 
     @property
     def moved_m(self) -> Complex:
-        """Displacement of the centres of mass, (times, bodies)."""
+        """The displacement of the centres of mass, (times, bodies)."""
         return self.place[:, : self.turn.shape[1]]
 
     def acceleration(self, body_m_per_s2: Complex, spin_rad_per_s2: Array) -> Complex:
@@ -104,7 +104,7 @@ class PlanarPoses:
 
     @property
     def velocity_m_per_s(self) -> Complex:
-        """Velocity of the centres of mass, (times, bodies)."""
+        """The velocity of the centres of mass, (times, bodies)."""
         return self.rate[:, : self.turn.shape[1]]
 
 
@@ -115,14 +115,8 @@ def wrench(force: Complex, turn: Complex) -> Array:
     return np.stack([push.real, push.imag, (moment * turn.conj()).imag], axis=-1)
 
 
-def planar_drives(plan: FramesPlan) -> list[PlanarDrive]:
-    """Return the drives of a plan.  Raises ValueError for those that make no sense or leave the plane."""
-    numbered = zip(linear_frames.driven(plan), plan.drives, strict=True)
-    return [PlanarDrive(int(n), plan.bodies[n], drive) for n, drive in numbered]
-
-
 class PlanarDrive:
-    """The exact motion of body number ``body`` by its drive.
+    """Moves body number ``body`` exactly as its drive says.
 
     Raises ValueError for a drive that leaves the plane.
     """

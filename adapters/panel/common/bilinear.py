@@ -10,9 +10,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from orchestrator.ports import Array
+from orchestrator.ports.geometry import Rectangle
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
+
+
+def clamped_rows_m(rectangle: Rectangle, free_m: Array) -> Array:
+    """Return the rows ``free_m`` of the free length, and one more under each clamp that has a depth."""
+    under_m = np.array([rectangle.clamp_m] if rectangle.clamp_m > 0.0 else [])
+    return np.concatenate([-under_m, free_m, rectangle.length_m + under_m])
 
 
 def points_m(rows_m: Array, width_m: float) -> Array:

@@ -1,1 +1,18 @@
-"""Finite-element panels: meshes, forms and time steps of ``sheet`` and ``solid``."""
+"""Finite elements on DOLFINx: the sheet, the solid, and what openings leave of a panel's stiffness."""
+
+from __future__ import annotations
+
+from orchestrator.ports.plans import SolverMissing
+
+try:
+    import petsc4py
+
+    # before anything else imports PETSc, which would take options, and libraries to load, from
+    # .petscrc in the folder that the program is started in
+    petsc4py.init(["flipflow", "-skip_petscrc"])
+    import dolfinx  # noqa: F401
+except ImportError as missing:
+    raise SolverMissing(
+        "the panel solvers 'sheet' and 'solid', and a strip with openings, need DOLFINx 0.5 "
+        f"(Debian 12: python3-dolfinx): {missing}"
+    ) from missing

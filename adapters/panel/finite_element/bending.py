@@ -17,8 +17,8 @@ import ufl
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from adapters.panel.common.compiled import assembled_matrix
 from adapters.panel.common.maxwell import Branches
+from adapters.panel.finite_element.compiled import assembled_matrix
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.state import restore_attributes, save_attributes
 

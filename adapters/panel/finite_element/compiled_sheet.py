@@ -12,98 +12,78 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from adapters.panel._kernel import LANES, Sheet
-from adapters.panel.common.body import Action, BodyState, CompiledBody, HeldForce
-from adapters.panel.common.maxwell import checked
-from adapters.panel.finite_element.elastic_panel import ElasticPanel
-from adapters.panel.finite_element.grid import ElementGrid, SurfaceNodes
+from adapters.panel.common.compiled_body import CompiledBody, kernel
+from adapters.panel.common.grid import ElementGrid
 from adapters.panel.finite_element.sheet_forms import openings, strain_entries
 from adapters.panel.finite_element.structure import Structure
 from orchestrator.ports import Array, Indices
-from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan
 
 
-def panel(
-    plan: PanelPlan, structure: Structure, surface: SurfaceNodes[ElementGrid], resting_m: Array, step_s: float
-) -> ElasticPanel:
-    """Return the panel of ``plan`` at rest at ``resting_m`` (nodes, 3), in steps of at most ``step_s``.
-
-    Its nodes are numbered as those of the grid.  Closes ``structure``."""
-    sheet = CompiledSheet(plan, structure, surface, step_s)
-    structure.close()
-    sheet.rest(resting_m[surface.nodes])
-    return ElasticPanel(plan, sheet, sheet, sheet.state, surface.grid, slice(None))
-
-
 class CompiledSheet(CompiledBody):
-    """Body and integrator in one, at rest nowhere before ``rest``.
+    """A sheet at rest at ``resting_m``, of nodes that are numbered as those of its grid.
 
-    ``state`` and ``memory`` are all that changes.  In ``memory``: the scaled strain at the Gauss
-    points, in groups of cells side by side; the elastic bending force; the stresses of both parts'
-    branches, each over its ratio; their energies (2, branches); the energy lost (1,).
+    ``structure`` says what it is made of, and ``nodes`` which of its nodes stands at each of the
+    grid's.  ``memory`` holds, beside its motion: the scaled strain at the Gauss points, in groups of
+    cells side by side; the elastic bending force; the stresses of both parts' branches, each over
+    its ratio; their energies (2, branches); the energy lost (1,).
     """
 
+    _kernel: kernel.Sheet
+    surface = slice(None)
+
     def __init__(
-        self, plan: PanelPlan, structure: Structure, surface: SurfaceNodes[ElementGrid], step_s: float
+        self,
+        plan: PanelPlan,
+        grid: ElementGrid,
+        structure: Structure,
+        nodes: Indices,
+        resting_m: Array,
+        step_s: float,
     ) -> None:
-        nodes, bending = surface.nodes, structure.bending
+        bending, count, branches = structure.bending, len(nodes), len(plan.material.branches)
         assert bending is not None  # every sheet bends
-        count, branches = len(nodes), len(plan.material.branches)
-        self.mass_kg = structure.mass_kg[nodes]
-        self._flat_m, self._step_s = bending.flat_m[nodes], step_s
-        self.state = BodyState(*np.zeros((3, count, 3)))
-        groups = -(-surface.grid.shape[0] * surface.grid.shape[1] // LANES)
-        memory: dict[str, Any] = {
-            "strain": np.zeros((groups, 9, 3, LANES)),
-            "strain_stress": np.zeros((groups, 9, branches, 3, LANES)),
+        groups = -(-grid.shape[0] * grid.shape[1] // kernel.LANES)
+        self._flat_m = bending.flat_m[nodes]
+        constants = {
+            **_cells(plan, structure, grid),
+            **_diagonals(bending.matrix[nodes][:, nodes]),
+            "flat_m": self._flat_m,
+            "mobility_1_kg": structure.mobility_1_kg[nodes, 0],
+        }
+        memory = {
+            "strain": np.zeros((groups, 9, 3, kernel.LANES)),
+            "strain_stress": np.zeros((groups, 9, branches, 3, kernel.LANES)),
             "elastic_N": np.zeros((count, 3)),
             "bending_stress_N": np.zeros((branches, count, 3)),
             "energy_J": np.zeros((2, branches)),
-            "lost_J": np.zeros(1),
         }
         held = np.flatnonzero(np.isin(nodes, structure.held))
-        ratio, time_s = checked(plan.material.branches)
-        kernel = Sheet(
-            **_cells(plan, structure, surface.grid),
-            **_diagonals(bending.matrix[nodes][:, nodes]),
-            flat_m=self._flat_m,
-            mobility_1_kg=structure.mobility_1_kg[nodes, 0],
-            held=held.astype(np.int32),
-            ratio=ratio,
-            time_s=time_s,
-            position_m=self.state.position_m,
-            velocity_m_per_s=self.state.velocity_m_per_s,
-            internal_N=self.state.internal_N,
-            **memory,
-        )
-        super().__init__(kernel, held, memory)
-        self._sheet = kernel
-
-    def rest(self, position_m: Array) -> None:
-        """Take ``position_m`` (nodes, 3) as the shape at rest, with relaxed branches."""
-        self.state.position_m[:] = position_m
-        self._sheet.rest()
-
-    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
-        """Move ``state``, which must be its own, to the interval's end under ``action``."""
-        return self.move(action, interval.steps(self._step_s))
+        mass_kg = structure.mass_kg[nodes]
+        super().__init__(kernel.Sheet, step_s, mass_kg, held, plan.material.branches, constants, memory)
+        self.rest(resting_m[nodes])
 
     def stored_J(self) -> dict[str, float]:
         """Return the elastic energy by name and that of the Maxwell branches."""
-        bent_m = self.state.position_m - self._flat_m
+        bent_m = self.position_m - self._flat_m
         return {
-            "membrane": self._sheet.membrane_J(),
+            "membrane": self._kernel.membrane_J(),
             "bending": 0.5 * float(np.vdot(bent_m, self.memory["elastic_N"])),
             "maxwell": float(self.memory["energy_J"].sum()),
         }
 
-    def close(self) -> None:
-        """Nothing is open."""
+
+def open_sheet(
+    plan: PanelPlan, grid: ElementGrid, structure: Structure, nodes: Indices, resting_m: Array, step_s: float
+) -> CompiledSheet:
+    """Make the compiled sheet, and close ``structure``, which it does not need any more."""
+    sheet = CompiledSheet(plan, grid, structure, nodes, resting_m, step_s)
+    structure.close()
+    return sheet
 
 
 def _cells(plan: PanelPlan, structure: Structure, grid: ElementGrid) -> dict[str, Any]:
-    """The membrane's law on each cell of ``grid``, y running fastest."""
+    """Return the membrane's law on each cell of ``grid``, y running fastest."""
     flat = structure.space.mesh
     count = grid.shape[0] * grid.shape[1]
     strain = np.tile(strain_entries(plan.material, plan.thickness_m), (count, 1))
@@ -129,14 +109,14 @@ def _cells(plan: PanelPlan, structure: Structure, grid: ElementGrid) -> dict[str
 
 
 def _cell_numbers(grid: ElementGrid, middle_m: Array) -> Indices:
-    """(cells,): for each cell of ``grid``, which of the points ``middle_m`` is in it."""
+    """Return (cells,): for each cell of ``grid``, which of the points ``middle_m`` is in it."""
     row = np.searchsorted(grid.s_m, middle_m[:, 0]) - 1
     column = np.searchsorted(grid.y_m, middle_m[:, 1]) - 1
     return np.argsort(row * grid.shape[1] + column)
 
 
 def _diagonals(matrix: csr_matrix) -> dict[str, Any]:
-    """``entry`` (offsets, nodes): what stands in each row, ``offset`` columns off the diagonal."""
+    """Return ``entry`` (offsets, nodes): what stands in each row, ``offset`` columns off the diagonal."""
     entries = matrix.tocoo()
     offset, which = np.unique(entries.col - entries.row, return_inverse=True)
     entry = np.zeros((len(offset), matrix.shape[0]))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
-from adapters.panel.common.body import Action, BodyState, HeldForce
+from adapters.panel.common.panel import HeldForce, choose_step_s
 from adapters.panel.finite_element.structure import Structure
 from adapters.panel.finite_element.tangent import Tangent
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array, HermitePath, Indices, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import PanelPlan, SolverFailed
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 SPECTRAL_RADIUS = 0.8
 ALPHA_M = (2 * SPECTRAL_RADIUS - 1) / (SPECTRAL_RADIUS + 1)
@@ -38,25 +40,15 @@ def step_s(plan: PanelPlan, tangent: Tangent) -> float:
 
     ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
     """
-    largest, usual = _limits_s(plan, tangent)
-    if plan.step_s > largest:
-        raise ValueError(
-            f"panel {plan.name}: step_s = {plan.step_s} is above the limit of {largest:.3g} s; "
-            f"use {usual:.2g} or 0 (the solver's own choice)"
-        )
-    return plan.step_s or usual
+    return choose_step_s(plan, *step_limits_s(plan, tangent))
 
 
-def largest_step_s(plan: PanelPlan, tangent: Tangent) -> float:
-    """Return the largest step for the structure in its present shape."""
-    return _limits_s(plan, tangent)[0]
+def step_limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
+    """Return the largest and the usual step for the structure in its present shape.
 
-
-def _limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
-    """Return the largest and the usual step.
-
-    Maxwell branches answer fast changes like springs and so raise
-    the stiffness that limits an explicit step by their ratios."""
+    Maxwell branches answer fast changes like springs and so raise the stiffness that limits an
+    explicit step by their ratios.
+    """
     if plan.integrator == "implicit":
         return COARSEST_STEP_S, USUAL_STEP_S
     if plan.integrator != "explicit":
@@ -66,59 +58,77 @@ def _limits_s(plan: PanelPlan, tangent: Tangent) -> tuple[float, float]:
     return STABLE_SHARE * critical_s, USUAL_SHARE * critical_s
 
 
-class Explicit:
-    """Velocity Verlet with a diagonal mass, in whole steps of at most ``largest_step_s`` that fill each
-    sync interval.
+class StructureBody(SavedAttributes):
+    """A structure in motion, in whole steps of at most ``step_s`` that fill each sync interval.
+
+    It is at rest at ``resting_m`` (nodes, 3) when t = 0; ``surface`` are the nodes that particles
+    touch, in the order of their grid.
+    """
+
+    STATE: ClassVar[tuple[str, ...]] = ("position_m", "velocity_m_per_s", "internal_N")
+
+    def __init__(self, structure: Structure, surface: Indices, resting_m: Array, step_s: float) -> None:
+        self._structure, self._step_s = structure, step_s
+        self.mass_kg, self.held, self.surface = structure.mass_kg, structure.held, surface
+        structure.rest(resting_m)
+        self.position_m = resting_m.copy()
+        self.velocity_m_per_s = np.zeros_like(resting_m)
+        self.internal_N = structure.force_N(resting_m)
+
+    def stored_J(self) -> dict[str, float]:
+        return self._structure.stored_J()
+
+    def lost_J(self) -> float:
+        return self._structure.lost_J()
+
+    def save(self) -> Saved:
+        return super().save() | {"structure": self._structure.save()}
+
+    def restore(self, saved: Saved) -> None:
+        super().restore(saved)
+        self._structure.restore(saved["structure"])
+
+    def close(self) -> None:
+        self._structure.close()
+
+
+class Explicit(StructureBody):
+    """Velocity Verlet with a diagonal mass.
 
     Verlet, Physical Review 159 (1967) 98-103, doi:10.1103/PhysRev.159.98; the same scheme is known as
     the central difference method.  Second order, stable below  2 / (highest angular frequency).
     """
 
-    def __init__(self, structure: Structure, largest_step_s: float) -> None:
-        self._structure = structure
-        self._largest_step_s = largest_step_s
-
     @np.errstate(over="ignore", invalid="ignore")  # the panel reports a blow-up
-    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
-        """Move ``state`` to the interval's end under ``action``."""
-        body, held = self._structure, self._structure.held
-        steps = interval.steps(self._largest_step_s)
+    def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
+        """Go on to the interval's end, the held nodes along ``path``, under a constant ``outside_N``."""
+        structure, held = self._structure, self.held
+        steps = interval.steps(self._step_s)
         step_s = interval.length_s / steps
-        x, v = state.position_m, state.velocity_m_per_s
-        kick = (0.5 * step_s) * body.mobility_1_kg
-        on_held = HeldForce.none(len(held))
+        x, v = self.position_m, self.velocity_m_per_s
+        kick = (0.5 * step_s) * structure.mobility_1_kg
+        on_held = HeldForce(np.zeros((len(held), 3)))
         for step in range(1, steps + 1):
             fraction = step / steps
-            v += kick * (action.outside_N - state.internal_N)
-            before_m, before_N = x[held], state.internal_N[held]
+            v += kick * (outside_N - self.internal_N)
+            before_m, before_N = x[held], self.internal_N[held]
             x += step_s * v
-            x[held] = action.held.position_m(fraction)
-            body.begin_step(step_s)
-            state.internal_N = body.force_N(x)
-            body.end_step()
-            v += kick * (action.outside_N - state.internal_N)
-            v[held] = action.held.velocity_m_per_s(fraction)
-            on_held.add(step_s, 0.5 * (before_N + state.internal_N[held]), x[held] - before_m)
+            x[held] = path.position_m(fraction)
+            structure.begin_step(step_s)
+            self.internal_N = structure.force_N(x)
+            structure.end_step()
+            v += kick * (outside_N - self.internal_N)
+            v[held] = path.velocity_m_per_s(fraction)
+            on_held.add(step_s, 0.5 * (before_N + self.internal_N[held]), x[held] - before_m)
         return on_held
-
-    def save(self) -> Saved:
-        """A step remembers nothing that ``State`` and the structure do not know."""
-        return {}
-
-    def restore(self, saved: Saved) -> None:
-        """Nothing to restore."""
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 class NotConverged(Exception):
     """Newton's iteration gave up on a step; the step is then halved."""
 
 
-class GeneralizedAlpha:
-    """The generalized-alpha method with Newton's iteration, in whole steps of at most ``largest_step_s``
-    that fill each sync interval.
+class GeneralizedAlpha(StructureBody):
+    """The generalized-alpha method with Newton's iteration.
 
     Chung and Hulbert, J. Appl. Mech. 60 (1993) 371-375, doi:10.1115/1.2900803.  Second order, stable
     at any step for linear bodies; ``SPECTRAL_RADIUS`` is what is left of the highest frequencies per
@@ -130,24 +140,32 @@ class GeneralizedAlpha:
     the held nodes is that of the same recursion, and a load that jumps between intervals acts in full.
     """
 
-    def __init__(self, structure: Structure, tangent: Tangent, largest_step_s: float, name: str) -> None:
-        self._structure = structure
-        self._tangent = tangent
-        self._largest_step_s = largest_step_s
-        self._name = name
+    STATE = (*StructureBody.STATE, "_filtered_N", "_factorised_for_s")
+
+    def __init__(
+        self,
+        structure: Structure,
+        surface: Indices,
+        resting_m: Array,
+        step_s: float,
+        tangent: Tangent,
+        name: str,
+    ) -> None:
+        super().__init__(structure, surface, resting_m, step_s)
+        self._filtered_N = self.internal_N.copy()
+        self._tangent, self._name = tangent, name
         self._factorised_for_s = 0.0
         self._negligible_m = NEGLIGIBLE_MOVE * float(np.ptp(structure.material_m, axis=0).max())
-        self._mass_kg = structure.mass_kg[:, None]
 
     @np.errstate(over="ignore", invalid="ignore")  # the panel reports a blow-up
-    def advance(self, state: BodyState, action: Action, interval: Interval) -> HeldForce:
-        """Move ``state`` to the interval's end under ``action``."""
-        steps = interval.steps(self._largest_step_s)
-        on_held = HeldForce.none(len(self._structure.held))
+    def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
+        """Go on to the interval's end, the held nodes along ``path``, under a constant ``outside_N``."""
+        steps = interval.steps(self._step_s)
+        on_held = HeldForce(np.zeros((len(self.held), 3)))
         for step in range(steps):
             start, end = step / steps, (step + 1) / steps
             try:
-                self._cover(state, action, start, end, on_held, HALVINGS)
+                self._cover(path, outside_N, start, end, on_held, HALVINGS)
             except NotConverged as failure:
                 time_s = interval.start_s + start * interval.length_s
                 raise SolverFailed(
@@ -158,64 +176,66 @@ class GeneralizedAlpha:
 
     def save(self) -> Saved:
         """Save the tangent, too, which Newton's iteration keeps for many steps."""
-        return save_attributes(self, "_factorised_for_s") | {"tangent": self._tangent.save()}
+        return super().save() | {"tangent": self._tangent.save()}
 
     def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_factorised_for_s")
+        super().restore(saved)
         self._tangent.restore(saved["tangent"])
 
     def close(self) -> None:
         self._tangent.close()
+        super().close()
 
     def _cover(
-        self, state: BodyState, action: Action, start: float, end: float, on_held: HeldForce, halvings: int
+        self, path: HermitePath, outside_N: Array, start: float, end: float, on_held: HeldForce, halvings: int
     ) -> None:
         """Make one step from fraction ``start`` to ``end`` of the interval; where it does not converge
         two of half the length, each of which may be halved ``halvings - 1`` times."""
         try:
-            self._step(state, action, start, end, on_held)
+            self._step(path, outside_N, start, end, on_held)
         except NotConverged:
             if halvings == 0:
                 raise
             middle = 0.5 * (start + end)
-            self._cover(state, action, start, middle, on_held, halvings - 1)
-            self._cover(state, action, middle, end, on_held, halvings - 1)
+            self._cover(path, outside_N, start, middle, on_held, halvings - 1)
+            self._cover(path, outside_N, middle, end, on_held, halvings - 1)
 
-    def _step(self, state: BodyState, action: Action, start: float, end: float, on_held: HeldForce) -> None:
-        body, held = self._structure, self._structure.held
-        outside_N, step_s = action.outside_N, (end - start) * action.held.length_s
-        before = body.mobility_1_kg * (outside_N - state.filtered_N)  # acceleration
-        trial = state.position_m + step_s * state.velocity_m_per_s + 0.5 * step_s**2 * before
-        trial[held] = action.held.position_m(end)
-        body.begin_step(step_s)
-        internal = self._solve(state, outside_N, before, trial, step_s)
-        body.end_step()
-        filtered = ((1 - ALPHA_F) * internal + ALPHA_F * state.internal_N - ALPHA_M * state.filtered_N) / (
-            1 - ALPHA_M
-        )
-        after = body.mobility_1_kg * (outside_N - filtered)
-        mean_N = (1 - GAMMA) * state.filtered_N[held] + GAMMA * filtered[held]
-        on_held.add(step_s, mean_N, trial[held] - state.position_m[held])
-        state.velocity_m_per_s += step_s * ((1 - GAMMA) * before + GAMMA * after)
-        state.velocity_m_per_s[held] = action.held.velocity_m_per_s(end)
-        state.position_m[:] = trial
-        state.internal_N, state.filtered_N = internal, filtered
+    def _step(
+        self, path: HermitePath, outside_N: Array, start: float, end: float, on_held: HeldForce
+    ) -> None:
+        structure, held, x, v = self._structure, self.held, self.position_m, self.velocity_m_per_s
+        step_s = (end - start) * path.length_s
+        before = structure.mobility_1_kg * (outside_N - self._filtered_N)  # acceleration
+        trial = x + step_s * v + 0.5 * step_s**2 * before
+        trial[held] = path.position_m(end)
+        structure.begin_step(step_s)
+        internal_N = self._solve(outside_N, before, trial, step_s)
+        structure.end_step()
+        recursion_N = (1 - ALPHA_F) * internal_N + ALPHA_F * self.internal_N - ALPHA_M * self._filtered_N
+        filtered_N = recursion_N / (1 - ALPHA_M)
+        after = structure.mobility_1_kg * (outside_N - filtered_N)
+        mean_N = (1 - GAMMA) * self._filtered_N[held] + GAMMA * filtered_N[held]
+        on_held.add(step_s, mean_N, trial[held] - x[held])
+        v += step_s * ((1 - GAMMA) * before + GAMMA * after)
+        v[held] = path.velocity_m_per_s(end)
+        x[:] = trial
+        self.internal_N, self._filtered_N = internal_N, filtered_N
 
-    def _solve(self, state: BodyState, outside_N: Array, before: Array, trial: Array, step_s: float) -> Array:
+    def _solve(self, outside_N: Array, before: Array, trial: Array, step_s: float) -> Array:
         """Iterate on ``trial`` by Newton's method, in place; return the internal force at its end."""
-        body, free, mass = self._structure, self._structure.free, self._mass_kg
-        drift = state.position_m + step_s * state.velocity_m_per_s
+        structure, free, mass_kg = self._structure, self._structure.free, self.mass_kg[:, None]
+        drift = self.position_m + step_s * self.velocity_m_per_s
         drift += (0.5 - BETA) * step_s**2 * before
-        known = outside_N - ALPHA_F * state.internal_N - ALPHA_M * mass * before
+        known = outside_N - ALPHA_F * self.internal_N - ALPHA_M * mass_kg * before
         inertia = (1 - ALPHA_M) / (BETA * step_s**2)
         last = moved_m = np.inf
         for _ in range(ITERATIONS):
-            internal = body.force_N(trial)
-            residual = known - inertia * mass * (trial - drift) - (1 - ALPHA_F) * internal
-            scale = np.linalg.norm(known) + np.linalg.norm(internal)
+            internal_N = structure.force_N(trial)
+            residual = known - inertia * mass_kg * (trial - drift) - (1 - ALPHA_F) * internal_N
+            scale = np.linalg.norm(known) + np.linalg.norm(internal_N)
             size = float(np.linalg.norm(residual[free]))
             if size <= TOLERANCE * scale or moved_m <= self._negligible_m:
-                return internal
+                return internal_N
             if not np.isfinite(size):
                 raise NotConverged("the force is not finite")
             if step_s != self._factorised_for_s or size > SLOW * last:

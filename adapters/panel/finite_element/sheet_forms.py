@@ -2,7 +2,7 @@
 
 The unknown is the world position x(s, y) of the mid-surface.  Membrane: two-parameter
 Mooney-Rivlin in plane stress, incompressible, so that C33 = 1/det C.  Bending: ``bending``.
-Openings, if any: ``perforated_sheet``.
+Openings, if any: ``perforation``.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from adapters.panel.common.compiled import function_space
+from adapters.panel.common.grid import ElementGrid
 from adapters.panel.finite_element.bending import Bending, plate, stiffness_matrix
-from adapters.panel.finite_element.grid import ElementGrid, SurfaceNodes
+from adapters.panel.finite_element.compiled import function_space
 from adapters.panel.finite_element.structure import Law, Structure
-from orchestrator.ports import Array
+from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 if TYPE_CHECKING:
-    from adapters.panel.perforation.sheet import Perforated
+    from adapters.panel.finite_element.perforation import Perforated
 
 QUADRATURE_DEGREE = 4  # 3 x 3 Gauss points
 POISSON_RATIO = 0.5
@@ -66,8 +66,8 @@ def scaled_strain(entries: Any, C: Any) -> Any:
     )
 
 
-def sheet(plan: PanelPlan) -> tuple[Structure, SurfaceNodes[ElementGrid]]:
-    """Make the structure of ``plan``; its surface is all its nodes."""
+def sheet(plan: PanelPlan) -> tuple[Structure, ElementGrid, Indices]:
+    """Make the structure of ``plan``, its grid, and which of its nodes stands at each of the grid's."""
     pattern = plan.apertures
     region_m = pattern.region_m(plan.rectangle) if pattern else None
     grid = ElementGrid.of(plan.rectangle, plan.cells, region_m)
@@ -83,14 +83,14 @@ def sheet(plan: PanelPlan) -> tuple[Structure, SurfaceNodes[ElementGrid]]:
         areal_mass_kg_per_m2 = holes.areal_mass_kg_per_m2(areal_mass_kg_per_m2)
     membrane = law(plan, fem.Function(space), holes)
     bent = bending(plan, scalars, material_m, holes)
-    return Structure(membrane, areal_mass_kg_per_m2, held, bent), SurfaceNodes(grid, nodes)
+    return Structure(membrane, areal_mass_kg_per_m2, held, bent), grid, nodes
 
 
 def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
     """Return the openings of ``plan`` on its mesh."""
     if plan.apertures is None:
         return None
-    from adapters.panel.perforation.sheet import perforated
+    from adapters.panel.finite_element.perforation import perforated
 
     return perforated(plan, plan.apertures, flat)
 

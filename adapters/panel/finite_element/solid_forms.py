@@ -15,9 +15,8 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from adapters.panel.common.compiled import function_space
-from adapters.panel.finite_element.grid import SurfaceNodes
-from adapters.panel.finite_element.solid_grid import PiercedGrid, bearable_grid
+from adapters.panel.common.solid_grid import PiercedGrid, bearable_grid
+from adapters.panel.finite_element.compiled import function_space
 from adapters.panel.finite_element.structure import Law, Structure
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import PanelPlan
@@ -60,19 +59,11 @@ def law(plan: PanelPlan, position: Any, volumetric_degree: int = VOLUMETRIC_DEGR
 
 
 def _scaled_strain(shear_modulus_Pa: float, C: Any) -> Any:
-    """Vector whose half square is  mu dev(E) : dev(E)."""
+    """Return the vector whose half square is  mu dev(E) : dev(E)."""
     E = ufl.dev(0.5 * (C - ufl.Identity(3)))
     root, twice = (2.0 * shear_modulus_Pa) ** 0.5, 2.0**0.5
-    return ufl.as_vector(
-        [
-            root * E[0, 0],
-            root * E[1, 1],
-            root * E[2, 2],
-            root * twice * E[0, 1],
-            root * twice * E[0, 2],
-            root * twice * E[1, 2],
-        ]
-    )
+    diagonal = [root * E[i, i] for i in range(3)]
+    return ufl.as_vector(diagonal + [root * twice * E[i, j] for i, j in ((0, 1), (0, 2), (1, 2))])
 
 
 def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
@@ -87,8 +78,8 @@ def held_nodes(plan: PanelPlan, material_m: Array, middle: Indices) -> Indices:
     return held if plan.rectangle.clamp_m > 0.0 else np.intersect1d(held, middle)
 
 
-def solid(plan: PanelPlan) -> tuple[Structure, SurfaceNodes[PiercedGrid]]:
-    """Make the structure of ``plan``; its surface is the nodes of the mid-surface."""
+def solid(plan: PanelPlan) -> tuple[Structure, PiercedGrid, Indices]:
+    """Make the structure of ``plan``, the grid of its mid-surface, and the node at each of the grid's."""
     grid = bearable_grid(plan)
     box = box_mesh(grid, plan.thickness_m)
     space = function_space(box, ufl.VectorElement("Lagrange", box.ufl_cell(), 2))
@@ -96,4 +87,4 @@ def solid(plan: PanelPlan) -> tuple[Structure, SurfaceNodes[PiercedGrid]]:
     middle = np.flatnonzero(np.abs(material_m[:, 2]) < 0.1 * plan.thickness_m)
     held = held_nodes(plan, material_m, middle)
     structure = Structure(law(plan, fem.Function(space)), plan.material.density_kg_per_m3, held)
-    return structure, SurfaceNodes(grid, middle[grid.numbers_of(material_m[middle])])
+    return structure, grid, middle[grid.numbers_of(material_m[middle])]

@@ -13,9 +13,9 @@ from basix import make_quadrature  # type: ignore[attr-defined]
 from basix.cell import string_to_type
 from dolfinx import fem
 
-from adapters.panel.common.compiled import expression, form, function_space
 from adapters.panel.common.maxwell import Branches
 from adapters.panel.finite_element.bending import Bending
+from adapters.panel.finite_element.compiled import expression, form, function_space
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.state import restore_attributes, save_attributes
 

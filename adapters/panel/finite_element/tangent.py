@@ -13,8 +13,8 @@ from petsc4py import PETSc
 from scipy.sparse import bsr_matrix, csr_matrix, diags
 from scipy.sparse.linalg import eigsh
 
-from adapters.panel.common.compiled import form
 from adapters.panel.finite_element.bending import Bending
+from adapters.panel.finite_element.compiled import form
 from adapters.panel.finite_element.structure import Structure
 from orchestrator.ports import Array, Saved
 

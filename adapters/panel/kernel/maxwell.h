@@ -1,5 +1,8 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 namespace flipflow {
@@ -17,18 +20,47 @@ struct StepWork {
 //   stress <- decay * stress + gain * (change of the elastic stress).
 class Branches {
  public:
-  Branches(std::vector<double> ratio, std::vector<double> time_s);
+  Branches(std::vector<double> ratio, std::vector<double> time_s)
+      : ratio_(std::move(ratio)),
+        time_s_(std::move(time_s)),
+        decay_(ratio_.size()),
+        gain_(ratio_.size()) {}
 
   int count() const { return static_cast<int>(ratio_.size()); }
   const double *ratio() const { return ratio_.data(); }
   const double *decay() const { return decay_.data(); }
   const double *gain() const { return gain_.data(); }
 
-  void set_step(double step_s);
-  void set_relaxed();  // nothing is answered: for a shape in which every branch is at rest
+  void set_step(double step_s) {
+    if (step_s == step_s_) return;
+    step_s_ = step_s;
+    for (size_t i = 0; i < ratio_.size(); ++i) {
+      decay_[i] = std::exp(-step_s / time_s_[i]);
+      gain_[i] = -std::expm1(-step_s / time_s_[i]) * time_s_[i] / step_s;
+    }
+  }
+
+  // Nothing is answered: for a shape in which every branch is at rest.
+  void set_relaxed() {
+    step_s_ = 0.0;
+    std::fill(decay_.begin(), decay_.end(), 0.0);
+    std::fill(gain_.begin(), gain_.end(), 0.0);
+  }
 
   // Carries the stored energies (branches) over a step and returns what the step lost.
-  double book(const StepWork &work, double *energy_J) const;
+  double book(const StepWork &work, double *energy_J) const {
+    double lost_J = 0.0;
+    for (size_t i = 0; i < ratio_.size(); ++i) {
+      const double a = gain_[i], d = decay_[i], times = time_s_[i] / step_s_;
+      const double cross = work.cross_J[i], square = work.square_J;
+      const double done_J = ratio_[i] * (times * (1.0 - a) * square + a * cross);
+      const double stored_J =
+          d * d * energy_J[i] + ratio_[i] * (a * d * cross + 0.5 * a * a * square);
+      lost_J += done_J + energy_J[i] - stored_J;
+      energy_J[i] = stored_J;
+    }
+    return lost_J;
+  }
 
  private:
   std::vector<double> ratio_, time_s_, decay_, gain_;

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <algorithm>
+#include <numeric>
 #include <vector>
 
+#include "biquadratic.h"
 #include "lanes.h"
 #include "maxwell.h"
 
@@ -32,35 +35,283 @@ struct alignas(kLanes * sizeof(double)) CellGroup {
   int corner[kLanes];  // lowest node
 };
 
-// What the loops over the cells need; see Membrane::step.  `cross_J` (branches, kLanes) and `square_J`
-// (kLanes) are added to.
-struct MembranePass {
-  const CellGroup *group;
-  int groups, nodes_across;
-  double c10_N_per_m, c01_N_per_m;
-  bool perforated;
-  const Branches *branches = nullptr;
-  const double *position_m = nullptr;
-  double *strain = nullptr, *stress = nullptr, *force_N = nullptr;
-  double *cross_J = nullptr, *square_J = nullptr;
+// Mooney-Rivlin in plane stress, incompressible, and the law of a perforated cell
+// (docs/theory/panel_sheet.md, perforated_panel.md), of the mid-surface's C.
+
+template <class V>
+struct Symmetric {
+  V a11, a22, a12;
 };
 
-// Force and energy of the membrane (adapters/panel/finite_element/sheet_forms.py, perforated_sheet.py).
+template <class V>
+FLIPFLOW_INLINE V det(const Symmetric<V> &C) { return C.a11 * C.a22 - C.a12 * C.a12; }
+
+template <class V>
+FLIPFLOW_INLINE Symmetric<V> inverse(const Symmetric<V> &C) {
+  const V per_det = 1.0 / det(C);
+  return {C.a22 * per_det, C.a11 * per_det, -C.a12 * per_det};
+}
+
+// Energy per area, and twice its derivative with respect to C.
+template <class V>
+FLIPFLOW_INLINE V solid_energy(double c10_N_per_m, double c01_N_per_m, const Symmetric<V> &C) {
+  const V trace = C.a11 + C.a22, d = det(C);
+  return c10_N_per_m * (trace + 1.0 / d - 3.0) + c01_N_per_m * (d + trace / d - 3.0);
+}
+
+template <class V>
+FLIPFLOW_INLINE Symmetric<V> solid_stress(double c10_N_per_m, double c01_N_per_m, const Symmetric<V> &C) {
+  const V trace = C.a11 + C.a22, d = det(C), per_d = 1.0 / d;
+  const V by_trace = 2.0 * (c10_N_per_m + c01_N_per_m * per_d);
+  const V by_det = 2.0 * (c01_N_per_m - (c10_N_per_m + c01_N_per_m * trace) * (per_d * per_d));
+  return {by_trace + by_det * C.a22, by_trace + by_det * C.a11, -by_det * C.a12};
+}
+
+// The strain (C - 1/C) / 4 as a vector (11, 22, twice 12), and `rest` times it.
+template <class V>
+struct Voigt {
+  V h[3], t[3];
+};
+
+template <class V>
+FLIPFLOW_INLINE Voigt<V> rest_law(const V rest[6], const Symmetric<V> &C, const Symmetric<V> &per_C) {
+  Voigt<V> v;
+  v.h[0] = 0.25 * (C.a11 - per_C.a11);
+  v.h[1] = 0.25 * (C.a22 - per_C.a22);
+  v.h[2] = 0.5 * (C.a12 - per_C.a12);
+  v.t[0] = rest[0] * v.h[0] + rest[3] * v.h[1] + rest[4] * v.h[2];
+  v.t[1] = rest[3] * v.h[0] + rest[1] * v.h[1] + rest[5] * v.h[2];
+  v.t[2] = rest[4] * v.h[0] + rest[5] * v.h[1] + rest[2] * v.h[2];
+  return v;
+}
+
+template <class V>
+FLIPFLOW_INLINE V rest_energy(const V rest[6], const Symmetric<V> &C) {
+  const Voigt<V> v = rest_law(rest, C, inverse(C));
+  return 0.5 * (v.h[0] * v.t[0] + v.h[1] * v.t[1] + v.h[2] * v.t[2]);
+}
+
+// (T + C^-1 T C^-1) / 2
+template <class V>
+FLIPFLOW_INLINE Symmetric<V> rest_stress(const V rest[6], const Symmetric<V> &C) {
+  const Symmetric<V> k = inverse(C);
+  const Voigt<V> v = rest_law(rest, C, k);
+  const V t11 = v.t[0], t22 = v.t[1], t12 = v.t[2];
+  const V kt11 = k.a11 * t11 + k.a12 * t12, kt12 = k.a11 * t12 + k.a12 * t22;
+  const V kt21 = k.a12 * t11 + k.a22 * t12, kt22 = k.a12 * t12 + k.a22 * t22;
+  return {0.5 * (t11 + kt11 * k.a11 + kt12 * k.a12), 0.5 * (t22 + kt21 * k.a12 + kt22 * k.a22),
+          0.5 * (t12 + kt11 * k.a12 + kt12 * k.a22)};
+}
+
+// Force and energy of the membrane (adapters/panel/finite_element/sheet_forms.py, perforation.py), kWidth<V>
+// cells at a time.
 class Membrane {
  public:
-  Membrane(const CellGrid &grid, const MembraneLaw &law);
+  Membrane(const CellGrid &grid, const MembraneLaw &law)
+      : groups_((grid.cells() + kLanes - 1) / kLanes),
+        c10_N_per_m_(law.c10_N_per_m),
+        c01_N_per_m_(law.c01_N_per_m),
+        nodes_across_(grid.nodes_across()),
+        perforated_(!law.rest.empty()) {
+    const int across = static_cast<int>(grid.across_m.size());
+    for (int n = 0; n < groups() * kLanes; ++n) {
+      const int cell = std::min(n, grid.cells() - 1), lane = n % kLanes;
+      const double s = grid.along_m[cell / across], y = grid.across_m[cell % across];
+      CellGroup &group = groups_[n / kLanes];
+      group.per_s2[lane] = 1.0 / (s * s);
+      group.per_sy[lane] = 1.0 / (s * y);
+      group.per_y2[lane] = 1.0 / (y * y);
+      group.area[lane] = n < grid.cells() ? s * y : 0.0;
+      group.corner[lane] = 2 * (cell / across) * nodes_across_ + 2 * (cell % across);
+      for (int k = 0; k < 5; ++k) group.strain[k][lane] = law.strain[5 * cell + k];
+      group.solid[lane] = law.solid[cell];
+      for (int k = 0; k < 6; ++k) group.rest[k][lane] = perforated_ ? law.rest[6 * cell + k] : 0.0;
+    }
+  }
 
   int groups() const { return static_cast<int>(groups_.size()); }
 
   // Adds the force at `position_m` to `force_N`, both (nodes, 3), and carries the scaled strain
   // (groups, 9, 3, kLanes) and the branches' stresses (groups, 9, branches, 3, kLanes) there.
-  StepWork step(const Branches &branches, const double *position_m, double *strain,
-                double *stress, double *force_N) const;
+  StepWork step(const Branches &branches, const double *position_m, double *strain, double *stress,
+                double *force_N) const {
+    std::vector<double> cross_J(branches.count() * kLanes);
+    double square_J[kLanes] = {};
+    static const auto step_here = fitting(step_v4, step_v3, step_any);
+    step_here(*this, {branches, position_m, strain, stress, force_N, cross_J.data(), square_J});
+    StepWork work(branches.count());
+    for (size_t i = 0; i < cross_J.size(); ++i) work.cross_J[i / kLanes] += cross_J[i];
+    work.square_J = std::accumulate(square_J, square_J + kLanes, 0.0);
+    return work;
+  }
 
-  double energy_J(const double *position_m) const;
+  double energy_J(const double *position_m) const {
+    Two total{};
+    for (int n = 0; n < groups() * kLanes; n += kWidth<Two>) {
+      Cells<Two> cells = {groups_[n / kLanes], n % kLanes, {}, {}};
+      gather(position_m, cells);
+      Two rest[6];
+      for (int k = 0; k < 6; ++k) rest[k] = cells.get(cells.group.rest[k]);
+      for (int point = 0; point < 9; ++point) {
+        const Symmetric<Two> C = cells.metric(point);
+        Two density = cells.get(cells.group.solid) * solid_energy(c10_N_per_m_, c01_N_per_m_, C);
+        if (perforated_) density += rest_energy(rest, C);
+        total += cells.area(point) * density;
+      }
+    }
+    return total[0] + total[1];
+  }
 
  private:
-  MembranePass pass() const;
+  // What a step works on; `cross_J` (branches, kLanes) and `square_J` (kLanes) are added to.
+  struct Step {
+    const Branches &branches;
+    const double *position_m;
+    double *strain, *stress, *force_N, *cross_J, *square_J;
+  };
+
+  // Where in a group the cells stand that are at hand, and the slopes of their position at the
+  // points, per cell length and width.
+  template <class V>
+  struct Cells {
+    const CellGroup &group;
+    int lane;
+    V along[3][9], across[3][9];
+
+    FLIPFLOW_INLINE V get(const double *of_group) const { return load<V>(of_group + lane); }
+
+    // The mid-surface's C at a point.
+    FLIPFLOW_INLINE Symmetric<V> metric(int point) const {
+      V ss{}, sy{}, yy{};
+      for (int c = 0; c < 3; ++c) {
+        const V s = along[c][point], y = across[c][point];
+        ss += s * s;
+        sy += s * y;
+        yy += y * y;
+      }
+      return {get(group.per_s2) * ss, get(group.per_y2) * yy, get(group.per_sy) * sy};
+    }
+
+    FLIPFLOW_INLINE V area(int point) const {
+      return kWeight[point / 3] * kWeight[point % 3] * get(group.area);
+    }
+
+    // Puts the stress on the slopes at a point, S times them, in their place.
+    FLIPFLOW_INLINE void press(const Symmetric<V> &S, V area, int point) {
+      const V s11 = area * get(group.per_s2) * S.a11;
+      const V s22 = area * get(group.per_y2) * S.a22;
+      const V s12 = area * get(group.per_sy) * S.a12;
+      for (int c = 0; c < 3; ++c) {
+        const V s = along[c][point], y = across[c][point];
+        along[c][point] = s * s11 + y * s12;
+        across[c][point] = s * s12 + y * s22;
+      }
+    }
+  };
+
+  // Number of the node `k` of a cell.
+  template <class V>
+  FLIPFLOW_INLINE int number(const Cells<V> &cells, int k, int cell) const {
+    return cells.group.corner[cells.lane + cell] + k / 3 * nodes_across_ + k % 3;
+  }
+
+  template <class V>
+  FLIPFLOW_INLINE void gather(const double *position_m, Cells<V> &cells) const {
+    for (int c = 0; c < 3; ++c) {
+      V node[9] = {};
+      for (int k = 0; k < 9; ++k)
+        for (int i = 0; i < kWidth<V>; ++i)
+          node[k][i] = position_m[3 * number(cells, k, i) + c];
+      slopes(node, cells.along[c], cells.across[c]);
+    }
+  }
+
+  // Of what stands in place of the slopes: the stress on them.
+  template <class V>
+  FLIPFLOW_INLINE void scatter(const Cells<V> &cells, double *force_N) const {
+    for (int c = 0; c < 3; ++c) {
+      V node[9];
+      onto_nodes(cells.along[c], cells.across[c], node);
+      for (int k = 0; k < 9; ++k)
+        for (int i = 0; i < kWidth<V>; ++i)
+          force_N[3 * number(cells, k, i) + c] += node[k][i];
+    }
+  }
+
+  // The branches' overstress at a point, as a stress that works on E; carries strain and stress.
+  template <class V>
+  FLIPFLOW_INLINE Symmetric<V> overstress(const Step &step, const Cells<V> &cells,
+                                          const Symmetric<V> &C, V area, double *strain,
+                                          double *stress) const {
+    const auto entry = cells.group.strain;
+    const V s0 = cells.get(entry[0]), s1 = cells.get(entry[1]), s2 = cells.get(entry[2]);
+    const V s3 = cells.get(entry[3]), s4 = cells.get(entry[4]);
+    const V e11 = 0.5 * (C.a11 - 1.0), e22 = 0.5 * (C.a22 - 1.0);
+    const V now[3] = {s0 * e11 + s1 * e22, s2 * e11 + s3 * e22, s4 * C.a12};
+    V change[3], over[3] = {}, square{};
+    for (int k = 0; k < 3; ++k) {
+      change[k] = now[k] - load<V>(strain + k * kLanes);
+      store(strain + k * kLanes, now[k]);
+      square += change[k] * change[k];
+    }
+    add_to(step.square_J + cells.lane, area * square);
+    for (int b = 0; b < step.branches.count(); ++b, stress += 3 * kLanes) {
+      const double ratio = step.branches.ratio()[b], decay = step.branches.decay()[b];
+      const double gain = step.branches.gain()[b];
+      V cross{};
+      for (int k = 0; k < 3; ++k) {
+        const V old = load<V>(stress + k * kLanes), next = decay * old + gain * change[k];
+        cross += old * change[k];
+        over[k] += ratio * next;
+        store(stress + k * kLanes, next);
+      }
+      add_to(step.cross_J + b * kLanes + cells.lane, area * cross);
+    }
+    return {s0 * over[0] + s2 * over[1], s1 * over[0] + s3 * over[1], s4 * over[2]};
+  }
+
+  template <class V, bool perforated>
+  FLIPFLOW_INLINE Symmetric<V> elastic_stress(const Cells<V> &cells, const Symmetric<V> &C) const {
+    Symmetric<V> S = solid_stress(c10_N_per_m_, c01_N_per_m_, C);
+    if (!perforated) return S;
+    V rest[6];
+    for (int k = 0; k < 6; ++k) rest[k] = cells.get(cells.group.rest[k]);
+    const Symmetric<V> more = rest_stress(rest, C);
+    const V solid = cells.get(cells.group.solid);
+    return {solid * S.a11 + more.a11, solid * S.a22 + more.a22, solid * S.a12 + more.a12};
+  }
+
+  template <class V, bool perforated>
+  FLIPFLOW_INLINE void step_cells(const Step &step, int group, int lane) const {
+    Cells<V> cells = {groups_[group], lane, {}, {}};
+    gather(step.position_m, cells);
+    const int branches = step.branches.count();
+    for (int point = 0; point < 9; ++point) {
+      const Symmetric<V> C = cells.metric(point);
+      const V area = cells.area(point);
+      Symmetric<V> S = elastic_stress<V, perforated>(cells, C);
+      if (branches > 0) {
+        const size_t at = (9 * group + point) * 3 * kLanes;
+        const Symmetric<V> over = overstress(step, cells, C, area, step.strain + at + lane,
+                                             step.stress + branches * at + lane);
+        S = {S.a11 + over.a11, S.a22 + over.a22, S.a12 + over.a12};
+      }
+      cells.press(S, area, point);
+    }
+    scatter(cells, step.force_N);
+  }
+
+  template <class V>
+  FLIPFLOW_INLINE void step_all(const Step &step) const {
+    for (int group = 0; group < groups(); ++group)
+      for (int lane = 0; lane < kLanes; lane += kWidth<V>)
+        perforated_ ? step_cells<V, true>(step, group, lane)
+                    : step_cells<V, false>(step, group, lane);
+  }
+
+  FLIPFLOW_V4 static void step_v4(const Membrane &m, const Step &step) { m.step_all<Eight>(step); }
+  FLIPFLOW_V3 static void step_v3(const Membrane &m, const Step &step) { m.step_all<Four>(step); }
+  static void step_any(const Membrane &m, const Step &step) { m.step_all<Two>(step); }
 
   std::vector<CellGroup> groups_;
   double c10_N_per_m_, c01_N_per_m_;

@@ -20,32 +20,76 @@ namespace {
 
 namespace py = pybind11;
 
-using Doubles = py::array_t<double, py::array::c_style>;
-using Ints = py::array_t<int, py::array::c_style>;
-
-// An argument that is given by its name and never converted.
-py::arg array(const char *name) { return py::arg(name).noconvert(); }
+template <class T>
+using ArrayOf = py::array_t<T, py::array::c_style>;
+using Doubles = ArrayOf<double>;
 
 // The data of an array of `size` numbers.
-const double *of(const Doubles &array, py::ssize_t size, const char *name) {
+const double *of(const Doubles &array, py::ssize_t size, const std::string &name) {
   if (array.size() != size)
-    throw py::value_error(std::string(name) + ": " + std::to_string(size) + " numbers wanted, got " +
+    throw py::value_error(name + ": " + std::to_string(size) + " numbers wanted, got " +
                           std::to_string(array.size()));
   return array.data();
 }
 
-double *into(Doubles &array, py::ssize_t size, const char *name) {
+double *into(Doubles &array, py::ssize_t size, const std::string &name) {
   of(array, size, name);
   return array.mutable_data();
 }
 
-template <class Array>
-std::vector<typename Array::value_type> copied(const Array &array) {
-  return {array.data(), array.data() + array.size()};
-}
+// What Python gives by name, each to be taken once: constants, which are copied, and the arrays of a
+// state, which Python owns and which `arrays` keeps alive.
+class Arguments {
+ public:
+  explicit Arguments(py::kwargs given) : given_(std::move(given)) {}
 
-// A body and the state that it works on: pointers into `arrays`, which Python owns and which are kept
-// alive here.
+  std::vector<Doubles> arrays;
+
+  template <class T>
+  T number(const char *name) {
+    return take(name).cast<T>();
+  }
+
+  template <class T = double>
+  std::vector<T> copied(const char *name) {
+    const auto array = taken_array<T>(name);
+    return {array.data(), array.data() + array.size()};
+  }
+
+  std::vector<double> copied(const char *name, size_t size) {
+    const auto array = taken_array<double>(name);
+    const double *data = of(array, size, name);
+    return {data, data + size};
+  }
+
+  double *state(const char *name, size_t size) {
+    arrays.push_back(taken_array<double>(name));
+    return into(arrays.back(), size, name);
+  }
+
+  void check_all_taken() const {
+    for (const auto &item : given_)
+      throw py::type_error("unknown argument " + py::str(item.first).cast<std::string>());
+  }
+
+ private:
+  py::object take(const char *name) {
+    if (!given_.contains(name)) throw py::type_error("missing argument " + std::string(name));
+    return given_.attr("pop")(name);
+  }
+
+  template <class T>
+  ArrayOf<T> taken_array(const char *name) {
+    py::object array = take(name);
+    if (!py::isinstance<ArrayOf<T>>(array))
+      throw py::type_error(std::string(name) + ": not a contiguous array of the right type");
+    return py::reinterpret_steal<ArrayOf<T>>(array.release());
+  }
+
+  py::kwargs given_;
+};
+
+// A body and the state that it works on: pointers into `arrays`.
 template <class Body, class State>
 struct Bound {
   Body body;
@@ -68,133 +112,81 @@ struct Bound {
   }
 };
 
+using BoundSheet = Bound<Sheet, SheetState>;
+using BoundChain = Bound<Chain, ChainState>;
+
+BoundSheet bind_sheet(py::kwargs given) {
+  Arguments from(std::move(given));
+  const CellGrid grid = {from.copied("along_m"), from.copied("across_m")};
+  const size_t cells = grid.cells(), nodes = grid.nodes(), size = 3 * nodes;
+  const auto ratio = from.copied("ratio");
+  const size_t branches = ratio.size(), groups = (cells + kLanes - 1) / kLanes;
+  const size_t strains = groups * 9 * 3 * kLanes;
+  const MembraneLaw law = {from.number<double>("c10_N_per_m"), from.number<double>("c01_N_per_m"),
+                           from.copied("solid", cells), from.copied("rest"),
+                           from.copied("strain_entries", 5 * cells)};
+  if (!law.rest.empty() && law.rest.size() != 6 * cells)
+    throw py::value_error("rest: six numbers of each cell wanted, or none");
+  const auto offset = from.copied<int>("offset");
+  Diagonals matrix(offset, from.copied("entry", offset.size() * nodes), static_cast<int>(nodes));
+  Bending bending(std::move(matrix), from.copied("flat_m", size));
+  Sheet body(Membrane(grid, law), std::move(bending),
+             Branches(ratio, from.copied("time_s", branches)), from.copied("mobility_1_kg", nodes),
+             from.copied<int>("held"));
+  const SheetState state = {from.state("position_m", size),
+                            from.state("velocity_m_per_s", size),
+                            from.state("internal_N", size),
+                            from.state("strain", strains),
+                            from.state("strain_stress", strains * branches),
+                            from.state("elastic_N", size),
+                            from.state("bending_stress_N", size * branches),
+                            from.state("energy_J", 2 * branches),
+                            from.state("lost_J", 1)};
+  from.check_all_taken();
+  return {std::move(body), state, std::move(from.arrays)};
+}
+
+BoundChain bind_chain(py::kwargs given) {
+  Arguments from(std::move(given));
+  ChainParts parts;
+  parts.bending_N_m3 = from.copied("bending_N_m3");
+  const size_t bends = parts.bending_N_m3.size(), rows = bends + 2, size = 3 * rows;
+  parts.mass_kg = from.copied("mass_kg", rows);
+  parts.held = from.copied<int>("held");
+  parts.free = from.copied<int>("free");
+  parts.across = from.copied("across", 3);
+  parts.share = from.copied("share", rows * parts.held.size());
+  parts.first = from.number<int>("first");
+  parts.rest_m = from.number<double>("rest_m");
+  parts.c10_Pa = from.number<double>("c10_Pa");
+  parts.c01_Pa = from.number<double>("c01_Pa");
+  parts.area_m2 = from.copied("area_m2");
+  parts.curvature_1_m2 = from.copied("curvature_1_m2", 3 * bends);
+  parts.at_clamp = from.copied<int>("at_clamp");
+  parts.along = from.copied("along", 3);
+  if (parts.at_clamp.size() != bends || parts.first + parts.area_m2.size() >= rows)
+    throw py::value_error("at_clamp, area_m2: springs, bends and rows do not fit together");
+  const auto ratio = from.copied("ratio");
+  const size_t branches = ratio.size(), strains = parts.strains();
+  Chain body(std::move(parts), Branches(ratio, from.copied("time_s", branches)));
+  const ChainState state = {from.state("position_m", size),     from.state("velocity_m_per_s", size),
+                            from.state("internal_N", size),     from.state("strain", strains),
+                            from.state("stress", strains * branches),
+                            from.state("energy_J", branches),   from.state("lost_J", 1)};
+  from.check_all_taken();
+  return {std::move(body), state, std::move(from.arrays)};
+}
+
 // Binds what all bodies can do.
 template <class BoundBody>
-void add_motion(py::class_<BoundBody> &bound) {
-  bound.def("rest", &BoundBody::rest)
+py::class_<BoundBody> add_body(py::module_ &module, const char *name, BoundBody (*bind)(py::kwargs)) {
+  const auto array = [](const char *of_array) { return py::arg(of_array).noconvert(); };
+  return py::class_<BoundBody>(module, name)
+      .def(py::init(bind))
+      .def("rest", &BoundBody::rest)
       .def("advance", &BoundBody::advance, py::kw_only(), array("start_m"), array("start_m_per_s"),
            array("end_m"), array("end_m_per_s"), array("outside_N"), py::arg("length_s"),
            py::arg("steps"), array("impulse_N_s"));
-}
-
-using BoundSheet = Bound<Sheet, SheetState>;
-
-Sheet sheet(const Doubles &along_m, const Doubles &across_m, double c10_N_per_m, double c01_N_per_m,
-            const Doubles &solid, const Doubles &rest, const Doubles &strain_entries,
-            const Ints &offset, const Doubles &entry, const Doubles &flat_m,
-            const Doubles &mobility_1_kg, const Ints &held, const Doubles &ratio,
-            const Doubles &time_s) {
-  const CellGrid grid = {copied(along_m), copied(across_m)};
-  const py::ssize_t cells = grid.cells(), nodes = grid.nodes();
-  of(solid, cells, "solid");
-  of(rest, rest.size() ? 6 * cells : 0, "rest");
-  of(strain_entries, 5 * cells, "strain_entries");
-  of(entry, offset.size() * nodes, "entry");
-  of(flat_m, 3 * nodes, "flat_m");
-  of(mobility_1_kg, nodes, "mobility_1_kg");
-  of(time_s, ratio.size(), "time_s");
-  const MembraneLaw law = {c10_N_per_m, c01_N_per_m, copied(solid), copied(rest),
-                           copied(strain_entries)};
-  Diagonals matrix(copied(offset), entry.data(), static_cast<int>(nodes));
-  return Sheet(Membrane(grid, law), Bending(std::move(matrix), copied(flat_m)),
-               Branches(copied(ratio), copied(time_s)), mobility_1_kg.data(),
-               static_cast<int>(nodes), copied(held));
-}
-
-void add_sheet(py::module_ &module) {
-  module.attr("LANES") = kLanes;
-  py::class_<BoundSheet> bound(module, "Sheet");
-  bound.def(
-      py::init([](const Doubles &along_m, const Doubles &across_m, double c10_N_per_m,
-                  double c01_N_per_m, const Doubles &solid, const Doubles &rest,
-                  const Doubles &strain_entries, const Ints &offset, const Doubles &entry,
-                  const Doubles &flat_m, const Doubles &mobility_1_kg, const Ints &held,
-                  const Doubles &ratio, const Doubles &time_s, Doubles position_m,
-                  Doubles velocity_m_per_s, Doubles internal_N, Doubles strain,
-                  Doubles strain_stress, Doubles elastic_N, Doubles bending_stress_N,
-                  Doubles energy_J, Doubles lost_J) {
-        Sheet body = sheet(along_m, across_m, c10_N_per_m, c01_N_per_m, solid, rest, strain_entries,
-                           offset, entry, flat_m, mobility_1_kg, held, ratio, time_s);
-        const py::ssize_t size = body.size(), points = 9 * body.groups() * kLanes;
-        const py::ssize_t branches = body.branches();
-        const SheetState state = {into(position_m, size, "position_m"),
-                                  into(velocity_m_per_s, size, "velocity_m_per_s"),
-                                  into(internal_N, size, "internal_N"),
-                                  into(strain, 3 * points, "strain"),
-                                  into(strain_stress, 3 * points * branches, "strain_stress"),
-                                  into(elastic_N, size, "elastic_N"),
-                                  into(bending_stress_N, size * branches, "bending_stress_N"),
-                                  into(energy_J, 2 * branches, "energy_J"),
-                                  into(lost_J, 1, "lost_J")};
-        return BoundSheet{std::move(body), state,
-                          {position_m, velocity_m_per_s, internal_N, strain, strain_stress,
-                           elastic_N, bending_stress_N, energy_J, lost_J}};
-      }),
-      py::kw_only(), array("along_m"), array("across_m"), py::arg("c10_N_per_m"),
-      py::arg("c01_N_per_m"), array("solid"), array("rest"), array("strain_entries"),
-      array("offset"), array("entry"), array("flat_m"), array("mobility_1_kg"), array("held"),
-      array("ratio"), array("time_s"), array("position_m"), array("velocity_m_per_s"),
-      array("internal_N"), array("strain"), array("strain_stress"), array("elastic_N"),
-      array("bending_stress_N"), array("energy_J"), array("lost_J"));
-  bound.def("membrane_J", [](const BoundSheet &sheet) {
-    return sheet.body.membrane_J(sheet.state.position_m);
-  });
-  add_motion(bound);
-}
-
-using BoundChain = Bound<Chain, ChainState>;
-
-Chain chain(int first, double rest_m, double c10_Pa, double c01_Pa, const Doubles &area_m2,
-            const Doubles &bending_N_m3, const Doubles &curvature_1_m2, const Ints &at_clamp,
-            const Doubles &along, const Doubles &mass_kg, const Ints &held, const Ints &free,
-            const Doubles &across, const Doubles &share, const Doubles &ratio,
-            const Doubles &time_s) {
-  of(curvature_1_m2, 3 * bending_N_m3.size(), "curvature_1_m2");
-  of(along, 3, "along");
-  of(mass_kg, bending_N_m3.size() + 2, "mass_kg");
-  of(across, 3, "across");
-  of(share, mass_kg.size() * held.size(), "share");
-  of(time_s, ratio.size(), "time_s");
-  if (at_clamp.size() != bending_N_m3.size() || first + area_m2.size() >= mass_kg.size())
-    throw py::value_error("at_clamp, area_m2: springs, bends and rows do not fit together");
-  const ChainLinks links = {first, rest_m, c10_Pa, c01_Pa, copied(area_m2), copied(bending_N_m3),
-                            copied(curvature_1_m2), copied(at_clamp), copied(along)};
-  const ChainRows rows = {copied(mass_kg), copied(held), copied(free), copied(across),
-                          copied(share)};
-  return Chain(ChainForce(links), rows, Branches(copied(ratio), copied(time_s)));
-}
-
-void add_chain(py::module_ &module) {
-  py::class_<BoundChain> bound(module, "Chain");
-  bound.def(
-      py::init([](int first, double rest_m, double c10_Pa, double c01_Pa, const Doubles &area_m2,
-                  const Doubles &bending_N_m3, const Doubles &curvature_1_m2, const Ints &at_clamp,
-                  const Doubles &along, const Doubles &mass_kg, const Ints &held, const Ints &free,
-                  const Doubles &across, const Doubles &share, const Doubles &ratio,
-                  const Doubles &time_s, Doubles position_m, Doubles velocity_m_per_s,
-                  Doubles internal_N, Doubles strain, Doubles stress, Doubles energy_J,
-                  Doubles lost_J) {
-        Chain body = chain(first, rest_m, c10_Pa, c01_Pa, area_m2, bending_N_m3, curvature_1_m2,
-                           at_clamp, along, mass_kg, held, free, across, share, ratio, time_s);
-        const py::ssize_t size = body.size(), branches = body.branches();
-        const ChainState state = {into(position_m, size, "position_m"),
-                                  into(velocity_m_per_s, size, "velocity_m_per_s"),
-                                  into(internal_N, size, "internal_N"),
-                                  into(strain, body.strains(), "strain"),
-                                  into(stress, body.strains() * branches, "stress"),
-                                  into(energy_J, branches, "energy_J"),
-                                  into(lost_J, 1, "lost_J")};
-        return BoundChain{std::move(body), state,
-                          {position_m, velocity_m_per_s, internal_N, strain, stress, energy_J,
-                           lost_J}};
-      }),
-      py::kw_only(), py::arg("first"), py::arg("rest_m"), py::arg("c10_Pa"), py::arg("c01_Pa"),
-      array("area_m2"), array("bending_N_m3"), array("curvature_1_m2"), array("at_clamp"),
-      array("along"), array("mass_kg"), array("held"), array("free"), array("across"),
-      array("share"), array("ratio"), array("time_s"), array("position_m"),
-      array("velocity_m_per_s"), array("internal_N"), array("strain"), array("stress"),
-      array("energy_J"), array("lost_J"));
-  add_motion(bound);
 }
 
 }  // namespace
@@ -202,6 +194,10 @@ void add_chain(py::module_ &module) {
 }  // namespace flipflow
 
 PYBIND11_MODULE(_kernel, module) {
-  flipflow::add_chain(module);
-  flipflow::add_sheet(module);
+  using namespace flipflow;
+  module.attr("LANES") = kLanes;
+  add_body(module, "Chain", bind_chain);
+  add_body(module, "Sheet", bind_sheet).def("membrane_J", [](const BoundSheet &sheet) {
+    return sheet.body.membrane_J(sheet.state.position_m);
+  });
 }

@@ -3,7 +3,7 @@
 namespace flipflow {
 
 // Motion of held points from the start to the end of an interval, (held, 3) each: cubic Hermite in
-// position and velocity, the same formula as orchestrator/ports/hermite.py.
+// position and velocity, the same formula as HermitePath of orchestrator/ports.
 struct HeldPath {
   const double *start_m, *start_m_per_s, *end_m, *end_m_per_s;
   double length_s;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "bending.h"
+#include "lanes.h"
 #include "maxwell.h"
 #include "membrane.h"
 #include "path.h"
@@ -18,35 +21,104 @@ struct SheetState {
   double *energy_J, *lost_J;
 };
 
-// A thin sheet in velocity Verlet: Explicit of adapters/panel/finite_element/integrators.py on the structure of sheet_forms.py.
+// A thin sheet in velocity Verlet: Explicit of adapters/panel/finite_element/integrators.py on the
+// structure of sheet_forms.py.
 class Sheet {
  public:
   // `mobility_1_kg` (nodes), zero for the nodes `held`.
-  Sheet(Membrane membrane, Bending bending, Branches branches, const double *mobility_1_kg,
-        int nodes, std::vector<int> held);
+  Sheet(Membrane membrane, Bending bending, Branches branches,
+        const std::vector<double> &mobility_1_kg, std::vector<int> held)
+      : membrane_(std::move(membrane)),
+        bending_(std::move(bending)),
+        branches_(std::move(branches)),
+        mobility_(3 * mobility_1_kg.size()),
+        held_(std::move(held)),
+        before_m_(mobility_.size()),
+        before_N_(mobility_.size()) {
+    for (int i = 0; i < size(); ++i) mobility_[i] = mobility_1_kg[i / 3];
+  }
+
+  double membrane_J(const double *position_m) const { return membrane_.energy_J(position_m); }
+  int size() const { return static_cast<int>(mobility_.size()); }  // 3 * nodes
+  int held() const { return static_cast<int>(held_.size()); }
 
   // Takes the positions as the shape in which every branch is relaxed.
-  void rest(const SheetState &state);
+  void rest(const SheetState &state) {
+    branches_.set_relaxed();
+    std::copy_n(state.position_m, size(), before_m_.begin());
+    find_force(state);
+    std::fill_n(state.energy_J, 2 * branches_.count(), 0.0);
+    state.lost_J[0] = 0.0;
+  }
 
   // Moves the state in `steps` steps under a constant force (nodes, 3).  Adds the internal force's
   // impulse (held, 3) and returns its work at the held nodes.
-  double advance(const SheetState &state, const HeldPath &path, const double *outside_N, int steps,
-                 double *impulse_N_s);
-
-  double membrane_J(const double *position_m) const { return membrane_.energy_J(position_m); }
-  int groups() const { return membrane_.groups(); }
-  int branches() const { return branches_.count(); }
-  int size() const { return static_cast<int>(mobility_.size()); }  // 3 * nodes
-  int held() const { return static_cast<int>(held_.size()); }
+  double advance(const SheetState &state, const HeldPath &path, const double *outside_N,
+                 int steps, double *impulse_N_s) {
+    const double step_s = path.length_s / steps;
+    branches_.set_step(step_s);
+    double work_J = 0.0;
+    for (int step = 1; step <= steps; ++step) {
+      std::copy_n(state.position_m, size(), before_m_.begin());
+      std::copy_n(state.internal_N, size(), before_N_.begin());
+      kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_per_s);
+      drift(size(), step_s, state.velocity_m_per_s, state.position_m);
+      place_held(state, path, static_cast<double>(step) / steps);
+      const Works works = find_force(state);
+      state.lost_J[0] += branches_.book(works.stretching, state.energy_J);
+      state.lost_J[0] += branches_.book(works.bending, state.energy_J + branches_.count());
+      kick(size(), 0.5 * step_s, mobility_.data(), outside_N, state.internal_N, state.velocity_m_per_s);
+      work_J += collect(state, step_s, impulse_N_s);
+    }
+    return work_J;
+  }
 
  private:
   struct Works {
     StepWork stretching, bending;
   };
 
-  Works find_force(const SheetState &state);
-  void place_held(const SheetState &state, const HeldPath &path, double fraction) const;
-  double collect(const SheetState &state, double step_s, double *impulse_N_s) const;
+  // Half a step of force on the free nodes.
+  FLIPFLOW_CLONES
+  static void kick(int size, double half_step_s, const double *mobility_1_kg, const double *outside_N,
+                   const double *internal_N, double *velocity_m_per_s) {
+    for (int i = 0; i < size; ++i)
+      velocity_m_per_s[i] += half_step_s * mobility_1_kg[i] * (outside_N[i] - internal_N[i]);
+  }
+
+  FLIPFLOW_CLONES
+  static void drift(int size, double step_s, const double *velocity_m_per_s, double *position_m) {
+    for (int i = 0; i < size; ++i) position_m[i] += step_s * velocity_m_per_s[i];
+  }
+
+  Works find_force(const SheetState &state) {
+    std::fill_n(state.internal_N, size(), 0.0);
+    return {membrane_.step(branches_, state.position_m, state.strain, state.strain_stress,
+                           state.internal_N),
+            bending_.step(branches_, before_m_.data(), state.position_m, state.elastic_N,
+                          state.bending_stress_N, state.internal_N)};
+  }
+
+  void place_held(const SheetState &state, const HeldPath &path, double fraction) const {
+    for (int k = 0; k < held(); ++k)
+      for (int c = 0; c < 3; ++c) {
+        const int node = 3 * held_[k] + c;
+        state.position_m[node] = path.position_m(3 * k + c, fraction);
+        state.velocity_m_per_s[node] = path.velocity_m_per_s(3 * k + c, fraction);
+      }
+  }
+
+  double collect(const SheetState &state, double step_s, double *impulse_N_s) const {
+    double work_J = 0.0;
+    for (int k = 0; k < held(); ++k)
+      for (int c = 0; c < 3; ++c) {
+        const int node = 3 * held_[k] + c;
+        const double mean_N = 0.5 * (before_N_[node] + state.internal_N[node]);
+        impulse_N_s[3 * k + c] += step_s * mean_N;
+        work_J += mean_N * (state.position_m[node] - before_m_[node]);
+      }
+    return work_J;
+  }
 
   Membrane membrane_;
   Bending bending_;

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from adapters.panel.common.lightest_point import areal_mass_kg_per_m2
+from adapters.panel.common.estimates import areal_mass_kg_per_m2
 from orchestrator.ports import MeshedPanel
 from orchestrator.ports.adapters import Objection, PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 
 
 def build(plan: PanelPlan) -> MeshedPanel:
-    """The strip at rest between its clamps.
+    """Open the strip at rest between its clamps.
 
     ValueError for an implicit integrator or a step above ``largest_step_s``, SolverFailed if no
     resting shape is found.
@@ -22,27 +22,29 @@ def build(plan: PanelPlan) -> MeshedPanel:
 
 
 def largest_step_s(plan: PanelPlan) -> float:
-    """The largest ``step_s`` that ``build`` accepts for this plan."""
+    """Return the largest ``step_s`` that ``build`` accepts for this plan."""
     from adapters.panel.strip import panel
 
     return panel.largest_step_s(plan)
 
 
 def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
-    """Mass of a row, which moves as one."""
+    """Return the mass of a row, which moves as one."""
     sides_m2 = plan.rectangle.width_m * plan.rectangle.length_m
     return areal_mass_kg_per_m2(plan) * sides_m2 / plan.cells[0]
 
 
 def objections(plan: PanelPlan) -> Iterator[Objection]:
-    """Fewer than two rows of cells."""
+    """Yield that there are fewer than two rows of cells."""
     if plan.cells[0] < 2:
         yield Objection("a strip needs at least two cells", key=("panel", "cells", 0))
 
 
 def cost(work: PanelsWork) -> Cost:
-    """A call, and the steps, whose length goes with that of a cell.  The resting shape of many
-    cells is the longer part: 7 s for 200, 70 s for 400."""
+    """Return the cost of a call, and of steps whose length goes with that of a cell.
+
+    The resting shape of many cells is the longer part: 7 s for 200, 70 s for 400.
+    """
     steps_s = 0.1 * work.interval_s * (work.cells[0] / 22) ** 2
     opening_s = 0.05 + 1.1e-6 * work.cells[0] ** 3
     return Cost(opening_s * work.panels, work.panels * work.runs * (1.0e-4 + steps_s))

@@ -21,20 +21,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from adapters.panel.perforation.strip import left
+from adapters.panel.common import bilinear
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 
 @dataclass(frozen=True)
 class Chain:
-    """``rows_m`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
+    """``rows_m`` and ``mass_kg`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
     ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and of
     bearing cross-sections ``area_m2`` (c,); ``curvature_1_m2`` (b, r) maps positions to
     curvatures, of weights ``bending_N_m3`` (b,), E I times the length that each stands for; those
     of ``at_clamps`` count only across ``clamp_along`` (3,)."""
 
     rows_m: Array
+    mass_kg: Array
     held: Indices
     springs: slice
     rest_m: float
@@ -61,24 +62,25 @@ class Chain:
     def tension_N(self, length_m: Array) -> Array:
         return np.asarray(self.area_m2 * nominal_stress_Pa(self.material, length_m / self.rest_m))
 
-    def force_N(self, along: Array, tension_N: Array, moment: Array) -> Array:
-        """Return the force (r, 3) on the rows of spring tensions (c,) along ``along`` and of the bending
-        springs' ``moment`` (b, 3), the derivative of energy with respect to curvature."""
+    def elastic_N(self, position_m: Array) -> Array:
+        """Return the elastic force (r, 3) on the rows."""
+        along, length_m = self.stretched(position_m)
+        moment = self.bending_N_m3[:, None] * self.curvature_1_m(position_m)
         force_N = -self.curvature_1_m2.T @ moment
-        pull_N = tension_N[:, None] * along
+        pull_N = self.tension_N(length_m)[:, None] * along
         inner = force_N[self.springs]
         inner[:-1] += pull_N
         inner[1:] -= pull_N
         return np.asarray(force_N)
 
-    def membrane_J(self, length_m: Array) -> float:
-        stretch = length_m / self.rest_m
+    def membrane_J(self, position_m: Array) -> float:
+        stretch = self.stretched(position_m)[1] / self.rest_m
         density_Pa = self.material.c10_Pa * (stretch**2 + 2 / stretch - 3)
         density_Pa = density_Pa + self.material.c01_Pa * (2 * stretch + stretch**-2 - 3)
         return float(self.rest_m * (self.area_m2 @ density_Pa))
 
-    def bending_J(self, curvature_1_m: Array) -> float:
-        return float(self.bending_N_m3 @ (curvature_1_m**2).sum(axis=1)) / 2
+    def bending_J(self, position_m: Array) -> float:
+        return float(self.bending_N_m3 @ (self.curvature_1_m(position_m) ** 2).sum(axis=1)) / 2
 
     def tangent_N_per_m(self, position_m: Array) -> Array:
         """Return the second derivative of the elastic energy, (3 r, 3 r)."""
@@ -107,10 +109,10 @@ def chain(plan: PanelPlan) -> Chain:
     rectangle, cells = plan.rectangle, plan.cells[0]
     if cells < 2:
         raise ValueError(f"panel {plan.name}: a strip needs at least two cells, got {cells}")
-    free = np.linspace(0.0, rectangle.length_m, cells + 1)
-    under = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
-    rows_m = np.concatenate([[-c for c in under], free, [rectangle.length_m + c for c in under]])
-    first, last = len(under), len(under) + cells
+    free_m = np.linspace(0.0, rectangle.length_m, cells + 1)
+    rows_m = bilinear.clamped_rows_m(rectangle, free_m)
+    first = (len(rows_m) - len(free_m)) // 2
+    last = first + cells
     held = np.full(len(rows_m), -1)
     held[: first + 1], held[last:] = 0, 1
     gap = np.diff(rows_m)
@@ -123,20 +125,51 @@ def chain(plan: PanelPlan) -> Chain:
     area_m2 = rectangle.width_m * plan.thickness_m
     bending_N_m2 = plan.material.youngs_modulus_Pa * area_m2 * plan.thickness_m**2 / 12
     bent_m = np.clip([rows_m[1:-1] - cell / 2, rows_m[1:-1] + cell / 2], 0, rectangle.length_m)
-    weights_N_m3 = bending_N_m2 * left(plan, *bent_m).bending * stands_for
-    springs = slice(first, last + 1)
+    _, _, bending_share = remaining_shares(plan, *bent_m)
+    _, tension_share, _ = remaining_shares(plan, free_m[:-1], free_m[1:])
+    mass_share, _, _ = remaining_shares(plan, rows_m[:-1], rows_m[1:])
+    per_length = plan.material.density_kg_per_m3 * area_m2 * mass_share
     return Chain(
-        rows_m,
-        held,
-        springs,
-        cell,
-        area_m2 * left(plan, free[:-1], free[1:]).tension,
-        plan.material,
-        curvature,
-        weights_N_m3,
-        np.flatnonzero(held[1:-1] >= 0),
-        rectangle.along,
+        rows_m=rows_m,
+        mass_kg=2 * bilinear.half_row_mass_kg(rows_m, per_length)[::2],
+        held=held,
+        springs=slice(first, last + 1),
+        rest_m=cell,
+        area_m2=area_m2 * tension_share,
+        material=plan.material,
+        curvature_1_m2=curvature,
+        bending_N_m3=bending_N_m2 * bending_share * stands_for,
+        at_clamps=np.flatnonzero(held[1:-1] >= 0),
+        clamp_along=rectangle.along,
     )
+
+
+def remaining_shares(plan: PanelPlan, low_m: Array, high_m: Array) -> tuple[Array, Array, Array]:
+    """Return what openings leave of mass, tension and bending stiffness, (pieces,) each, of pieces of the
+    strip from s = ``low_m`` to ``high_m``.
+
+    Across, margins and pattern act side by side; along, the perforated and the solid part of a piece
+    act one after the other.  Their stiffness is that of ``unit_cell``, free to contract across.
+    SolverMissing without DOLFINx, which computes the pattern's stiffness.
+    """
+    pattern = plan.apertures
+    if pattern is None:
+        whole = np.ones(len(low_m))
+        return whole, whole, whole
+    from adapters.panel.finite_element.unit_cell import along, cell_stiffness
+
+    region = pattern.region_m(plan.rectangle)
+    inside_m = np.minimum(high_m, region[1, 0]) - np.maximum(low_m, region[0, 0])
+    length = np.clip(inside_m, 0.0, None) / (high_m - low_m)
+    width = float(np.ptp(region[:, 1])) / plan.rectangle.width_m
+    cell = cell_stiffness(pattern, plan.thickness_m)
+
+    def in_series(stiffness: Array) -> Array:
+        beside_margins = 1 - width + width * along(stiffness)
+        return np.asarray(1 / (1 - length + length / beside_margins))
+
+    mass = np.asarray(1 - length * width * (1 - pattern.solid_share))
+    return mass, in_series(cell.membrane), in_series(cell.bending)
 
 
 def nominal_stress_Pa(material: HyperelasticPlan, stretch: Array) -> Array:

@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from adapters.panel._kernel import Chain as CompiledChain
-from adapters.panel.common.body import CompiledBody
-from adapters.panel.common.maxwell import checked
+from adapters.panel.common.compiled_body import CompiledBody, kernel
 from adapters.panel.strip.chain import Chain
 from orchestrator.ports import Array
 
 
 class ChainMotion(CompiledBody):
-    """A chain that starts at rest and relaxed at ``position_m`` (r, 3), with ``mass_kg`` (r,).
+    """A chain that starts at rest and relaxed at ``position_m`` (r, 3).
 
     ``internal_N`` (r, 3) is the force of springs and branches on the rows, now.  Branches act on
     spring lengths, with the springs' stiffness at no stretch, and on curvatures; their stresses
@@ -30,60 +28,48 @@ class ChainMotion(CompiledBody):
     def __init__(
         self,
         chain: Chain,
-        mass_kg: Array,
         position_m: Array,
         branches: tuple[tuple[float, float], ...],
         across: Array,
+        step_s: float,
     ) -> None:
-        self._chain, self._share, self._across = chain, shares(chain), across
+        self._chain, self._across, self.share = chain, across, shares(chain)
         self._springs = len(chain.area_m2)
         strains = self._springs + 3 * len(chain.bending_N_m3)
-        self.position_m = position_m.copy()
-        self.velocity_m_per_s, self.internal_N = np.zeros((2, *position_m.shape))
         memory = {
-            "position_m": self.position_m,
-            "velocity_m_per_s": self.velocity_m_per_s,
-            "internal_N": self.internal_N,
             "strain": np.zeros(strains),
             "stress": np.zeros((len(branches), strains)),
             "energy_J": np.zeros(len(branches)),
-            "lost_J": np.zeros(1),
+        }
+        rows = {
+            "mass_kg": chain.mass_kg,
+            "free": np.flatnonzero(chain.held < 0).astype(np.int32),
+            "across": across,
+            "share": self.share,
         }
         held = np.flatnonzero(chain.held >= 0)
-        ratio, time_s = checked(branches)
-        kernel = CompiledChain(
-            **_links(chain),
-            mass_kg=mass_kg,
-            held=held.astype(np.int32),
-            free=np.flatnonzero(chain.held < 0).astype(np.int32),
-            across=across,
-            share=self._share,
-            ratio=ratio,
-            time_s=time_s,
-            **memory,
-        )
-        super().__init__(kernel, held, memory)
-        kernel.rest()
+        constants = _links(chain) | rows
+        super().__init__(kernel.Chain, step_s, chain.mass_kg, held, branches, constants, memory)
+        self.rest(position_m)
 
     def stretches(self) -> tuple[float, float]:
-        """Return the smallest and the largest of the springs."""
+        """Return the smallest and the largest stretch of the springs."""
         stretch = self.memory["strain"][: self._springs] / self._chain.rest_m
         return float(stretch.min()), float(stretch.max())
 
     def stored_J(self) -> dict[str, float]:
-        """Return the elastic energy, and that of the branches' springs."""
-        curvature_1_m = self._chain.curvature_1_m(self.position_m)
+        """Return the elastic energy by name and that of the Maxwell branches."""
         return {
-            "membrane": self._chain.membrane_J(self._chain.stretched(self.position_m)[1]),
-            "bending": self._chain.bending_J(curvature_1_m),
+            "membrane": self._chain.membrane_J(self.position_m),
+            "bending": self._chain.bending_J(self.position_m),
             "maxwell": float(self.memory["energy_J"].sum()),
         }
 
-    def onto_held(self, force: Array) -> Array:
+    def onto_held(self, force_N: Array) -> Array:
         """Return (held, 3): how forces (r, 3) act on the held rows, across all of them."""
-        held, across = force[self.held], self._across
-        handed = self._share.T @ (force @ across) - held @ across
-        return np.asarray(held + np.outer(handed, across))
+        held_N, across = force_N[self.held], self._across
+        handed_N = self.share.T @ (force_N @ across) - held_N @ across
+        return np.asarray(held_N + np.outer(handed_N, across))
 
 
 def shares(chain: Chain) -> Array:
@@ -99,7 +85,7 @@ def shares(chain: Chain) -> Array:
 
 
 def _links(chain: Chain) -> dict[str, Any]:
-    """Springs and bending springs; each of the latter joins three rows."""
+    """Return springs and bending springs; each of the latter joins three rows."""
     bends = np.arange(len(chain.bending_N_m3))
     at_clamp = np.zeros(len(bends), dtype=np.int32)
     at_clamp[chain.at_clamps] = 1

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 
 namespace LAMMPS_NS {
 class LAMMPS;
@@ -18,10 +19,9 @@ struct DeepestOverlap {
   }
 };
 
-// Of the particle-particle contacts of a LIGGGHTS instance, on this rank, in all its force
-// evaluations since it was last set to nothing; the contact models fill it in.
-DeepestOverlap &deepest_between(LAMMPS_NS::LAMMPS &lmp);
-
-void forget_deepest_between(LAMMPS_NS::LAMMPS &lmp);  // when the instance goes
+// Of the particle-particle contacts of each LIGGGHTS instance, on this rank, in all its force
+// evaluations since it was last set to nothing; the contact models fill it in.  Values stay where
+// they are until their instance goes.
+inline std::map<LAMMPS_NS::LAMMPS *, DeepestOverlap> deepest_between;
 
 }  // namespace flipflow

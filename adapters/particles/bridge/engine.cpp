@@ -14,7 +14,6 @@
 #include "lammps.h"
 #include "modify.h"
 #include "neighbor.h"
-#include "register_models.h"
 #include "saved_particles.h"
 #include "update.h"
 
@@ -77,7 +76,7 @@ Engine::Engine(MPI_Comm communicator, const std::string &screen_file,
 Engine::~Engine() {
   if (!healthy_) return;
   FILE *screen = lammps_->screen;
-  forget_deepest_between(*lammps_);
+  deepest_between.erase(lammps_);
   delete lammps_;
   if (screen) std::fclose(screen);
 }

@@ -16,6 +16,10 @@ class LAMMPS;
 
 namespace flipflow {
 
+// Makes the contact models of flipflow known to LIGGGHTS.  Every new instance of LIGGGHTS puts some
+// models of its own into the same tables, in the place of ours: to be called after each.
+void register_contact_models();
+
 // One LIGGGHTS instance in this process.  Every call but the plain readers is collective over
 // the communicator.  Errors of LIGGGHTS are std::runtime_error.
 class Engine {

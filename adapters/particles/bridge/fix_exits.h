@@ -1,8 +1,15 @@
 #pragma once
 
+#include <cmath>
+#include <utility>
 #include <vector>
 
+#include "atom.h"
+#include "atom_vec.h"
+#include "domain.h"
 #include "fix.h"
+#include "update.h"
+
 #include "vec3.h"
 
 namespace flipflow {
@@ -18,6 +25,13 @@ class FixExits : public LAMMPS_NS::Fix {
   struct Box {
     Vec3 center, axis[3];  // unit vectors along the edges
     double half[3];        // half the edges' lengths, m
+
+    bool holds(Vec3 place) const {
+      const Vec3 from_center = place - center;
+      for (int k = 0; k < 3; ++k)
+        if (std::abs(dot(from_center, axis[k])) > half[k]) return false;
+      return true;
+    }
   };
 
   // A particle as it was: its place at the end of `step`, its velocity half a step before.
@@ -30,16 +44,53 @@ class FixExits : public LAMMPS_NS::Fix {
 
   FixExits(LAMMPS_NS::LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg) {}
 
-  void set(std::vector<Box> exits, Vec3 low_m, Vec3 high_m);
+  void set(std::vector<Box> exits, Vec3 low_m, Vec3 high_m) {
+    exits_ = std::move(exits);
+    low_ = low_m;
+    high_ = high_m;
+  }
 
-  int setmask() override;
-  void pre_exchange() override;
+  int setmask() override { return LAMMPS_NS::FixConst::PRE_EXCHANGE; }
 
-  std::vector<Removed> take();  // since last taken
+  // LIGGGHTS calls its fixes of contact history before all others here, so that the history of who
+  // stays is with the particles by now.
+  void pre_exchange() override {
+    const size_t before = removed_.size();
+    for (int i = atom->nlocal - 1; i >= 0; --i) {
+      const Vec3 place = from(atom->x[i]);
+      const int exit = exit_of(place);
+      if (exit == kStays) continue;
+      removed_.push_back({atom->tag[i], atom->type[i], exit, update->ntimestep, place,
+                          from(atom->v[i]), from(atom->omega[i]), atom->radius[i],
+                          atom->density[i], atom->rmass[i]});
+      remove(i);
+    }
+    long gone = static_cast<long>(removed_.size() - before);
+    MPI_Allreduce(MPI_IN_PLACE, &gone, 1, MPI_LONG, MPI_SUM, world);
+    atom->natoms -= gone;
+  }
+
+  // since last taken
+  std::vector<Removed> take() { return std::exchange(removed_, {}); }
 
  private:
-  int exit_of(Vec3 place) const;  // -1: lost, -2: stays
-  void remove(int i);
+  static constexpr int kLost = -1, kStays = -2;
+
+  // -1: lost, -2: stays
+  int exit_of(Vec3 place) const {
+    for (size_t e = 0; e < exits_.size(); ++e)
+      if (exits_[e].holds(place)) return static_cast<int>(e);
+    const double x[3] = {place.x, place.y, place.z};
+    const double low[3] = {low_.x, low_.y, low_.z}, high[3] = {high_.x, high_.y, high_.z};
+    for (int k = 0; k < 3; ++k)
+      if (!domain->periodicity[k] && (x[k] < low[k] || x[k] > high[k])) return kLost;
+    return kStays;
+  }
+
+  void remove(int i) {
+    --atom->nlocal;
+    if (i != atom->nlocal) atom->avec->copy(atom->nlocal, i, 1);
+  }
 
   std::vector<Box> exits_;
   Vec3 low_{}, high_{};

@@ -7,7 +7,6 @@
 #include "fix.h"
 #include "granular_wall.h"
 #include "neighbor.h"
-#include "triangle_spin.h"
 #include "update.h"
 
 namespace flipflow {

@@ -8,7 +8,6 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "lammps.h"
 
 namespace py = pybind11;
+using namespace py::literals;
 using flipflow::Engine;
 
 namespace {
@@ -45,37 +45,44 @@ void check_shape(const char *name, const py::array &array, const std::vector<py:
                           " is wanted, got " + written(shape));
 }
 
-std::vector<double> values_of(const Doubles &array) {
+template <class Value>
+std::vector<Value> values_of(const py::array_t<Value, py::array::c_style> &array) {
   return {array.data(), array.data() + array.size()};
 }
 
-// LIGGGHTS's own memory as an array; valid until the next call that moves particles.
-template <class T>
-py::array_t<T> view(py::object engine, T *first, int rows) {
-  static T none;
-  return py::array_t<T>({rows}, first ? first : &none, engine);
+template <class Value>
+py::array_t<Value> array_of(const std::vector<Value> &values, const std::vector<py::ssize_t> &shape) {
+  py::array_t<Value> array(shape);
+  std::copy(values.begin(), values.end(), array.mutable_data());
+  return array;
 }
 
-py::array_t<double> view3(py::object engine, double **first, int rows) {
-  static double none;
-  return py::array_t<double>({rows, 3}, rows ? first[0] : &none, engine);
+Doubles by_point(const std::vector<double> &values) {
+  return array_of(values, {static_cast<py::ssize_t>(values.size() / 3), 3});
 }
 
+Doubles triple(flipflow::Vec3 value) {
+  return array_of(std::vector<double>{value.x, value.y, value.z}, {3});
+}
+
+// LIGGGHTS's own memory as arrays; valid until the next call that moves particles.
 py::dict particles(py::object self) {
   LAMMPS_NS::Atom &atom = *self.cast<Engine &>().lammps().atom;
   const int n = atom.nlocal;
-  py::dict arrays;
-  arrays["x"] = view3(self, atom.x, n);
-  arrays["v"] = view3(self, atom.v, n);
-  arrays["omega"] = view3(self, atom.omega, n);
-  arrays["f"] = view3(self, atom.f, n);
-  arrays["torque"] = view3(self, atom.torque, n);
-  arrays["radius"] = view(self, atom.radius, n);
-  arrays["rmass"] = view(self, atom.rmass, n);
-  arrays["density"] = view(self, atom.density, n);
-  arrays["type"] = view(self, atom.type, n);
-  arrays["tag"] = view(self, atom.tag, n);
-  return arrays;
+  const auto column = [&](auto *first) {
+    using Value = std::remove_pointer_t<decltype(first)>;
+    static Value none;
+    return py::array_t<Value>({n}, first ? first : &none, self);
+  };
+  const auto column3 = [&](double **first) {
+    static double none;
+    return py::array_t<double>({n, 3}, n ? first[0] : &none, self);
+  };
+  return py::dict("x"_a = column3(atom.x), "v"_a = column3(atom.v), "omega"_a = column3(atom.omega),
+                  "f"_a = column3(atom.f), "torque"_a = column3(atom.torque),
+                  "radius"_a = column(atom.radius), "rmass"_a = column(atom.rmass),
+                  "density"_a = column(atom.density), "type"_a = column(atom.type),
+                  "tag"_a = column(atom.tag));
 }
 
 std::vector<flipflow::Triangle> corners_of(const char *name, const Ints &triangles, int points) {
@@ -143,16 +150,16 @@ void set_exits(Engine &engine, const Doubles &center_m, const Doubles &axes, con
                      flipflow::from(domain_m.data() + 3));
 }
 
-// One value, or three, of each particle removed.
-template <class Value, class Get>
-py::array_t<Value> column(const std::vector<flipflow::FixExits::Removed> &rows, Get get) {
+// One value, or three, of each row.
+template <class Value, class Row, class Get>
+py::array_t<Value> column(const std::vector<Row> &rows, Get get) {
   py::array_t<Value> array(static_cast<py::ssize_t>(rows.size()));
-  for (size_t i = 0; i < rows.size(); ++i) array.mutable_at(i) = get(rows[i]);
+  for (size_t i = 0; i < rows.size(); ++i) array.mutable_at(i) = static_cast<Value>(get(rows[i]));
   return array;
 }
 
-template <class Get>
-Doubles column3(const std::vector<flipflow::FixExits::Removed> &rows, Get get) {
+template <class Row, class Get>
+Doubles column3(const std::vector<Row> &rows, Get get) {
   Doubles array({static_cast<py::ssize_t>(rows.size()), py::ssize_t{3}});
   for (size_t i = 0; i < rows.size(); ++i) flipflow::put(array.mutable_data(i, 0), get(rows[i]));
   return array;
@@ -161,37 +168,26 @@ Doubles column3(const std::vector<flipflow::FixExits::Removed> &rows, Get get) {
 py::dict take_removed(Engine &engine) {
   using Row = flipflow::FixExits::Removed;
   const auto rows = engine.exits().take();
-  py::dict arrays;
-  arrays["x"] = column3(rows, [](const Row &r) { return r.position_m; });
-  arrays["v"] = column3(rows, [](const Row &r) { return r.velocity_m_per_s; });
-  arrays["omega"] = column3(rows, [](const Row &r) { return r.spin_rad_per_s; });
-  arrays["radius"] = column<double>(rows, [](const Row &r) { return r.radius_m; });
-  arrays["rmass"] = column<double>(rows, [](const Row &r) { return r.mass_kg; });
-  arrays["density"] = column<double>(rows, [](const Row &r) { return r.density_kg_per_m3; });
-  arrays["type"] = column<int>(rows, [](const Row &r) { return r.type; });
-  arrays["tag"] = column<int>(rows, [](const Row &r) { return r.tag; });
-  arrays["exit"] = column<int>(rows, [](const Row &r) { return r.exit; });
-  arrays["step"] = column<int>(rows, [&](const Row &r) {
-    return static_cast<int>(r.step - engine.surface().first_step());
-  });
-  return arrays;
+  const auto before = engine.surface().first_step();
+  return py::dict("x"_a = column3(rows, [](const Row &r) { return r.position_m; }),
+                  "v"_a = column3(rows, [](const Row &r) { return r.velocity_m_per_s; }),
+                  "omega"_a = column3(rows, [](const Row &r) { return r.spin_rad_per_s; }),
+                  "radius"_a = column<double>(rows, [](const Row &r) { return r.radius_m; }),
+                  "rmass"_a = column<double>(rows, [](const Row &r) { return r.mass_kg; }),
+                  "density"_a = column<double>(rows, [](const Row &r) { return r.density_kg_per_m3; }),
+                  "type"_a = column<int>(rows, [](const Row &r) { return r.type; }),
+                  "tag"_a = column<int>(rows, [](const Row &r) { return r.tag; }),
+                  "exit"_a = column<int>(rows, [](const Row &r) { return r.exit; }),
+                  "step"_a = column<int>(rows, [=](const Row &r) { return r.step - before; }));
 }
 
 py::dict take_crossings(Engine &engine) {
+  using Row = flipflow::FixSurface::Crossing;
   const auto rows = engine.surface().take_crossings();
-  const auto count = static_cast<py::ssize_t>(rows.size());
-  py::array_t<int> tag(count), step(count);
-  Doubles position_m({count, py::ssize_t{3}});
-  for (py::ssize_t k = 0; k < count; ++k) {
-    tag.mutable_at(k) = rows[k].tag;
-    step.mutable_at(k) = static_cast<int>(rows[k].step - engine.surface().first_step());
-    flipflow::put(position_m.mutable_data(k, 0), rows[k].position_m);
-  }
-  py::dict arrays;
-  arrays["tag"] = tag;
-  arrays["step"] = step;
-  arrays["x"] = position_m;
-  return arrays;
+  const auto before = engine.surface().first_step();
+  return py::dict("tag"_a = column<int>(rows, [](const Row &r) { return r.tag; }),
+                  "step"_a = column<int>(rows, [=](const Row &r) { return r.step - before; }),
+                  "x"_a = column3(rows, [](const Row &r) { return r.position_m; }));
 }
 
 void begin_path(Engine &engine, const Doubles &start_m, const Doubles &start_m_per_s,
@@ -245,74 +241,36 @@ void set_wear(Engine &engine, const Doubles &rate_m3_per_N_m) {
 }
 
 py::dict by_name(flipflow::ContactEnergy energy) {
-  py::dict values;
-  values["elastic_J"] = energy.elastic_J;
-  values["adhesion_J"] = energy.adhesion_J;
-  return values;
-}
-
-Doubles triple(flipflow::Vec3 value) {
-  Doubles array(py::ssize_t{3});
-  flipflow::put(array.mutable_data(), value);
-  return array;
-}
-
-Doubles worn_m3(Engine &engine) {
-  const std::vector<double> &worn = engine.surface().wear().worn_m3();
-  return Doubles(static_cast<py::ssize_t>(worn.size()), worn.data());
+  return py::dict("elastic_J"_a = energy.elastic_J, "adhesion_J"_a = energy.adhesion_J);
 }
 
 // Of all steps since this was last asked, on this rank: the deepest overlap and the largest share of
 // a diameter, between particles and with the surface.
 py::dict take_deepest_overlaps(Engine &engine) {
-  const auto between = std::exchange(flipflow::deepest_between(engine.lammps()), {});
+  const auto between = std::exchange(flipflow::deepest_between[&engine.lammps()], {});
   const auto surface = engine.surface().take_deepest();
-  py::dict values;
-  values["between_m"] = between.depth_m;
-  values["between_per_diameter"] = between.share;
-  values["surface_m"] = surface.depth_m;
-  values["surface_per_diameter"] = surface.share;
-  return values;
-}
-
-Doubles by_point(const std::vector<double> &values) {
-  Doubles array({static_cast<py::ssize_t>(values.size() / 3), py::ssize_t{3}});
-  std::copy(values.begin(), values.end(), array.mutable_data());
-  return array;
+  return py::dict("between_m"_a = between.depth_m, "between_per_diameter"_a = between.share,
+                  "surface_m"_a = surface.depth_m, "surface_per_diameter"_a = surface.share);
 }
 
 py::dict contact_tangent(Engine &engine, double length_s) {
   const py::ssize_t points = engine.surface().points();
   std::vector<double> push_N(3 * points, 0.0), impedance_N_s_per_m(9 * points, 0.0);
   engine.surface().tangent().predict(*engine.lammps().atom, length_s, push_N, impedance_N_s_per_m);
-  Doubles impedance({points, py::ssize_t{3}, py::ssize_t{3}});
-  std::copy(impedance_N_s_per_m.begin(), impedance_N_s_per_m.end(), impedance.mutable_data());
-  py::dict arrays;
-  arrays["push_N"] = by_point(push_N);
-  arrays["impedance_N_s_per_m"] = impedance;
-  return arrays;
-}
-
-template <class Value>
-void to_arrays(const std::map<std::string, std::vector<Value>> &values, py::dict &arrays) {
-  for (const auto &[name, value] : values) {
-    py::array_t<Value> array(static_cast<py::ssize_t>(value.size()));
-    std::copy(value.begin(), value.end(), array.mutable_data());
-    arrays[py::str(name)] = array;
-  }
-}
-
-template <class Value>
-std::vector<Value> vector_of(const py::array_t<Value, py::array::c_style> &array) {
-  return {array.data(), array.data() + array.size()};
+  return py::dict("push_N"_a = by_point(push_N),
+                  "impedance_N_s_per_m"_a = array_of(impedance_N_s_per_m, {points, 3, 3}));
 }
 
 // The saved state as arrays by name, (n,) of float64 or int64, and back.
 py::dict save(Engine &engine) {
   const flipflow::SavedState saved = engine.save();
   py::dict arrays;
-  to_arrays(saved.reals, arrays);
-  to_arrays(saved.wholes, arrays);
+  const auto add = [&](const auto &every) {
+    for (const auto &[name, values] : every)
+      arrays[py::str(name)] = array_of(values, {static_cast<py::ssize_t>(values.size())});
+  };
+  add(saved.reals);
+  add(saved.wholes);
   return arrays;
 }
 
@@ -322,9 +280,9 @@ void restore(Engine &engine, const py::dict &arrays) {
     const auto name = key.cast<std::string>();
     const auto array = value.cast<py::array>();
     if (array.dtype().kind() == 'f')
-      saved.reals[name] = vector_of<double>(array);
+      saved.reals[name] = values_of<double>(array);
     else
-      saved.wholes[name] = vector_of<std::int64_t>(array);
+      saved.wholes[name] = values_of<std::int64_t>(array);
   }
   engine.restore(saved);
 }
@@ -375,7 +333,11 @@ PYBIND11_MODULE(_liggghts, module) {
       .def("force_N", [](Engine &e) { return by_point(e.surface().load().force_N()); })
       .def("ask_contact_tangent", [](Engine &e) { e.surface().tangent().ask(); })
       .def("contact_tangent", &contact_tangent, py::arg("length_s"))
-      .def("worn_m3", &worn_m3)
+      .def("worn_m3",
+           [](Engine &e) {
+             const std::vector<double> &worn = e.surface().wear().worn_m3();
+             return array_of(worn, {static_cast<py::ssize_t>(worn.size())});
+           })
       .def("angular_impulse_N_m_s",
            [](Engine &e) { return triple(e.surface().load().angular_impulse_N_m_s()); })
       .def("mass_moment_time_kg_m_s",

@@ -2,8 +2,6 @@
 // `model hertz` compiled for the combinations that flipflow uses (LIGGGHTS would call every part of
 // them through a table), with rolling friction `epsd2` cured.
 
-#include "register_models.h"
-
 #include <mpi.h>
 
 #include <type_traits>
@@ -27,9 +25,8 @@
 #include "granular_wall.h"
 #include "pair_gran_base.h"
 
+#include "engine.h"
 #include "jkr_contact.h"
-#include "rolling_across.h"
-#include "watched_contact.h"
 
 namespace flipflow {
 
@@ -37,6 +34,34 @@ namespace {
 
 using namespace LIGGGHTS;
 using namespace LIGGGHTS::ContactModels;
+
+// One of LIGGGHTS's own contact models with `tangential history` and `rolling_friction epsd2`, cured.
+template <class Model>
+class RollingAcross : public Model {
+ public:
+  using Model::Model;
+
+  void surfacesIntersect(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
+    keep_across(pair.contact_history + 3, pair.en);  // after the tangential spring
+    Model::surfacesIntersect(pair, on_i, on_j);
+  }
+};
+
+// A contact model that keeps the deepest overlap between particles of all steps.
+template <class Model>
+class WatchedContact : public Model {
+ public:
+  WatchedContact(LAMMPS_NS::LAMMPS *lmp, IContactHistorySetup *history, bool is_wall, int64_t hash)
+      : Model(lmp, history, is_wall, hash), deepest_(deepest_between[lmp]) {}
+
+  void surfacesIntersect(SurfacesIntersectData &pair, ForceData &on_i, ForceData &on_j) {
+    Model::surfacesIntersect(pair, on_i, on_j);  // which sets the overlap of a pair
+    if (!pair.is_wall) deepest_.add(pair.deltan, std::min(pair.radi, pair.radj));
+  }
+
+ private:
+  DeepestOverlap &deepest_;
+};
 
 template <class Interface, class Style>
 Interface *create(LAMMPS_NS::LAMMPS *lmp, typename Interface::ParentType *parent, int64_t hash) {

@@ -4,7 +4,6 @@
 
 #include "surface_path.h"
 #include "triangle.h"
-#include "triangle_grid.h"
 
 namespace flipflow {
 

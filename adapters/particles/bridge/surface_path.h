@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "vec3.h"
@@ -7,10 +9,16 @@
 namespace flipflow {
 
 // Points that move smoothly from start to end of a sync interval: cubic Hermite in position and
-// velocity, the same formula as orchestrator/ports/hermite.py.
+// velocity, the same formula as HermitePath in orchestrator/ports/interface_records.py.
 class SurfacePath {
  public:
-  explicit SurfacePath(std::vector<double> position_m);
+  explicit SurfacePath(std::vector<double> position_m)
+      : position_(std::move(position_m)),
+        before_(position_),
+        start_x_(position_),
+        start_v_(position_.size(), 0.0),
+        end_x_(position_),
+        end_v_(position_.size(), 0.0) {}
 
   int points() const { return static_cast<int>(position_.size()) / 3; }
 
@@ -19,10 +27,49 @@ class SurfacePath {
 
   // Arrays of 3 * points values.  The points go to the start; returns the longest such jump, m.
   double begin(const double *start_m, const double *start_m_per_s, const double *end_m,
-             const double *end_m_per_s, double length_s);
+               const double *end_m_per_s, double length_s) {
+    const size_t n = position_.size();
+    start_x_.assign(start_m, start_m + n);
+    start_v_.assign(start_m_per_s, start_m_per_s + n);
+    end_x_.assign(end_m, end_m + n);
+    end_v_.assign(end_m_per_s, end_m_per_s + n);
+    length_ = length_s;
+    // The velocity is a quadratic Bezier curve; it stays in the hull of its three control values:
+    // both end velocities and (3 (x1 - x0) / h - v0 - v1) in the middle.
+    double fastest2 = 0.0, jump2 = 0.0;
+    for (size_t i = 0; i < n; i += 3) {
+      const Vec3 v0 = from(&start_v_[i]), v1 = from(&end_v_[i]);
+      const Vec3 middle = (3.0 / length_) * (from(&end_x_[i]) - from(&start_x_[i])) - v0 - v1;
+      fastest2 = std::max({fastest2, dot(v0, v0), dot(v1, v1), dot(middle, middle)});
+      const Vec3 jump = from(&start_x_[i]) - from(&position_[i]);
+      jump2 = std::max(jump2, dot(jump, jump));
+    }
+    fastest_ = std::sqrt(fastest2);
+    now_ = half_way_ = Rate();
+    before_.swap(position_);
+    position_ = start_x_;
+    moves_ = 0;
+    jump_ = std::sqrt(jump2);
+    return jump_;
+  }
 
   // All points to `fraction` (0 ... 1) of the interval; half-way there they were at `half_way`.
-  void move(double fraction, double half_way);
+  void move(double fraction, double half_way) {
+    now_ = rate(fraction);
+    half_way_ = rate(half_way);
+    if (moves_ < 2) ++moves_;
+    if (fastest_ == 0.0) {
+      if (jump_ > 0.0 && moves_ == 2) before_ = position_;
+      return;
+    }
+    if (moves_ == 2) before_.swap(position_);
+    const double t = fraction, h = length_, r = 1 - t;
+    const double x0 = (1 + 2 * t) * r * r, v0 = t * r * r * h;
+    const double x1 = t * t * (3 - 2 * t), v1 = -t * t * r * h;
+    const size_t n = position_.size();
+    for (size_t i = 0; i < n; ++i)
+      position_[i] = x0 * start_x_[i] + v0 * start_v_[i] + x1 * end_x_[i] + v1 * end_v_[i];
+  }
 
   Vec3 position(int point) const { return from(&position_[3 * point]); }
   // Where the point was before the last move; for the first move of a path, where the last path left
@@ -46,8 +93,15 @@ class SurfacePath {
     double x = 0.0, v0 = 1.0, v1 = 0.0;
   };
 
-  Rate rate(double fraction) const;
-  Vec3 velocity(int point, const Rate &rate) const;
+  Rate rate(double t) const {
+    return {6 * t * (1 - t) / length_, (1 - t) * (1 - 3 * t), t * (3 * t - 2)};
+  }
+
+  Vec3 velocity(int point, const Rate &rate) const {
+    const int i = 3 * point;
+    return rate.x * (from(&end_x_[i]) - from(&start_x_[i])) + rate.v0 * from(&start_v_[i]) +
+           rate.v1 * from(&end_v_[i]);
+  }
 
   std::vector<double> position_, before_, start_x_, start_v_, end_x_, end_v_;
   double length_ = 1.0, fastest_ = 0.0, jump_ = 0.0;

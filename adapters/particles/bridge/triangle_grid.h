@@ -1,30 +1,92 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "surface_path.h"
+#include "triangle.h"
 
 namespace flipflow {
-
-using Triangle = std::array<int, 3>;
 
 // Which triangles may lie within `reach` of a place: a uniform grid over the surface's bounding
 // box; each cell lists the triangles whose bounding box, grown by `reach`, meets the cell.
 class TriangleGrid {
  public:
-  void build(const SurfacePath &surface, const std::vector<Triangle> &triangles, double reach_m);
+  void build(const SurfacePath &surface, const std::vector<Triangle> &triangles, double reach_m) {
+    std::fill_n(count_, 3, 0);
+    if (triangles.empty()) return;
+    lay_out(surface.positions(), triangles.size(), reach_m);
+    first_.assign(static_cast<size_t>(count_[0]) * count_[1] * count_[2] + 1, 0);
+    std::vector<Box> boxes(triangles.size());
+    for (size_t t = 0; t < triangles.size(); ++t) {
+      boxes[t] = cells(surface, triangles[t], reach_m);
+      each_cell(boxes[t], [&](int cell) { ++first_[cell]; });
+    }
+    int end = 0;
+    for (int &first : first_) first = end += first;  // now one past each cell's last
+    triangle_.resize(end);
+    for (size_t t = triangles.size(); t-- > 0;)
+      each_cell(boxes[t], [&](int cell) { triangle_[--first_[cell]] = static_cast<int>(t); });
+  }
 
   // Range of triangle numbers for the cell that holds `p` (empty outside of the grid).
-  std::array<const int *, 2> near(Vec3 p) const;
+  std::array<const int *, 2> near(Vec3 p) const {
+    int cell = 0;
+    for (int k = 2; k >= 0; --k) {
+      const double x = ((&p.x)[k] - low_[k]) * per_m_[k];
+      if (!(x >= 0 && x < count_[k])) return {nullptr, nullptr};
+      cell = cell * count_[k] + static_cast<int>(x);
+    }
+    return {triangle_.data() + first_[cell], triangle_.data() + first_[cell + 1]};
+  }
 
  private:
   using Box = std::array<std::array<int, 3>, 2>;
 
-  void lay_out(const std::vector<double> &position_m, size_t triangles, double reach_m);
-  Box cells(const SurfacePath &surface, const Triangle &t, double reach_m) const;
+  void lay_out(const std::vector<double> &position_m, size_t triangles, double reach_m) {
+    double size[3], cells = 1.0;
+    for (int k = 0; k < 3; ++k) {
+      double low = position_m[k], high = position_m[k];
+      for (size_t i = k; i < position_m.size(); i += 3) {
+        low = std::min(low, position_m[i]);
+        high = std::max(high, position_m[i]);
+      }
+      low_[k] = low - reach_m;
+      size[k] = high - low + 2 * reach_m;
+      cells *= size[k] / (2 * reach_m);
+    }
+    // cells of twice the reach, or larger where that would be far more cells than triangles
+    const double most = 4096.0 + 8.0 * static_cast<double>(triangles);
+    const double cell = 2 * reach_m * std::max(1.0, std::cbrt(cells / most));
+    for (int k = 0; k < 3; ++k) {
+      count_[k] = std::max(1, static_cast<int>(size[k] / cell));
+      per_m_[k] = count_[k] / size[k];
+    }
+  }
+
+  Box cells(const SurfacePath &surface, const Triangle &t, double reach_m) const {
+    const Vec3 corner[3] = {surface.position(t[0]), surface.position(t[1]), surface.position(t[2])};
+    Box box;
+    for (int k = 0; k < 3; ++k) {
+      const double a = (&corner[0].x)[k], b = (&corner[1].x)[k], c = (&corner[2].x)[k];
+      const double low = std::min({a, b, c}) - reach_m, high = std::max({a, b, c}) + reach_m;
+      const auto cell = [&](double x) {
+        return std::clamp(static_cast<int>((x - low_[k]) * per_m_[k]), 0, count_[k] - 1);
+      };
+      box[0][k] = cell(low);
+      box[1][k] = cell(high);
+    }
+    return box;
+  }
+
   template <class Visit>
-  void each_cell(const Box &box, Visit visit) const;
+  void each_cell(const Box &box, Visit visit) const {
+    for (int z = box[0][2]; z <= box[1][2]; ++z)
+      for (int y = box[0][1]; y <= box[1][1]; ++y)
+        for (int x = box[0][0]; x <= box[1][0]; ++x) visit((z * count_[1] + y) * count_[0] + x);
+  }
 
   double low_[3], per_m_[3];
   int count_[3] = {0, 0, 0};

@@ -9,7 +9,7 @@ from orchestrator.ports.plans import Cost, ParticlesPlan, ParticlesWork
 
 
 def build(plan: ParticlesPlan) -> Particles:
-    """Starts LIGGGHTS with the plan's particles on the surface at t = 0.
+    """Start LIGGGHTS with the plan's particles on the surface at t = 0.
 
     Raises SolverFailed if LIGGGHTS refuses the input, SolverMissing without the bridge.  In a
     parallel run an error can stop a single rank; the caller must then abort the communicator.
@@ -20,8 +20,8 @@ def build(plan: ParticlesPlan) -> Particles:
 
 
 def cost(work: ParticlesWork) -> Cost:
-    """A wet bed: 50 000 particles at rest on the deck of cases/ffs0827-slice; else its level dry,
-    single particles that are thrown; an interval and a step: a few balls."""
+    """Return what was measured: 50 000 sticky particles at rest on the deck of cases/ffs0827-slice, else
+    its level dry, whose particles are thrown; an interval and a step with a few balls."""
     a_particle_s = 6e-7 if work.sticky else 2.8e-7
     step_s = 1.5e-5 + 4e-9 * work.triangles
     stepping_s = 1.4e-4 * work.runs + step_s * work.steps + a_particle_s * work.particle_steps

@@ -19,7 +19,7 @@ SAME_PLACE = 1e-6  # of the period: points closer than this, one period on, are 
 
 
 def start_engine(plan: ParticlesPlan, communicator: Any, folder: Path) -> Engine:
-    """LIGGGHTS with the plan's laws and surface, before the first particle."""
+    """Return LIGGGHTS with the plan's laws and surface, before the first particle."""
     text = input_text(plan)
     if communicator.rank == 0:
         (folder / "in.liggghts").write_text(text + FIRST_EVALUATION + "\n", encoding="utf-8")
@@ -81,17 +81,17 @@ def begin_path(engine: Engine, path: HermitePath, length_s: float, steps: int) -
 
 
 def floats(values: npt.ArrayLike) -> Array:
-    """An array as the engine takes it."""
+    """Return an array as the engine takes it."""
     return np.ascontiguousarray(values, dtype=np.float64)
 
 
 def ints(values: npt.ArrayLike) -> npt.NDArray[np.int32]:
-    """Numbers of points or types as the engine takes them."""
+    """Return numbers of points or types as the engine takes them."""
     return np.ascontiguousarray(values, dtype=np.int32)
 
 
 def contact_distance_factor(plan: ParticlesPlan) -> float:
-    """The factor of their contact distance up to which two bodies keep a contact that has parted.
+    """Return the factor of their contact distance up to which two bodies keep a contact that has parted.
 
     Beyond it LIGGGHTS forgets the contact (the tangential spring of one that forms again before the
     next neighbour list would otherwise be the old one); a neck must snap within it.
@@ -101,7 +101,7 @@ def contact_distance_factor(plan: ParticlesPlan) -> float:
 
 
 def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[Array, Array]:
-    """Hertz's E* and Mindlin's G* for every pair of materials, (k, k) each."""
+    """Return Hertz's E* and Mindlin's G* for every pair of materials, (k, k) each."""
     youngs = np.array([material.youngs_modulus_Pa for material in materials])
     poisson = np.array([material.poisson_ratio for material in materials])
     normal = (1.0 - poisson**2) / youngs
@@ -110,8 +110,8 @@ def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[Array, Array
 
 
 def join_across(surface: TriangleSurface, period_m: float) -> Indices:
-    """The triangles (m, 3), with points that are the same place one period along y further on
-    given the number of the lower one."""
+    """Return the triangles (m, 3), in which points that are the same place one period along y further
+    on have the number of the lower one."""
     number = np.arange(len(surface.position_m))
     used = np.unique(surface.triangles)
     place_m = surface.position_m[used]

@@ -50,12 +50,12 @@ FIRST_EVALUATION = "run             0"
 
 
 def words(values: Array) -> str:
-    """Numbers as LIGGGHTS reads them, exact to the last bit."""
+    """Return numbers as LIGGGHTS reads them, exact to the last bit."""
     return " ".join(repr(float(value)) for value in np.ravel(values))
 
 
 def has_sliding(plan: ParticlesPlan) -> bool:
-    """Whether a tangential spring is needed; rolling friction borrows its stiffness."""
+    """Tell whether a tangential spring is needed; rolling friction borrows its stiffness."""
     return bool(np.any(plan.sliding_friction > 0)) or has_rolling(plan)
 
 
@@ -64,7 +64,7 @@ def has_rolling(plan: ParticlesPlan) -> bool:
 
 
 def contact_model(plan: ParticlesPlan) -> str:
-    """Hertz or JKR, and what the plan's coefficients call for beyond it."""
+    """Return Hertz or JKR, and what the plan's coefficients call for beyond it."""
     model = "model jkr" if isinstance(plan.adhesion, Jkr) else "model hertz"
     if has_sliding(plan):
         model += " tangential history"
@@ -76,8 +76,8 @@ def contact_model(plan: ParticlesPlan) -> str:
 
 
 def smallest_box_m(plan: ParticlesPlan) -> Array:
-    """Lowest and highest corner (2, 3) of what LIGGGHTS's bins cover at least: the surface and the
-    particles at the start (along y the whole domain where that is periodic).  With more than two
+    """Return the lowest and highest corner (2, 3) of what LIGGGHTS's bins cover at least: the surface and
+    the particles at the start (along y the whole domain where that is periodic).  With more than two
     ranks it is the domain: LIGGGHTS hands particles to a neighbouring rank only, so a box that
     shrinks at once, when a far flier leaves, must not be cut into more than two parts."""
     points_m = plan.surface.position_m
@@ -94,7 +94,7 @@ def smallest_box_m(plan: ParticlesPlan) -> Array:
 
 
 def input_text(plan: ParticlesPlan) -> str:
-    """The whole input but the last line, :data:`FIRST_EVALUATION`."""
+    """Return the whole input but the last line, :data:`FIRST_EVALUATION`."""
     youngs = [material.youngs_modulus_Pa for material in plan.materials]
     return INPUT.format(
         boundary="m p m" if plan.periodic_y else "m m m",
@@ -122,7 +122,7 @@ def _confirmations(youngs_Pa: list[float]) -> str:
 
 
 def _tables(plan: ParticlesPlan) -> str:
-    """The lines of friction and adhesion, by pair of materials."""
+    """Return the lines of friction and adhesion, by pair of materials."""
     tables: list[tuple[str, str, Array]] = []
     if has_sliding(plan):
         tables.append(("sliding", "coefficientFriction", plan.sliding_friction))

@@ -2,26 +2,84 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from adapters.particles.solid_spheres import SolidSpheres
-from orchestrator.ports import Account, AngularAccount, Array, Saved
+from orchestrator.ports import Account, AngularAccount, Array
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList, ParticlesPlan
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import SavedAttributes
 
 if TYPE_CHECKING:
     from adapters.particles._liggghts import Engine
 
 
-_SUMS = ("_mass_kg", "_impulse_N_s", "_came_kg_m2_per_s", "_fed_J", "_removed_J", "_first_J", "removed_count")
+@dataclass
+class SolidSpheres:
+    """Holds what n solid spheres own, one row each; their moment of inertia is 2/5 m r^2."""
+
+    mass_kg: Array  # (n,)
+    radius_m: Array  # (n,)
+    position_m: Array  # (n, 3)
+    velocity_m_per_s: Array  # (n, 3)
+    spin_rad_per_s: Array  # (n, 3)
+
+    def __len__(self) -> int:
+        return len(self.mass_kg)
+
+    @property
+    def inertia_kg_m2(self) -> Array:
+        return 0.4 * self.mass_kg * self.radius_m**2
+
+    def momentum_kg_m_per_s(self) -> Array:
+        """Return the momentum (3,) of all."""
+        return self.mass_kg @ self.velocity_m_per_s
+
+    def angular_momentum_kg_m2_per_s(self) -> Array:
+        """Return the angular momentum (3,) of all about the world's origin."""
+        orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_per_s)
+        return np.asarray(orbital + self.inertia_kg_m2 @ self.spin_rad_per_s)
+
+    def kinetic_J(self) -> float:
+        """Return the kinetic energy of all, rotation included."""
+        moving = self.mass_kg @ np.sum(self.velocity_m_per_s**2, axis=1)
+        return float(moving + self.inertia_kg_m2 @ np.sum(self.spin_rad_per_s**2, axis=1)) / 2.0
+
+    def gravitational_J(self, gravity_m_per_s2: Array) -> float:
+        """Return the potential energy of all, zero at the world's origin."""
+        return -float(self.mass_kg @ (self.position_m @ gravity_m_per_s2))
+
+    def mechanical_J(self, gravity_m_per_s2: Array) -> float:
+        """Return the kinetic and potential energy of all."""
+        return self.kinetic_J() + self.gravitational_J(gravity_m_per_s2)
 
 
-class ParticleLedger:
-    """Sums over the ranks of the communicator.  Potential energy is zero at the origin."""
+def _listed(particles: ParticleList) -> SolidSpheres:
+    """Return the spheres of a list that the orchestrator made."""
+    mass_kg = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
+    motion = (particles.position_m, particles.velocity_m_per_s, particles.spin_rad_per_s)
+    return SolidSpheres(mass_kg, 0.5 * particles.diameter_m, *motion)
+
+
+def _owned(arrays: dict[str, Any]) -> SolidSpheres:
+    """Return the spheres of LIGGGHTS's arrays."""
+    return SolidSpheres(*(arrays[name] for name in ("rmass", "radius", "x", "v", "omega")))
+
+
+class ParticleLedger(SavedAttributes):
+    """Adds up over the ranks of the communicator.  Potential energy is zero at the origin."""
+
+    STATE = (
+        "_mass_kg",
+        "_impulse_N_s",
+        "_came_kg_m2_per_s",
+        "_fed_J",
+        "_removed_J",
+        "_first_J",
+        "removed_count",
+    )
 
     def __init__(self, plan: ParticlesPlan, communicator: Any) -> None:
         self._comm = communicator
@@ -67,7 +125,7 @@ class ParticleLedger:
         self._came_kg_m2_per_s -= sums[6:]
 
     def account(self, engine: Engine) -> Account:
-        """The books of now."""
+        """Return the books of now."""
         mine = _owned(engine.particles())
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))
@@ -83,18 +141,12 @@ class ParticleLedger:
         )
 
     def _angular(self, engine: Engine) -> AngularAccount:
-        """Angular momentum; of particles that are moved across periodic sides it would jump."""
+        """Return the angular momentum, which would jump for particles moved across periodic sides."""
         momentum = _owned(engine.particles()).angular_momentum_kg_m2_per_s()
         given, moment = engine.angular_impulse_N_m_s(), engine.mass_moment_time_kg_m_s()
         momentum, given, moment = self._comm.allreduce(np.array([momentum, given, moment]))
         fell = np.cross(moment, self._gravity_m_per_s2)
         return AngularAccount(momentum, fell + self._came_kg_m2_per_s, {"surface": -given})
-
-    def save(self) -> Saved:
-        return save_attributes(self, *_SUMS)
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, *_SUMS)
 
     def _stored_J(self, engine: Engine) -> dict[str, float]:
         mine = _owned(engine.particles())
@@ -107,24 +159,3 @@ class ParticleLedger:
         if not self._adhesive:
             del stored_J["adhesion"]
         return stored_J
-
-
-def _listed(particles: ParticleList) -> SolidSpheres:
-    return SolidSpheres(
-        mass_kg=sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3),
-        radius_m=0.5 * particles.diameter_m,
-        position_m=particles.position_m,
-        velocity_m_per_s=particles.velocity_m_per_s,
-        spin_rad_per_s=particles.spin_rad_per_s,
-    )
-
-
-def _owned(arrays: dict[str, Any]) -> SolidSpheres:
-    """The particles of LIGGGHTS's arrays."""
-    return SolidSpheres(
-        mass_kg=arrays["rmass"],
-        radius_m=arrays["radius"],
-        position_m=arrays["x"],
-        velocity_m_per_s=arrays["v"],
-        spin_rad_per_s=arrays["omega"],
-    )

@@ -50,7 +50,7 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 
 class Liggghts:
-    """LIGGGHTS with a plan's particles; all calls are collective over the plan's communicator."""
+    """Solves a plan's particles by LIGGGHTS; all calls are collective over the plan's communicator."""
 
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
@@ -66,18 +66,15 @@ class Liggghts:
                 opened.enter_context(TemporaryDirectory(prefix="flipflow_liggghts_"))
             )
             folder.mkdir(parents=True, exist_ok=True)
-            self._launch(folder)
+            try:
+                self._engine = start_engine(plan, self._comm, folder)
+                self._create(plan.particles)
+                self._engine.command(FIRST_EVALUATION)
+            except RuntimeError as error:
+                raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
             self._check(0.0)
             self._ledger.open(self._engine)
             self._opened = opened.pop_all()
-
-    def _launch(self, folder: FilePath) -> None:
-        try:
-            self._engine = start_engine(self._plan, self._comm, folder)
-            self._create(self._plan.particles)
-            self._engine.command(FIRST_EVALUATION)
-        except RuntimeError as error:
-            raise SolverFailed(f"LIGGGHTS refuses its input: {error}") from error
 
     def _create(self, new: ParticleList) -> None:
         create_particles(self._engine, new, self._created + 1)
@@ -110,7 +107,7 @@ class Liggghts:
         return Load(self._summed(self._engine.impulse_N_s()) / interval.length_s)
 
     def snapshot(self) -> ParticleSnapshot:
-        """All particles in the order of their ids, on the first rank; none on the others."""
+        """Return all particles in the order of their ids, on the first rank; none on the others."""
         mine = self._engine.particles()
         names = ("tag", "x", "v", "omega", "radius", "density", "type")
         ranks = self._comm.gather([np.array(mine[name]) for name in names])
@@ -152,12 +149,13 @@ class Liggghts:
         return ContactTangent(**{name: self._summed(values) for name, values in mine.items()})
 
     def arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """Views of this rank's particles in LIGGGHTS's own memory: x, v, omega, f, torque (n, 3), radius,
-        rmass, density, type (from 1), tag (n,), all SI.  Valid until the next advance."""
+        """Return views of this rank's particles in LIGGGHTS's own memory, valid until the next advance.
+
+        They are x, v, omega, f, torque (n, 3), radius, rmass, density, type (from 1), tag (n,), all SI."""
         return self._engine.particles()
 
     def account(self) -> Account:
-        """Exact but for ``contact_dissipation``, which is what is left of the energy balance."""
+        """Return the books, exact but for ``contact_dissipation``, which the energy balance leaves."""
         self._prepare()
         return self._ledger.account(self._engine)
 
@@ -215,16 +213,26 @@ class Liggghts:
         mine["v"] += step_s / 2.0 * self._plan.gravity_m_per_s2
         self._ledger.subtract_removed(mine, interval.length_s - step_s * mine["step"], step_s)
         if len(mine["tag"]):
-            self._removed.append(_removed(mine, interval.start_s + step_s * mine["step"]))
+            record = Removed(
+                id=mine["tag"].astype(np.int64),
+                time_s=interval.start_s + step_s * mine["step"],
+                position_m=mine["x"],
+                velocity_m_per_s=mine["v"],
+                diameter_m=2.0 * mine["radius"],
+                density_kg_per_m3=mine["density"],
+                material=mine["type"].astype(np.int64) - 1,
+                exit=mine["exit"].astype(np.int64),
+            )
+            self._removed.append(record)
 
     def _prepare(self) -> None:
-        """After particles came: sort them and evaluate their forces."""
+        """Sort particles and evaluate their forces, where new ones came."""
         if self._unprepared:
             self._engine.prepare()
             self._unprepared = False
 
     def _deepest_of_rank(self) -> Overlaps:
-        """The deepest of this rank's contacts since ``overlaps`` was last asked."""
+        """Return the deepest of this rank's contacts since ``overlaps`` was last asked."""
         self._deepest = self._deepest.deepest(Overlaps(**self._engine.take_deepest_overlaps()))
         return self._deepest
 
@@ -236,7 +244,7 @@ class Liggghts:
             self._crossings = self._crossings.followed_by(later)
 
     def _check(self, time_s: float, crossed: int = 0) -> int:
-        """The sum of all ranks' ``crossed``.  Raises SolverFailed where a particle is missing, or is
+        """Return the sum of all ranks' ``crossed``.  Raises SolverFailed where a particle is missing or
         nowhere."""
         mine = self._engine.particles()
         bad = int(not (np.isfinite(mine["x"]).all() and np.isfinite(mine["v"]).all()))
@@ -252,23 +260,9 @@ class Liggghts:
         return crossed
 
 
-def _removed(mine: Arrays, time_s: Array) -> Removed:
-    """The record of the particles that this rank took out at ``time_s`` (n,)."""
-    return Removed(
-        id=mine["tag"].astype(np.int64),
-        time_s=time_s,
-        position_m=mine["x"],
-        velocity_m_per_s=mine["v"],
-        diameter_m=2.0 * mine["radius"],
-        density_kg_per_m3=mine["density"],
-        material=mine["type"].astype(np.int64) - 1,
-        exit=mine["exit"].astype(np.int64),
-    )
-
-
 def _crossings(mine: Arrays, start_s: float, step_s: float) -> Crossings:
-    """The record of this rank's particles that went through the surface in an interval that began at
-    ``start_s``; of one step the lowest id counts as the first."""
+    """Return the record of this rank's particles that went through the surface in an interval that
+    began at ``start_s``; of one step the lowest id counts as the first."""
     if not len(mine["tag"]):
         return Crossings.none()
     first = np.lexsort((mine["tag"], mine["step"]))[0]

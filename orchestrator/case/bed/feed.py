@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import concatenated, no_particles, places
-from orchestrator.case.bed.size_distribution import SizeInterval, shares
+from orchestrator.case.bed.packing import concatenated, equal_particles, no_particles, places
+from orchestrator.case.bed.size_distribution import shares
+from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import sphere_mass_kg
@@ -33,7 +34,7 @@ class Inlet:
     come in batches, ``batch_s`` apart.
     """
 
-    sizes: tuple[SizeInterval, ...]
+    sizes: tuple[SizeClass, ...]
     rate_kg_per_s: float
     box_m: Array
     velocity_m_per_s: Array
@@ -111,7 +112,14 @@ class RateFeed:
         self._waiting_m = np.sort(self._waiting_m)[::-1]
         center_m, placed = places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
         self._offered = np.flatnonzero(placed)
-        return self._list(center_m[placed], self._waiting_m[placed])
+        inlet = self.inlet
+        return equal_particles(
+            center_m[placed] @ inlet.axes.T,
+            inlet.axes @ inlet.velocity_m_per_s,
+            self._waiting_m[placed],
+            inlet.density_kg_per_m3,
+            inlet.material,
+        )
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         """Raises ValueError if ``accepted`` has not one entry for each particle offered."""
@@ -145,17 +153,6 @@ class RateFeed:
         self._class = int(np.argmax(lag_kg))
         row = self.inlet.sizes[self._class]
         return np.asarray(self._generator.uniform(row.smallest_m, row.largest_m))
-
-    def _list(self, center_m: Array, diameter_m: Array) -> ParticleList:
-        n = len(diameter_m)
-        return ParticleList(
-            center_m @ self.inlet.axes.T,
-            np.tile(self.inlet.axes @ self.inlet.velocity_m_per_s, (n, 1)),
-            np.zeros((n, 3)),
-            diameter_m.copy(),
-            np.full(n, self.inlet.density_kg_per_m3),
-            np.full(n, self.inlet.material, dtype=np.int64),
-        )
 
 
 class Feeds:

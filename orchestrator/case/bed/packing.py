@@ -13,7 +13,8 @@ from dataclasses import fields
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.size_distribution import SizeInterval, diameters_m
+from orchestrator.case.bed.size_distribution import classes, diameters_m
+from orchestrator.case.tables.bed import Block
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.physics import sphere_volume_m3
 from orchestrator.ports.plans import ParticleList
@@ -22,36 +23,24 @@ ROUNDS = 200  # of proposals before a block's box counts as full
 SIZE_RATIO = 2.0  # largest to smallest radius in a batch, so that searches stay short
 
 
-def block(
-    sizes: Sequence[SizeInterval],
-    count: int,
-    box_m: Array,
-    density_kg_per_m3: float,
-    material: int,
-    velocity_m_per_s: Array,
-    seed: int,
-) -> ParticleList:
-    """``count`` spheres wholly inside ``box_m`` (2, 3: lowest and highest corner), sorted from
-    large to small; all in the axes of the box.  The same seed gives the same particles.
+def place_block(block: Block, density_kg_per_m3: float, material: int) -> ParticleList:
+    """The spheres of a block, wholly inside its box, sorted from large to small; all in the axes of
+    the box.  The same seed gives the same particles.
 
     Raises ValueError if the box has no room for them.
     """
-    generator = np.random.default_rng(seed)
-    diameter_m = np.sort(diameters_m(sizes, count, generator))[::-1].copy()
+    generator = np.random.default_rng(block.seed)
+    box_m = np.array(block.box_m)
+    diameter_m = np.sort(diameters_m(classes(block), block.count, generator))[::-1].copy()
     position_m, placed = places(diameter_m / 2.0, box_m, generator, ROUNDS)
     if not placed.all():
         share = np.sum(sphere_volume_m3(diameter_m)) / np.prod(box_m[1] - box_m[0])
         raise ValueError(
-            f"the box has room for {placed.sum()} of {count} particles: all would fill "
+            f"the box has room for {placed.sum()} of {block.count} particles: all would fill "
             f"{share:.0%} of it, random places end at 25 to 35 %; enlarge the box"
         )
-    return ParticleList(
-        position_m,
-        np.tile(np.asarray(velocity_m_per_s, dtype=float), (count, 1)),
-        np.zeros((count, 3)),
-        diameter_m,
-        np.full(count, density_kg_per_m3),
-        np.full(count, material, dtype=np.int64),
+    return equal_particles(
+        position_m, np.array(block.velocity_m_per_s), diameter_m, density_kg_per_m3, material
     )
 
 
@@ -117,10 +106,24 @@ def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Arr
     return np.asarray(found["i"][found["v"] < radius_m[found["i"]] + radii_m[found["j"]]])
 
 
+def equal_particles(
+    position_m: Array, velocity_m_per_s: Array, diameter_m: Array, density_kg_per_m3: float, material: int
+) -> ParticleList:
+    """Particles of one material that do not spin and have one velocity (3,)."""
+    count = len(diameter_m)
+    return ParticleList(
+        position_m,
+        np.tile(velocity_m_per_s, (count, 1)),
+        np.zeros((count, 3)),
+        diameter_m.copy(),
+        np.full(count, density_kg_per_m3),
+        np.full(count, material, dtype=np.int64),
+    )
+
+
 def no_particles() -> ParticleList:
     """An empty list of particles."""
-    places, nothing = np.empty((0, 3)), np.empty(0)
-    return ParticleList(places, places, places, nothing, nothing, nothing.astype(np.int64))
+    return equal_particles(np.empty((0, 3)), np.zeros(3), np.empty(0), 0.0, 0)
 
 
 def concatenated(lists: Sequence[ParticleList]) -> ParticleList:

@@ -9,7 +9,7 @@ import numpy as np
 
 from orchestrator.case.bed.contact_times import largest_diameters_m
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.packing import block, concatenated
+from orchestrator.case.bed.packing import concatenated, place_block
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
@@ -47,26 +47,17 @@ def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
 
 def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
     given = [getattr(row, name) for row in rows]
-    turned = [
-        to_world(case, vector) if row.axes == "deck" else vector
-        for row, vector in zip(rows, given, strict=True)
-    ]
-    return np.array(turned, dtype=float).reshape(-1, 3)
+    in_deck = np.array([row.axes == "deck" for row in rows], dtype=bool)
+    vectors = np.array(given, dtype=float).reshape(-1, 3)
+    return np.where(in_deck[:, None], to_world(case, vectors), vectors)
 
 
 def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
     """The particles of one block.  Raises NoRoom."""
     row = case.bed.blocks[name]
     try:
-        particles = block(
-            classes(row),
-            row.count,
-            np.array(row.box_m),
-            case.materials[row.material].density_kg_per_m3,
-            numbers[row.material],
-            np.array(row.velocity_m_per_s),
-            row.seed,
-        )
+        density_kg_per_m3 = case.materials[row.material].density_kg_per_m3
+        particles = place_block(row, density_kg_per_m3, numbers[row.material])
     except ValueError as error:
         raise NoRoom(name, str(error)) from None
     if row.axes == "world":

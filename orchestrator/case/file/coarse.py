@@ -17,13 +17,13 @@ import math
 from typing import TypeVar
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
-from orchestrator.case.tables.bed import Bed, Block, Feed
+from orchestrator.case.tables.bed import Bed, Filling
 from orchestrator.case.tables.case import Case
 
 KEY: Key = ("particles", "coarse_graining")
 FAR_LARGER = 4.0  # openings: what is never held in one
 
-Filled = TypeVar("Filled", Block, Feed)
+Filled = TypeVar("Filled", bound=Filling)
 
 
 def coarsened(case: Case) -> Case:
@@ -33,10 +33,7 @@ def coarsened(case: Case) -> Case:
         return case
     if found := [*_single_particles(case), *_across_openings(case)]:
         raise CaseError(found)
-    contacts = tuple(
-        row.model_copy(update={"work_of_adhesion_J_per_m2": k * row.work_of_adhesion_J_per_m2})
-        for row in case.contacts
-    )
+    contacts = tuple(row.times(k, "work_of_adhesion_J_per_m2") for row in case.contacts)
     return case.with_coarse({"bed": _bed(case.bed, k), "contacts": contacts})
 
 
@@ -71,7 +68,7 @@ def _across_openings(case: Case) -> list[CaseProblem]:
     return found
 
 
-def _smallest_m(row: Block | Feed) -> float:
+def _smallest_m(row: Filling) -> float:
     """Smallest diameter that a block or feed is made of; infinite if it names none."""
     given = [one.smallest_m for one in row.sizes] + [one.diameter_m for one in row.curve]
     return max(min(given, default=math.inf), row.smallest_fed_m or 0.0)
@@ -87,10 +84,6 @@ def _bed(bed: Bed, k: float) -> Bed:
 
 
 def _scaled(row: Filled, k: float) -> Filled:
-    sizes = tuple(
-        one.model_copy(update={"smallest_m": k * one.smallest_m, "largest_m": k * one.largest_m})
-        for one in row.sizes
-    )
-    curve = tuple(one.model_copy(update={"diameter_m": k * one.diameter_m}) for one in row.curve)
-    finest = None if row.smallest_fed_m is None else k * row.smallest_fed_m
-    return row.model_copy(update={"sizes": sizes, "curve": curve, "smallest_fed_m": finest})
+    sizes = tuple(size_class.times(k, "smallest_m", "largest_m") for size_class in row.sizes)
+    curve = tuple(point.times(k, "diameter_m") for point in row.curve)
+    return row.times(k, "smallest_fed_m").model_copy(update={"sizes": sizes, "curve": curve})

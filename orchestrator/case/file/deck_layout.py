@@ -16,8 +16,7 @@ import numpy as np
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
 from orchestrator.case.file.plausible import wrong_sizes
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.deck import Deck
-from orchestrator.case.tables.quantities import Vector
+from orchestrator.case.tables.deck import Deck, PanelSheet
 from orchestrator.case.tables.screen import PanelTable, Surface
 from orchestrator.ports import Array
 
@@ -115,6 +114,7 @@ def beams(deck: Deck, inclination_deg: float) -> Array:
 
 def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, PanelTable]]:
     """Each panel in the middle between its beams."""
+    sheet = {key: getattr(deck, key) for key in PanelSheet.model_fields}
     for number, (start_m, end_m) in enumerate(pairwise(beams_m)):
         tension_m = tensions(deck)[number]
         along = (end_m - start_m) / deck.pitch_m
@@ -122,17 +122,11 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
         yield (
             f"{name}-{number + 1}",
             PanelTable(
-                material=deck.material,
                 frames=deck.frames if number % 2 == 0 else deck.frames[::-1],
-                corner_m=_vector(corner_m),
-                along=_vector(along),
-                length_m=deck.length_m,
-                width_m=deck.width_m,
-                thickness_m=deck.thickness_m,
-                clamp_m=deck.clamp_m,
+                corner_m=corner_m.tolist(),
+                along=along.tolist(),
                 tension_m=tension_m,
-                apertures=deck.apertures,
-                stops=deck.stops,
+                **sheet,
             ),
         )
 
@@ -193,14 +187,7 @@ def _chute(deck: Deck, beam_m: Array, inclination_deg: float) -> Surface:
 
 
 def _plate(corner_m: Array, edges_m: tuple[Array, Array], frame: str, material: str) -> Surface:
+    one_m, other_m = edges_m
     return Surface(
-        corner_m=_vector(corner_m),
-        edges_m=(_vector(edges_m[0]), _vector(edges_m[1])),
-        frame=frame,
-        material=material,
+        corner_m=corner_m.tolist(), edges_m=(one_m.tolist(), other_m.tolist()), frame=frame, material=material
     )
-
-
-def _vector(numbers: Array) -> Vector:
-    x, y, z = numbers.tolist()
-    return x, y, z

@@ -32,6 +32,8 @@ RENAMED = {
     "watch": "monitor",
     "work_of_adhesion_J_m2": "work_of_adhesion_J_per_m2",
 }
+# values of earlier versions, and what does their work since 2026-11
+REPLACED = {"spheres": "liggghts"}
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,8 @@ def _problem(detail: ErrorDetails) -> CaseProblem:
     if kind == "literal_error":
         allowed = [word.strip("' ") for word in said.replace(" or ", ",").split(",")]
         word = detail["input"] if isinstance(detail["input"], str) else ""
+        if REPLACED.get(word) in allowed:
+            return CaseProblem(key, f"{value} is of an earlier version", f'use "{REPLACED[word]}"')
         return CaseProblem(key, f"{value} is not one of {said}", did_you_mean(word, allowed))
     if kind == "model_type":
         said = "a table"

@@ -15,14 +15,14 @@ import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, CaseProblem, Key
-from orchestrator.case.tables.bed import Bed, Block, Feed
+from orchestrator.case.tables.bed import Bed, Filling
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.frames import Bushing, Exciter, Frame
+from orchestrator.case.tables.frames import Exciter
 from orchestrator.case.tables.quantities import Box
 from orchestrator.case.tables.screen import PanelTable, Screen
 from orchestrator.ports import Array, Indices
 
-Filled = TypeVar("Filled", Block, Feed)
+Filled = TypeVar("Filled", bound=Filling)
 ENOUGH_DIAMETERS = 5.0  # of the largest particles in a slice, so that none bridges: own choice
 
 
@@ -155,41 +155,24 @@ def _sides_m(panel: PanelTable) -> tuple[float, float]:
 
 
 def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen:
-    """With frames, bushings and exciters of ``part``, and panels cut."""
+    """The screen with frames, bushings and exciters of ``part``, and with panels cut."""
+    inertia = ("mass_kg", "inertia_kg_m2", "products_of_inertia_kg_m2")
+    spring = ("stiffness_N_per_m", "damping_N_s_per_m")
     return screen.model_copy(
         update={
-            "frames": {name: _frame(row, part) for name, row in screen.frames.items()},
-            "bushings": {name: _bushing(row, part) for name, row in screen.bushings.items()},
+            "frames": {name: row.times(part, *inertia) for name, row in screen.frames.items()},
+            "bushings": {name: row.times(part, *spring) for name, row in screen.bushings.items()},
             "exciters": {name: _exciter(row, part) for name, row in screen.exciters.items()},
             "panels": {name: _panel(row, y_m) for name, row in screen.panels.items()},
         }
     )
 
 
-def _frame(row: Frame, part: float) -> Frame:
-    update: dict[str, object] = {"products_of_inertia_kg_m2": _times(row.products_of_inertia_kg_m2, part)}
-    if row.mass_kg is not None:
-        update["mass_kg"] = part * row.mass_kg
-    if row.inertia_kg_m2 is not None:
-        update["inertia_kg_m2"] = _times(row.inertia_kg_m2, part)
-    return row.model_copy(update=update)
-
-
-def _bushing(row: Bushing, part: float) -> Bushing:
-    update = {
-        "stiffness_N_per_m": _times(row.stiffness_N_per_m, part),
-        "damping_N_s_per_m": _times(row.damping_N_s_per_m, part),
-    }
-    return row.model_copy(update=update)
-
-
 def _exciter(row: Exciter, part: float) -> Exciter:
-    update: dict[str, object] = {"mass_moment_kg_m": part * row.mass_moment_kg_m}
-    if row.motor is not None:
-        extensive = ("rated_power_W", "moment_of_inertia_kg_m2", "bearing_loss_N_m_s")
-        share = {key: part * getattr(row.motor, key) for key in extensive}
-        update["motor"] = row.motor.model_copy(update=share)
-    return row.model_copy(update=update)
+    motor = row.motor
+    if motor is not None:
+        motor = motor.times(part, "rated_power_W", "moment_of_inertia_kg_m2", "bearing_loss_N_m_s")
+    return row.times(part, "mass_moment_kg_m").model_copy(update={"motor": motor})
 
 
 def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
@@ -203,15 +186,12 @@ def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
 
 
 def _cut_bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:
-    """With boxes cut, ``part`` of the particles in blocks (at least one) and of feeds."""
+    """The bed with boxes cut, ``part`` of the particles in blocks (at least one) and of feeds."""
     blocks = {
         name: _cut_box(row, y_m).model_copy(update={"count": max(1, round(part * row.count))})
         for name, row in bed.blocks.items()
     }
-    feeds = {
-        name: _cut_box(row, y_m).model_copy(update={"rate_kg_per_s": part * row.rate_kg_per_s})
-        for name, row in bed.feeds.items()
-    }
+    feeds = {name: _cut_box(row, y_m).times(part, "rate_kg_per_s") for name, row in bed.feeds.items()}
     return bed.model_copy(update={"blocks": blocks, "feeds": feeds})
 
 
@@ -223,10 +203,6 @@ def _box_between(box_m: Box, y_m: tuple[float, float]) -> Box:
     """The part of a box."""
     (x0, y0, z0), (x1, y1, z1) = box_m
     return (x0, max(y0, y_m[0]), z0), (x1, min(y1, y_m[1]), z1)
-
-
-def _times(values: tuple[float, ...], part: float) -> tuple[float, ...]:
-    return tuple(part * value for value in values)
 
 
 SAME_PLACE_M = 1e-9  # corners closer than this are one

@@ -56,17 +56,13 @@ class Particle(Table):
     """Axes in which position, velocity and spin are given."""
 
 
-class Block(Table):
-    """Particles that fill a box at t = 0 without touching each other."""
+class Filling(Table):
+    """Particles that appear in a box, as blocks and feeds have them."""
 
     material: str
     """Their material."""
     box_m: Box
-    """Lowest and highest corner."""
-    axes: Literal["deck", "world"] = "deck"
-    """Axes in which box and velocity are given."""
-    count: Particles
-    """How many particles."""
+    """Lowest and highest corner of the box in which they appear."""
     sizes: tuple[SizeClass, ...] = ()
     """Size classes; or ``curve``."""
     curve: tuple[PassingPoint, ...] = ()
@@ -74,42 +70,34 @@ class Block(Table):
     smallest_fed_m: Positive | None = None
     """Particles finer than this are too many to compute: none of them is made."""
     finer: Literal["leave-out", "next-class"] = "leave-out"
-    """What becomes of the mass finer than ``smallest_fed_m``: it is left out, or made of the
-    finest class that remains."""
+    """What becomes of the mass finer than ``smallest_fed_m``: it is left out (a feed's rate is less
+    by it), or made of the finest class that remains."""
     velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Their velocity at t = 0."""
+    """Velocity with which they appear; a feed's must carry them out of the box."""
     seed: Whole = 1
     """Seed of the random numbers: the same seed gives the same particles."""
 
 
-class Feed(Table):
+class Block(Filling):
+    """Particles that fill a box at t = 0 without touching each other."""
+
+    count: Particles
+    """How many particles."""
+    axes: Literal["deck", "world"] = "deck"
+    """Axes in which box and velocity are given."""
+
+
+class Feed(Filling):
     """Particles fed at a rate through a box."""
 
-    material: str
-    """Their material."""
     rate_kg_per_s: Positive
     """Mass fed per time."""
-    box_m: Box
-    """Lowest and highest corner of the box in which particles appear."""
     axes: Literal["deck", "world"] = "world"
     """Axes in which box and velocity are given."""
-    sizes: tuple[SizeClass, ...] = ()
-    """Size classes; or ``curve``."""
-    curve: tuple[PassingPoint, ...] = ()
-    """Cumulative size distribution, from fine to coarse, straight between its points."""
-    smallest_fed_m: Positive | None = None
-    """Particles finer than this are too many to compute: none of them is made."""
-    finer: Literal["leave-out", "next-class"] = "leave-out"
-    """What becomes of the mass finer than ``smallest_fed_m``: it is left out of the rate, or made
-    of the finest class that remains."""
-    velocity_m_per_s: Vector = (0.0, 0.0, 0.0)
-    """Velocity with which they appear; it must carry them out of the box."""
     start_s: NotNegative = 0.0
     """When the feed starts."""
     stop_s: Positive | None = None
     """When it stops; without it, at the end of the run."""
-    seed: Whole = 1
-    """Seed of the random numbers."""
 
 
 class Bed(Table):

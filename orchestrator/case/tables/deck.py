@@ -53,8 +53,24 @@ class Stop(Table):
     """Damping of the panel's mass on the layer over the critical one."""
 
 
-def _listed(value: Any) -> Any:
-    return (value,) if isinstance(value, int | float) else value
+class PanelSheet(Table):
+    """The sheet of a panel and what belongs to it, as panels and decks have it."""
+
+    material: str
+    """Material of a panel, with ``hyperelastic``."""
+    length_m: Positive
+    """Stress-free length of a panel between its clamps' inner edges."""
+    width_m: Positive
+    """Width of a panel."""
+    thickness_m: Positive
+    """Thickness of a panel."""
+    clamp_m: NotNegative = 0.0
+    """Length held under each clamp: the panel is built in there.  0 is a hinge, for every solver:
+    the panel's end cannot move but can turn."""
+    apertures: Apertures | None = None
+    """Openings of a panel."""
+    stops: dict[Name, Stop] = Field(default_factory=dict)
+    """Beams below a panel that it may come to lie on, by name."""
 
 
 Slope = Annotated[float, Strict(), Ge(0), Le(60)]
@@ -97,7 +113,11 @@ class CrossBeams(Table):
     """Their material."""
 
 
-class Deck(Table):
+def _as_list(value: Any) -> Any:
+    return (value,) if isinstance(value, int | float) else value
+
+
+class Deck(PanelSheet):
     """Panels end to end between cross beams that belong to two frames in turn.
 
     Panels are named <name>-1, <name>-2 and so on from the upper end, surfaces <name>-left-1,
@@ -105,8 +125,6 @@ class Deck(Table):
     given one by one.
     """
 
-    material: str
-    """The panels' material, with ``hyperelastic``."""
     frames: tuple[str, str]
     """Frames that carry the first cross beam and the second; they alternate from there."""
     corner_m: Vector
@@ -115,25 +133,12 @@ class Deck(Table):
     """Number of panels."""
     pitch_m: Positive
     """Distance between the middles of neighbouring cross beams."""
-    length_m: Positive
-    """Stress-free length of a panel between its clamps' inner edges."""
-    width_m: Positive
-    """Width of the panels."""
-    thickness_m: Positive
-    """Thickness of the panels."""
-    clamp_m: NotNegative = 0.0
-    """Length held under each clamp: the panel is built in there.  0 is a hinge, for every solver:
-    the panel's end cannot move but can turn."""
-    tension_m: Annotated[tuple[Number, ...], BeforeValidator(_listed)] = (0.0,)
+    tension_m: Annotated[tuple[Number, ...], BeforeValidator(_as_list)] = (0.0,)
     """Distance between a panel's clamps less ``length_m``, positive is taut, negative slack: one
     number for all panels, or a list with one for each."""
     slopes_deg: tuple[Slope, ...] = ()
     """Slope of each segment against the horizontal, from the upper end; all segments have equally
     many panels.  None: one segment along the deck axes (``screen.inclination_deg``)."""
-    apertures: Apertures | None = None
-    """The panels' openings."""
-    stops: dict[Name, Stop] = Field(default_factory=dict)
-    """Beams below each panel that it may come to lie on, by name."""
     side_plates: SidePlates | None = None
     """Plates along both sides."""
     feed_chute: FeedChute | None = None

@@ -7,7 +7,7 @@ unit at the end of its name; tests/case/test_tables.py walks all tables to make 
 from __future__ import annotations
 
 import re
-from typing import Annotated
+from typing import Annotated, Any, Self
 
 from annotated_types import Ge, Gt, Le, Len, Lt
 from pydantic import BaseModel, ConfigDict, Strict, StringConstraints
@@ -20,6 +20,16 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+
+    def times(self, factor: float, *keys: str) -> Self:
+        """A copy with the numbers of these keys multiplied; keys without a value stay without."""
+        return self.model_copy(update={key: _product(factor, getattr(self, key)) for key in keys})
+
+
+def _product(factor: float, value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(factor * number for number in value)
+    return None if value is None else factor * value
 
 
 Number = Annotated[float, Strict()]

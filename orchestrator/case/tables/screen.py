@@ -10,30 +10,18 @@ from typing import Literal
 
 from pydantic import Field
 
-from orchestrator.case.tables.deck import Apertures, Deck, Stop
+from orchestrator.case.tables.deck import Deck, PanelSheet
 from orchestrator.case.tables.frames import Bushing, Exciter, Frame
-from orchestrator.case.tables.quantities import (
-    Box,
-    Few,
-    Name,
-    NotNegative,
-    Number,
-    Positive,
-    Switch,
-    Table,
-    Vector,
-)
+from orchestrator.case.tables.quantities import Box, Few, Name, Number, Positive, Switch, Table, Vector
 
 
-class PanelTable(Table):
+class PanelTable(PanelSheet):
     """A rectangular panel clamped at both ends, or a row of ``count`` of them.
 
     A row's panels are ``pitch_m`` apart along ``along``; their frames alternate, so that
     neighbours share a cross beam.  Panels of a row are named <name>-1, <name>-2 and so on.
     """
 
-    material: str
-    """A material with ``hyperelastic``."""
     frames: tuple[str, str]
     """Frames (or "ground") that hold the first and the second clamp."""
     corner_m: Vector
@@ -42,15 +30,6 @@ class PanelTable(Table):
     """Direction from the first clamp to the second."""
     across: Vector = (0.0, 1.0, 0.0)
     """Direction of the width; along x across points to the particles."""
-    length_m: Positive
-    """Stress-free length between the clamps' inner edges."""
-    width_m: Positive
-    """Width."""
-    thickness_m: Positive
-    """Thickness."""
-    clamp_m: NotNegative = 0.0
-    """Length held under each clamp: the panel is built in there.  0 is a hinge, for every solver:
-    the panel's end cannot move but can turn."""
     tension_m: Number | None = None
     """Distance between the clamps less ``length_m``: positive is taut, negative slack."""
     span_m: Positive | None = None
@@ -59,10 +38,6 @@ class PanelTable(Table):
     """Number of panels in the row."""
     pitch_m: Positive | None = None
     """Distance from panel to panel of a row."""
-    apertures: Apertures | None = None
-    """Its openings."""
-    stops: dict[Name, Stop] = Field(default_factory=dict)
-    """Beams below it that it may come to lie on, by name."""
 
 
 class Surface(Table):

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from orchestrator.coupling.schemes import iterated, robin, staggered
+from orchestrator.coupling.schemes import staggered
+from orchestrator.coupling.schemes.acceleration import Aitken, LeastSquares
+from orchestrator.coupling.schemes.iterated import Effort, Iterated
+from orchestrator.coupling.schemes.robin import Robin
 from orchestrator.coupling.schemes.scheme import Scheme
-from orchestrator.preflight.cost import Effort
 
 SCHEMES: dict[str, Callable[[Effort], Scheme]] = {
     "particles-first": lambda effort: Scheme(staggered.particles_first),
     "serial-staggered": lambda effort: Scheme(staggered.serial_staggered, late=True),
-    "aitken": iterated.aitken,
-    "quasi-newton": iterated.quasi_newton,
-    "robin": lambda effort: robin.robin(),
+    "aitken": lambda effort: _remembering(Iterated(effort, Aitken())),
+    "quasi-newton": lambda effort: _remembering(Iterated(effort, LeastSquares())),
+    "robin": lambda effort: _remembering(Robin()),
 }
+
+
+def _remembering(scheme: Iterated | Robin) -> Scheme:
+    return Scheme(scheme.advance, memory=scheme)
 
 
 def create_scheme(name: str, effort: Effort | None = None) -> Scheme:

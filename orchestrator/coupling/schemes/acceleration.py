@@ -6,23 +6,27 @@ is r = answer - tried; zero is wanted.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 
-from orchestrator.ports import Array, Saved
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports import Array
+from orchestrator.ports.state import SavedAttributes
 
 FIRST_SHARE = 0.5  # of the residual, before anything is known of how the answer depends on the try
 SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they say nothing new
 
 
-class Aitken:
-    """A share w of the residual, found anew from the last two of them:
+class Aitken(SavedAttributes):
+    """Aitken's method: a share w of the residual, found anew from the last two of them:
 
         tried <- tried + w r,    w <- -w r_before . (r - r_before) / |r - r_before|^2.
 
     Kuettler, U. and Wall, W. A., Computational Mechanics 43, 2008, 61-72,
     doi 10.1007/s00466-008-0255-5.  The last share of an interval is the next one's first.
     """
+
+    STATE: ClassVar = ("_share",)
 
     def __init__(self) -> None:
         self._share = FIRST_SHARE
@@ -39,15 +43,8 @@ class Aitken:
         self._residual_N = residual_N
         return np.asarray(tried_N + self._share * residual_N)
 
-    def save(self) -> Saved:
-        """At a sync point."""
-        return save_attributes(self, "_share")
 
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_share")
-
-
-class LeastSquares:
+class LeastSquares(SavedAttributes):
     """Quasi-Newton by least squares: of all changes of the residual that this interval has shown,
     the columns of V, the combination c that comes nearest to -r, and the same one of the changes
     of the answer, W:
@@ -59,6 +56,8 @@ class LeastSquares:
     uses again, made it slower here: contacts come and go (docs/measured/coupling.md).  Kept is the
     share of the residual that would have suited the first change best.
     """
+
+    STATE: ClassVar = ("_share",)
 
     def __init__(self) -> None:
         self._share = FIRST_SHARE
@@ -82,13 +81,6 @@ class LeastSquares:
         size_N = np.linalg.norm(V, axis=0)  # of one size, so that the last, small ones count, too
         c = np.linalg.lstsq(V / size_N, -residual_N.ravel(), rcond=SMALLEST)[0] / size_N
         return np.asarray(answer_N + (W @ c).reshape(answer_N.shape))
-
-    def save(self) -> Saved:
-        """At a sync point."""
-        return save_attributes(self, "_share")
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_share")
 
 
 def secant_share(tried_N: Array, residual_N: Array) -> float:

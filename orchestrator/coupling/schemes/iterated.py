@@ -14,27 +14,43 @@ over all momentum, since the panel at last moves under the load that the particl
 from __future__ import annotations
 
 import logging
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
-from orchestrator.coupling.schemes.acceleration import Aitken, LeastSquares
-from orchestrator.coupling.schemes.scheme import (
-    Forecast,
-    Scheme,
-    Solvers,
-    State,
-    chord,
-    finish_interval,
-    forecast,
-)
+from orchestrator.case.bed.contact_times import smallest_diameters_m
+from orchestrator.case.tables.case import Case
+from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, chord, finish_interval, forecast
 from orchestrator.ports import Array, Load, PanelState, Restorable, Saved
 from orchestrator.ports.clock import Interval
+from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.state import restore_attributes, save_attributes
-from orchestrator.preflight.cost import Effort
 
 LOG = logging.getLogger("flipflow")
 _COUNTS = ("_intervals", "_runs", "_longest", "_unsolved", "_worst")
+
+
+@dataclass(frozen=True)
+class Effort:
+    """An interval is solved when the load that the particles give differs from the one that the
+    panel moved under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean
+    norms over all surface points.  It is run at most ``most`` times."""
+
+    tolerance: float = 1e-3
+    floor_N: float = 0.0
+    most: int = 20
+
+
+def case_effort(case: Case) -> Effort:
+    """Returns what a case asks for; the floor is the tolerance of the lightest particle's weight."""
+    masses_kg = [
+        sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
+        for name, diameter_m in smallest_diameters_m(case).items()
+    ]
+    weight_N = min(masses_kg, default=0.0) * float(np.linalg.norm(case.gravity_m_per_s2))
+    tolerance = case.coupling.tolerance
+    return Effort(tolerance, tolerance * weight_N, case.coupling.most_iterations)
 
 
 class Acceleration(Restorable, Protocol):
@@ -45,21 +61,6 @@ class Acceleration(Restorable, Protocol):
     def next(self, tried_N: Array, answer_N: Array) -> Array:
         """Returns the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
         ...
-
-
-def aitken(effort: Effort) -> Scheme:
-    """Returns the scheme with Aitken's acceleration."""
-    return _scheme(effort, Aitken())
-
-
-def quasi_newton(effort: Effort) -> Scheme:
-    """Returns the scheme with quasi-Newton acceleration by least squares."""
-    return _scheme(effort, LeastSquares())
-
-
-def _scheme(effort: Effort, acceleration: Acceleration) -> Scheme:
-    iterated = Iterated(effort, acceleration)
-    return Scheme(iterated.advance, memory=iterated)
 
 
 class Iterated:
@@ -136,4 +137,5 @@ class Iterated:
 
 
 def norm_N(force_N: Array) -> float:
+    """Returns the Euclidean norm of all components."""
     return float(np.linalg.norm(force_N))

@@ -28,7 +28,7 @@ import numpy.typing as npt
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import LinearOperator, cg
 
-from orchestrator.coupling.schemes.scheme import Forecast, Scheme, Solvers, State, finish_interval, forecast
+from orchestrator.coupling.schemes.scheme import Forecast, Solvers, State, finish_interval, forecast
 from orchestrator.coupling.schemes.staggered import particles_first
 from orchestrator.ports import (
     Array,
@@ -112,10 +112,10 @@ class SurfaceCompliance:
         """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
-        found = before.copy()
+        share = before.copy()
         real = (more.force_N * gave_m_per_s)[self.known].sum(axis=0)
-        np.divide(real, free, out=found, where=free > 0)
-        return np.clip(found, LEAST_SHARE, 1.0)
+        np.divide(real, free, out=share, where=free > 0)
+        return np.clip(share, LEAST_SHARE, 1.0)
 
     def _on_masses(self, points_N: Array) -> Array:
         """Returns the part of the points' load to which the masses yield."""
@@ -125,12 +125,6 @@ class SurfaceCompliance:
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
     """Returns by how much less the particles push a surface that moves, (points, 3)."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
-
-
-def robin() -> Scheme:
-    """Returns the scheme before its first interval."""
-    scheme = Robin()
-    return Scheme(scheme.advance, memory=scheme)
 
 
 class Robin:

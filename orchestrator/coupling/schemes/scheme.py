@@ -57,7 +57,7 @@ class State:
 
 @dataclass(frozen=True)
 class Pending:
-    """Impulse, (3,) each, that was given at a sync point but not yet received above, and its
+    """The impulses, (3,) each, that were given at a sync point but not yet received above, and their
     moments about the world's origin."""
 
     load_N_s: Array
@@ -76,8 +76,8 @@ class Memory(Restorable, Protocol):
 
 @dataclass(frozen=True)
 class Scheme:
-    """``advance`` carries the state over an interval; ``late``: loads act one interval late;
-    ``memory`` is None where nothing is remembered but the state."""
+    """A coupling scheme: ``advance`` carries the state over an interval; with ``late``, loads act one
+    interval late; ``memory`` is None where nothing is remembered but the state."""
 
     advance: Callable[[Solvers, Interval, State], State]
     late: bool = False

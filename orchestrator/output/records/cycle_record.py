@@ -60,7 +60,7 @@ class CycleRecord(SavedAttributes):
         cycle_s: float,
         history: History,
     ) -> None:
-        """``rectangles``: where the panels are mounted, in the machine's order."""
+        """Takes the ``rectangles`` where the panels are mounted, in the machine's order."""
         self._history, self._cycle_s = history, cycle_s
         carried = machine.centres | {p.name: p.index for p in machine.probes if p.on == "clamps"}
         touched = {p.name: p.index for p in machine.probes if p.on == "surface"}

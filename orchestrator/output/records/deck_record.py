@@ -14,8 +14,13 @@ from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.state import SavedAttributes
 
+Mask = npt.NDArray[np.bool_]
 BINS_PER_PANEL = 4
 DEPTH_SHARE = 0.95  # of a bin's mass lies below the bed depth
+HELD_CYCLES = 5
+NEAR = 0.25  # diameters between panel and particle that still count as lying on it
+STAYS = 0.5  # diameters along and across that still count as the same place
+SEATED = 0.75  # radii from centre to surface that only an opening allows
 
 
 def bins_m(deck: DeckLine) -> Array:
@@ -23,20 +28,20 @@ def bins_m(deck: DeckLine) -> Array:
     return np.linspace(0.0, deck.length_m, BINS_PER_PANEL * len(deck.panels) + 1)
 
 
-def on_deck(particles: ParticleSnapshot, seen: Over) -> npt.NDArray[np.bool_]:
-    """Whether each particle is over the deck, or not deeper in it than its own radius."""
-    return np.asarray(seen.inside & (seen.height_m > -0.5 * particles.diameter_m))
+def on_deck(particles: ParticleSnapshot, places: Over) -> Mask:
+    """Returns whether each particle is over the deck, or not deeper in it than its own radius."""
+    return np.asarray(places.inside & (places.height_m > -0.5 * particles.diameter_m))
 
 
-def compute_profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> dict[str, Array]:
+def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: Over) -> dict[str, Array]:
     """Returns, by bin, ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
     t = 0) and ``depth_m``, the height over the surface below which 95 % of the mass lie, each particle
     reaching to its top; velocity and depth are NaN in an empty bin.  ``along_m`` is the bins' middle."""
     edges = bins_m(deck)
-    there = on_deck(particles, seen)
+    there = on_deck(particles, places)
     mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)[there]
-    number = np.clip(np.searchsorted(edges, seen.station_m[there]) - 1, 0, len(edges) - 2)
-    top = (seen.height_m + 0.5 * particles.diameter_m)[there]
+    number = np.clip(np.searchsorted(edges, places.station_m[there]) - 1, 0, len(edges) - 2)
+    top = (places.height_m + 0.5 * particles.diameter_m)[there]
     bins = len(edges) - 1
     total = np.bincount(number, mass, bins)
     momentum = np.bincount(number, mass * _speed(deck, particles.velocity_m_per_s[there], number), bins)
@@ -50,7 +55,7 @@ def compute_profile(deck: DeckLine, particles: ParticleSnapshot, seen: Over) -> 
 
 
 def _speed(deck: DeckLine, velocity_m_per_s: Array, number: Array) -> Array:
-    """Speed along the deck's slope at t = 0 in each particle's bin."""
+    """Returns the speed along the deck's slope at t = 0 in each particle's bin."""
     edges = bins_m(deck)
     run, climb = (np.diff(np.interp(edges, deck.station_m, place)) for place in (deck.over_m, deck.level_m))
     slope = np.column_stack([run, climb]) / np.hypot(run, climb)[:, None]
@@ -59,7 +64,7 @@ def _speed(deck: DeckLine, velocity_m_per_s: Array, number: Array) -> Array:
 
 
 def _percentile(height_m: Array, mass_kg: Array, number: Array, bins: int) -> Array:
-    """(bins,) height below which ``DEPTH_SHARE`` of a bin's mass lie; NaN where it is empty."""
+    """Returns the (bins,) height below which ``DEPTH_SHARE`` of a bin's mass lie; NaN where it is empty."""
     depth_m = np.full(bins, np.nan)
     order = np.lexsort((height_m, number))
     starts = np.searchsorted(number[order], np.arange(bins + 1))
@@ -69,13 +74,6 @@ def _percentile(height_m: Array, mass_kg: Array, number: Array, bins: int) -> Ar
             share = np.cumsum(mass_kg[mine])
             depth_m[i] = height_m[mine[np.searchsorted(share, DEPTH_SHARE * share[-1] * (1 - 1e-12))]]
     return depth_m
-
-
-Mask = npt.NDArray[np.bool_]
-HELD_CYCLES = 5
-NEAR = 0.25  # diameters between panel and particle that still count as lying on it
-STAYS = 0.5  # diameters along and across that still count as the same place
-SEATED = 0.75  # radii from centre to surface that only an opening allows
 
 
 class RetainedParticles(SavedAttributes):
@@ -89,32 +87,32 @@ class RetainedParticles(SavedAttributes):
     STATE: ClassVar = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
     def __init__(self, cycle_s: float, across: Array, openings_m: Array) -> None:
-        """``across`` (3,): horizontal unit vector across the deck; ``openings_m`` (openings, 2):
-        station and place across of every opening's centre."""
+        """Takes ``across`` (3,), the horizontal unit vector across the deck, and ``openings_m``
+        (openings, 2), station and place across of every opening's centre."""
         self._cycle_s, self._across = cycle_s, across
         self._openings = KDTree(openings_m) if len(openings_m) else None
         self._id: Indices = np.empty(0, dtype=np.int64)
         self._anchor_m = np.empty((0, 2))
         self._since_s, self._fastest_m_per_s = np.empty(0), np.empty(0)
 
-    def at(self, time_s: float, particles: ParticleSnapshot, seen: Over) -> dict[str, float]:
+    def at(self, time_s: float, particles: ParticleSnapshot, places: Over) -> dict[str, float]:
         """Returns the number of ``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.
         Particles are sorted by id."""
-        place = np.column_stack([seen.station_m, particles.position_m @ self._across])
+        place = np.column_stack([places.station_m, particles.position_m @ self._across])
         radius = particles.diameter_m / 2
-        lies = seen.inside & (np.abs(seen.height_m) < radius * (1 + 2 * NEAR))
+        lies = places.inside & (np.abs(places.height_m) < radius * (1 + 2 * NEAR))
         old, known = self._row(particles.id)
         moved = np.abs(place - self._anchor_m[old]).max(axis=1) if len(self._id) else radius
         stays = known & lies & (moved < 2 * STAYS * radius)
         self._since_s = np.where(stays, self._then(self._since_s, old), time_s)
         self._anchor_m = np.where(stays[:, None], self._then(self._anchor_m, old), place)
         fastest = np.where(stays, self._then(self._fastest_m_per_s, old), 0.0)
-        self._fastest_m_per_s = np.maximum(fastest, np.abs(seen.rise_m_per_s))
+        self._fastest_m_per_s = np.maximum(fastest, np.abs(places.rise_m_per_s))
         self._id = particles.id
         held = stays & (time_s - self._since_s >= HELD_CYCLES * self._cycle_s)
         held &= self._fastest_m_per_s * 2 * np.pi / self._cycle_s > STANDARD_GRAVITY_M_PER_S2
         mass = sphere_mass_kg(particles.diameter_m, particles.density_kg_per_m3)
-        seated_m = place[held & (seen.height_m < SEATED * radius)]
+        seated_m = place[held & (places.height_m < SEATED * radius)]
         blinded = self._openings.query(seated_m)[1] if self._openings is not None else []
         return {
             "stickers": float(held.sum()),
@@ -123,7 +121,7 @@ class RetainedParticles(SavedAttributes):
         }
 
     def _row(self, ids: Indices) -> tuple[Indices, Mask]:
-        """Row of each particle at the last time, and whether it was there."""
+        """Returns the row of each particle at the last time, and whether it was there."""
         if not len(self._id):
             return np.zeros(len(ids), dtype=int), np.zeros(len(ids), dtype=bool)
         row = np.minimum(np.searchsorted(self._id, ids), len(self._id) - 1)
@@ -139,7 +137,7 @@ class DeckRecord:
     def __init__(
         self, deck: DeckLine, centre_lines: Sequence[Indices], cycle_s: float, openings_m: Array
     ) -> None:
-        """``centre_lines``: the panels' points of the surface; ``openings_m`` (n, 3): the
+        """Takes ``centre_lines``, the panels' points of the surface, and ``openings_m`` (n, 3), the
         openings' centres in the world at t = 0."""
         across = np.array([-deck.along[1], deck.along[0], 0.0])
         station_m = np.interp(openings_m @ deck.along, deck.over_m, deck.station_m)
@@ -151,8 +149,8 @@ class DeckRecord:
     ) -> dict[str, dict[str, Array | float]]:
         """Returns values by group, to be recorded."""
         line = surface.part(self._points)
-        seen = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
+        places = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
         return {
-            "profile": dict(compute_profile(self._deck, particles, seen)),
-            "held": dict(self.held.at(time_s, particles, seen)),
+            "profile": dict(compute_profile(self._deck, particles, places)),
+            "held": dict(self.held.at(time_s, particles, places)),
         }

@@ -250,7 +250,7 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
 
 
 def _number(group: Any, key: str, value: Any) -> Any:
-    """A number, a list of them or a table; None becomes NaN."""
+    """Writes a number, a list of them or a table; None becomes NaN."""
     group[key] = np.array(value, dtype=float)
     group[key].attrs["unit"] = unit_of(key)
     return group[key]

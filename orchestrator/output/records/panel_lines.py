@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.tables.case import Case
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array
 from orchestrator.ports.geometry import Rectangle
 from orchestrator.ports.plans import SolverFailed
+from orchestrator.ports.state import SavedAttributes
 
 
 class PanelLines:
@@ -83,13 +85,15 @@ LOG = logging.getLogger("flipflow")
 FOLD_LENGTHS = 4.0  # in thicknesses: less than this apart along the panel is no fold but a bend
 
 
-class FoldMonitor:
-    """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that."""
+class FoldMonitor(SavedAttributes):
+    """Looks for folds at output times, on rank 0.  Raises SolverFailed where the case wants that."""
+
+    STATE: ClassVar = ("_said",)
 
     def __init__(self, case: Case) -> None:
         self._then = case.monitor.folded_panels
         self._thickness_m = {panel.name: panel.table.thickness_m for panel in single_panels(case)}
-        self._said: set[str] = set()
+        self._said = np.empty(0, dtype=str)  # panels of which it was said
 
     def look(self, time_s: float, panel: str, line_m: Array) -> None:
         """Looks at ``line_m`` (points, 3), the middle of the panel's width from clamp to clamp, now."""
@@ -105,13 +109,7 @@ class FoldMonitor:
             raise SolverFailed(what)
         if panel not in self._said:
             LOG.warning(what)
-            self._said.add(panel)
-
-    def save(self) -> Saved:
-        return {"said": np.array(sorted(self._said), dtype=str)}
-
-    def restore(self, saved: Saved) -> None:
-        self._said = set(saved["said"].tolist())
+            self._said = np.append(self._said, panel)
 
 
 def find_fold_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:

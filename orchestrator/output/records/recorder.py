@@ -51,7 +51,7 @@ class Recorder:
         world: Any,
         goes_on: bool = False,
     ):
-        """``goes_on``: in what an earlier process recorded, to be restored before the first row."""
+        """Continues, with ``goes_on``, what an earlier process recorded; restored before the first row."""
         self._machine, self._ledger = machine, ledger
         self._writes = is_first(world)
         self._follows = any(probe.on == "particle" for probe in machine.probes)

@@ -94,7 +94,7 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
     the world.
 
     ``centres`` (frames,): numbers of the centres of mass; the three points after each are the ends
-    of arms that were 1 m long and lay along the world's axes at t = 0 (``surface_parts.frame_parts``).
+    of arms that were 1 m long and lay along the world's axes at t = 0 (``coupling/surface_parts.py``).
     """
     if not len(centres):  # which Rotation does not take
         return np.empty((0, 3)), np.empty((0, 3))

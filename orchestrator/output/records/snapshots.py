@@ -26,6 +26,7 @@ class Series:
         (folder / name).mkdir(exist_ok=True)
 
     def add(self, time_s: float, mesh: meshio.Mesh) -> None:
+        """Writes the file of a time."""
         file = self._file(len(self._time_s))
         try:
             mesh.write(self._folder / file)
@@ -58,7 +59,7 @@ class Series:
         self._time_s.append(time_s)
 
     def _write_list(self) -> None:
-        """Whole again at every time, so that an interrupted run opens, too."""
+        """Writes the list anew at every time, so that an interrupted run opens, too."""
         text = (
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
             f"<Collection>\n{self._rows}</Collection>\n</VTKFile>\n"

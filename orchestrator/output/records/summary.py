@@ -5,6 +5,7 @@ The keys are documented in docs/run-folder.md; a test holds the two together.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -41,54 +42,26 @@ def closing_table(summary: dict[str, Any]) -> Table:
     return table
 
 
-def material_lines(material: dict[str, Any]) -> list[str]:
-    """Says where the particles are, with a warning where some are lost."""
-
-    def part(what: str, amount: dict[str, Any]) -> str:
-        return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
-
-    exits = [part(f"through {name}", amount) for name, amount in material["exits"].items()]
-    there = [part("on deck", material["on_deck"]), *exits, part("lost", material["lost"])]
-    lines = [f"{part('particles: came', material['fed'])} = " + " + ".join(there)]
-    if material["lost"]["number"]:
-        lines.append(
-            f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
-            "through an exit; history.h5 says where (removed, exit = -1)"
-        )
-    if material["escaped"]["number"]:
-        lines.append(
-            f"WARNING: {material['escaped']['number']} particles came out with the undersize "
-            "although they fit through no opening; run.log names the first"
-        )
-    return lines
-
-
-def contact_lines(material: dict[str, Any]) -> list[str]:
-    """Says how deep contacts were, with a warning where particles went through the surface."""
-    deepest, crossings = material["deepest_overlaps"], material["crossings"]
-    lines = [
-        "deepest overlap since the start, of a radius: "
-        f"{2 * deepest['surface_per_diameter']:.2g} with the surface, "
-        f"{2 * deepest['between_per_diameter']:.2g} between particles"
+def closing_lines(summary: dict[str, Any]) -> list[str]:
+    """Says the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
+    created_J = sum(J for name, J in summary["energy_ledger_J"].items() if name.startswith("created."))
+    lines = [f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals"]
+    if summary["particles"]:
+        rate = f"{summary['particle_steps_per_s']:.3g} particle-steps per second"
+        lines.append(f"{summary['particles']} particles, {rate}")
+    lines += [
+        f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
+        f"energy created by the coupling {created_J:+.3g} J "
+        f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worse interface)",
     ]
-    if crossings["number"]:
-        lines.append(
-            f"WARNING: {crossings['number']} times a particle went through the surface elsewhere "
-            f"than through an opening, the first one (number {crossings['first_id']}) at t = "
-            f"{crossings['first_time_s']:.6g} s"
-        )
+    for part, describe in (
+        ("iterations", iteration_lines),
+        ("material", material_lines),
+        ("monitor", monitor_lines),
+    ):
+        if table := summary.get(part):
+            lines += describe(table)
     return lines
-
-
-def monitor_lines(monitor: dict[str, Any]) -> list[str]:
-    """Says whether intervals had to be shortened."""
-    if not monitor["shortened_intervals"]:
-        return []
-    return [
-        f"WARNING: the monitor ran {monitor['shortened_intervals']} sync intervals "
-        f"({100 * monitor['shortened_share']:.2g} %) in parts, down to "
-        f"{monitor['shortest_interval_s']:g} s; run.log says when and why"
-    ]
 
 
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
@@ -102,27 +75,46 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
     return lines
 
 
-def closing_lines(summary: dict[str, Any]) -> list[str]:
-    """Says the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
-    created_J = sum(J for name, J in summary["energy_ledger_J"].items() if name.startswith("created."))
-    lines = [
-        f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals",
-        f"momentum residual {summary['momentum_residual_relative']:.1e} (relative, worst member)",
-        f"energy created by the coupling {created_J:+.3g} J "
-        f"({share_created(summary):+.1e} of the energy exchanged and lost, at the worse interface)",
-    ]
-    if summary["particles"]:
-        lines.insert(
-            1,
-            f"{summary['particles']} particles, "
-            f"{summary['particle_steps_per_s']:.3g} particle-steps per second",
+def material_lines(material: dict[str, Any]) -> Iterator[str]:
+    """Says where the particles are and how deep contacts were, with a warning where particles are lost
+    or went through the surface."""
+
+    def part(what: str, amount: dict[str, Any]) -> str:
+        return f"{what} {amount['mass_kg']:.4g} kg ({amount['number']})"
+
+    exits = [part(f"through {name}", amount) for name, amount in material["exits"].items()]
+    there = [part("on deck", material["on_deck"]), *exits, part("lost", material["lost"])]
+    yield f"{part('particles: came', material['fed'])} = " + " + ".join(there)
+    if material["lost"]["number"]:
+        yield (
+            f"WARNING: {material['lost']['number']} particles left the domain elsewhere than "
+            "through an exit; history.h5 says where (removed, exit = -1)"
         )
-    if iterations := summary.get("iterations"):
-        lines += iteration_lines(iterations)
-    if material := summary.get("material"):
-        lines += material_lines(material)
-        if "crossings" in material:  # not in a run of an older flipflow
-            lines += contact_lines(material)
-    if monitor := summary.get("monitor"):
-        lines += monitor_lines(monitor)
-    return lines
+    if material["escaped"]["number"]:
+        yield (
+            f"WARNING: {material['escaped']['number']} particles came out with the undersize "
+            "although they fit through no opening; run.log names the first"
+        )
+    deepest, crossings = material["deepest_overlaps"], material["crossings"]
+    yield (
+        "deepest overlap since the start, of a radius: "
+        f"{2 * deepest['surface_per_diameter']:.2g} with the surface, "
+        f"{2 * deepest['between_per_diameter']:.2g} between particles"
+    )
+    if crossings["number"]:
+        yield (
+            f"WARNING: {crossings['number']} times a particle went through the surface elsewhere "
+            f"than through an opening, the first one (number {crossings['first_id']}) at t = "
+            f"{crossings['first_time_s']:.6g} s"
+        )
+
+
+def monitor_lines(monitor: dict[str, Any]) -> list[str]:
+    """Says whether intervals had to be shortened."""
+    if not monitor["shortened_intervals"]:
+        return []
+    return [
+        f"WARNING: the monitor ran {monitor['shortened_intervals']} sync intervals "
+        f"({100 * monitor['shortened_share']:.2g} %) in parts, down to "
+        f"{monitor['shortest_interval_s']:g} s; run.log says when and why"
+    ]

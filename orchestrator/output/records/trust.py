@@ -67,7 +67,7 @@ def _monitored(summary: Summary) -> dict[str, Any]:
 
 
 def _energy_created(summary: Summary) -> Iterator[str]:
-    """The coupling must not make or destroy more than a small share of the energy that goes through
+    """Doubts a coupling that makes or destroys more than a small share of the energy that goes through
     it (``ledger.created_shares``); ``monitor.largest_created_in_total`` of the case says how much."""
     if "energy_ledger_J" not in summary:
         return
@@ -83,7 +83,7 @@ def _energy_created(summary: Summary) -> Iterator[str]:
 
 
 def _effects_crossed(summary: Summary) -> Iterator[str]:
-    """Nothing may be left out by an estimate that the run itself contradicts."""
+    """Doubts a run that contradicts the estimate by which an effect was left out of it."""
     for name, entry in summary.get("effects", {}).items():
         after = entry.get("after") or {}
         if entry.get("left_out") and entry.get("crossed") and after.get("matters"):
@@ -95,7 +95,7 @@ def _effects_crossed(summary: Summary) -> Iterator[str]:
 
 
 def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
-    """No panel may have gone through a surface that would have held it."""
+    """Doubts a run in which a panel went through a surface that would have held it."""
     observed = _monitored(summary).get("penetrated_surfaces", {})
     if observed.get("times"):
         yield (
@@ -106,7 +106,7 @@ def _surfaces_penetrated(summary: Summary) -> Iterator[str]:
 
 
 def _energy_of_solvers(summary: Summary) -> Iterator[str]:
-    """A solver's own steps must not make or destroy energy either."""
+    """Doubts a solver whose own steps make or destroy energy."""
     if "energy_ledger_J" not in summary:
         return
     for member, share in defect_shares(summary).items():
@@ -120,8 +120,8 @@ def _energy_of_solvers(summary: Summary) -> Iterator[str]:
 
 
 def _momentum(summary: Summary) -> Iterator[str]:
-    """Momentum is handed over to rounding; more than that is an error in the program or in a
-    solver.  Interfaces whose hand-over is turned off lose it on purpose."""
+    """Doubts momentum that does not close to rounding: an error in the program or in a solver.
+    Interfaces whose hand-over is turned off lose it on purpose."""
     closed = summary.get("energy_exchanged_J", {})
     for name, residual in summary.get("momentum_residuals", {}).items():
         if residual > LARGEST_MOMENTUM_RESIDUAL and ("-" not in name or name in closed):
@@ -132,8 +132,8 @@ def _momentum(summary: Summary) -> Iterator[str]:
 
 
 def _unsolved_intervals(summary: Summary) -> Iterator[str]:
-    """An interval that was not solved to its tolerance is as good as one of the plain scheme: a few
-    of them, or small deviations, do no harm that the energy would not show."""
+    """Doubts many intervals that were far from solved.  One not solved to its tolerance is as good as one
+    of the plain scheme: a few of them, or small deviations, do no harm that the energy would not show."""
     iterations, intervals = summary.get("iterations") or {}, summary.get("sync_intervals", 0)
     unsolved, worst = iterations.get("unsolved", 0), iterations.get("worst", 0.0)
     if unsolved > LARGEST_SHARE_UNSOLVED * intervals and worst > LARGEST_DEVIATION:
@@ -145,9 +145,8 @@ def _unsolved_intervals(summary: Summary) -> Iterator[str]:
 
 
 def _material(summary: Summary) -> Iterator[str]:
-    """Products of a screen are what goes through its exits: where material takes another way, they are
-    wrong by as much.  The surface must hold the particles, whose centres stay on their side of it, and
-    contacts must be small against them, or no contact law holds."""
+    """Doubts products where material took another way than through the exits, a surface that particles
+    went through, and contacts that are not small against them: then no contact law holds."""
     material = summary.get("material") or {}
     fed_kg = material.get("fed", {}).get("mass_kg", 0.0)
     ways = {

@@ -56,7 +56,7 @@ def point_area_m2(surface: TriangleSurface) -> Array:
 
 
 def _patch(position_m: Array, at: Rectangle) -> Indices:
-    """(points,) number of each point's patch, from its place at t = 0."""
+    """Returns the number of each point's patch (points,), from its place at t = 0."""
     from_corner_m = position_m - at.corner_m
     shares = (from_corner_m @ at.along / at.span_m, from_corner_m @ at.across / at.width_m)
     row, column = (

@@ -1,4 +1,4 @@
-"""What a page says beside the results: what was run, what it left out, and whether it can be trusted."""
+"""What a page says beside the results: the machine, what was left out, and what the run warned of."""
 
 from __future__ import annotations
 
@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.deck.panels import single_panels
-from orchestrator.case.tables.case import Case
-from orchestrator.coupling.ledger import share_created
 from orchestrator.output.records import trust
 from orchestrator.output.records.summary import closing_lines
 from orchestrator.output.report.formatting import number
-from orchestrator.output.results.run_reader import RunReader, cut_size_m
+from orchestrator.output.results.run_reader import RunReader
 from orchestrator.preflight.scene.effect import describe_verdict
 
 SHOWN = 12  # messages of the log
@@ -58,37 +56,6 @@ def machine_facts(run: RunReader) -> Facts:
     yield "machine cycle", driven
 
 
-def bed_facts(case: Case) -> Facts:
-    """Yields facts on the particles."""
-    for name, feed in case.bed.feeds.items():
-        sizes = ", ".join(f"{_range_mm(s)} {100 * s.mass_fraction:.3g} %" for s in feed.sizes)
-        yield f"feed {name}", f"{number(feed.rate_kg_per_s)} kg/s {feed.material}: {sizes}"
-    for name, block in case.bed.blocks.items():
-        sizes = ", ".join(map(_range_mm, block.sizes))
-        yield f"bed at t = 0, {name}", f"{block.count} particles of {block.material}, {sizes}"
-    if case.bed.particles:
-        yield "single particles", str(len(case.bed.particles))
-    cut = cut_size_m(case)
-    yield "cut size", f"{1e3 * cut:g} mm" if cut else "none"
-
-
-def _range_mm(size: Any) -> str:
-    return f"{1e3 * size.smallest_m:g}–{1e3 * size.largest_m:g} mm"
-
-
-def solver_facts(case: Case, scheme: str) -> Facts:
-    """Yields with what and how finely the run was computed; ``scheme`` is the one that it took."""
-    cells = " × ".join(str(n) for n in case.panel.cells)
-    yield "panels' solver", f"{case.panel.solver}, {cells} cells each"
-    yield "frames' solver", case.frames.solver
-    yield "particles' solver", case.particles.solver
-    if cap := case.particles.largest_youngs_modulus_Pa:
-        yield "particles softened to", f"{cap:.3g} Pa"
-    if (k := case.particles.coarse_graining) > 1.0:
-        yield "coarse graining", f"{k:g} times the diameter, one particle stands for {k**3:.3g}"
-    yield "sync interval", f"{1e6 * case.coupling.sync_interval_s:.4g} µs, {scheme}"
-
-
 def left_out_facts(summary: dict[str, Any]) -> Facts:
     """Yields why each effect was left out, and what was judged of it before and after the run."""
     for name, why in summary["left_out"].items():
@@ -98,34 +65,6 @@ def left_out_facts(summary: dict[str, Any]) -> Facts:
             if verdict := entry.get(when):
                 deciding = f"{verdict['number']} {number(verdict['value'])}, threshold {verdict['threshold']}"
                 yield f"{when} the run", f"{describe_verdict(verdict['matters'])}: {deciding}"
-
-
-def quality_facts(summary: dict[str, Any]) -> Facts:
-    """Yields facts on momentum, energy, speed and what the monitor saw; fewer for a run that failed."""
-    if "momentum_residual_relative" in summary:
-        residual = f"{summary['momentum_residual_relative']:.1e}"
-        yield "momentum residual, worst member (1e-12 is rounding)", residual
-    if "energy_ledger_J" in summary:
-        ledger = summary["energy_ledger_J"]
-        for interface in ("particles-panel", "panel-frames"):
-            if f"created.{interface}" in ledger:
-                created_J = number(ledger[f"created.{interface}"])
-                yield f"energy created between {interface.replace('-', ' and ')}", f"{created_J} J"
-        for interface, exchanged_J in summary.get("energy_exchanged_J", {}).items():
-            yield (f"energy exchanged between {interface.replace('-', ' and ')}", f"{number(exchanged_J)} J")
-        share = f"{100 * share_created(summary):.2g} %"
-        yield "energy created, of what was exchanged and lost, worse of the two", share
-    yield "sync intervals", f"{summary['sync_intervals']}"
-    if monitor := summary.get("monitor"):
-        if monitor["shortened_intervals"]:
-            shortened = f"{monitor['shortened_intervals']}, down to {monitor['shortest_interval_s']:g} s"
-            yield "of them run in parts", shortened
-        for name, item in monitor["figures"].items():
-            worst = f"{number(item['worst'])} (limit {item['limit']:g})"
-            times = f", beyond it {item['times']} times" if item["times"] else ""
-            yield f"monitor: {name.replace('_', ' ')}, worst", worst + times
-    if summary["particle_steps_per_s"]:
-        yield "particle steps per second", f"{summary['particle_steps_per_s']:.2e}"
 
 
 def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, Any]) -> list[str]:

@@ -15,6 +15,7 @@ from typing import Any
 from jinja2 import UndefinedError
 
 from orchestrator.case.file.errors import CaseError
+from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
 from orchestrator.output.report import facts
@@ -23,7 +24,7 @@ from orchestrator.output.report.formatting import duration, interval, number, wh
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
 from orchestrator.output.results.compute import compute_results
-from orchestrator.output.results.run_reader import RunReader
+from orchestrator.output.results.run_reader import RunReader, cut_size_m
 from orchestrator.output.subprocesses import python
 
 NAME = "report.html"
@@ -127,11 +128,8 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             provenance=run.provenance,
             results=results,
             whole=1.0 / results["share_of_width"],
-            facts={
-                "machine": list(facts.machine_facts(run)),
-                "bed": list(facts.bed_facts(run.case)),
-                "how it was computed": list(facts.solver_facts(run.case, summary["stability"]["scheme"])),
-            },
+            machine=list(facts.machine_facts(run)),
+            cut_size_m=cut_size_m(run.case),
             headline=headline(results),
             not_steady=NOT_STEADY,
             driven=run.is_driven,
@@ -140,7 +138,7 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
             left_out=list(facts.left_out_facts(summary)),
-            quality=list(facts.quality_facts(summary)),
+            share_created=share_created,
             duration=duration,
             interval=interval,
             number=number,

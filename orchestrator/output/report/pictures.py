@@ -275,7 +275,7 @@ def write_pictures(folder: Path) -> None:
 
 
 def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any]:
-    """A figure with axes for so many parts, side by side in rows."""
+    """Returns a figure with axes for so many parts, side by side in rows."""
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
     drawn, axes = figure(rows, columns, WIDE, max(edge + height * rows, LOWEST))

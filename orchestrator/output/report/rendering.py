@@ -93,19 +93,19 @@ def _read(file: Path | None) -> Any:
 
 
 def _fast_m_per_s(particles: Any) -> float:
-    """Where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
+    """Returns where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
     if particles.n_points == 0:
         return 1.0
     return float(np.percentile(particles["speed_m_per_s"], 97)) or 1.0
 
 
 def _touched_m(surface: Any) -> Any:
-    """(n, 3) points of triangles; others are only looked at, and may be anywhere."""
+    """Returns the (n, 3) points of triangles; others are only looked at, and may be anywhere."""
     return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
 
 def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
-    """Panels in two colours, walls as their edges."""
+    """Adds panels in two colours, walls as their edges."""
     panel = surface.cell_data["panel"]
     for number in (0, 1):
         cells = np.flatnonzero((panel >= 0) & (panel % 2 == number))
@@ -117,7 +117,7 @@ def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
 
 
 def _add_spheres(plotter: Any, particles: Any) -> None:
-    """As meshes; the colour bar stands uphill, where the fewest particles are in the way."""
+    """Adds particles as meshes; the colour bar stands uphill, where the fewest particles are in the way."""
     if particles.n_points == 0:
         return
     sphere = pyvista.Sphere(radius=0.5, theta_resolution=16, phi_resolution=16)
@@ -130,7 +130,7 @@ def _add_spheres(plotter: Any, particles: Any) -> None:
 
 
 def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
-    """As splats, which cost a fraction of meshed spheres."""
+    """Adds particles as splats, which cost a fraction of meshed spheres."""
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
@@ -149,7 +149,7 @@ def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
 
 
 def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
-    """How speeds are coloured, with the place of the colour bar."""
+    """Returns how speeds are coloured, with the place of the colour bar."""
     return {
         "scalars": "speed_m_per_s",
         "cmap": "viridis",
@@ -160,16 +160,16 @@ def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
 
 
 def _look(plotter: Any, points_m: Any) -> None:
-    """The points (n, 3) fill the view, with some room above them for what is thrown."""
+    """Lets the points (n, 3) fill the view, with some room above them for what is thrown."""
     toward = np.array(FILM_VIEW) / np.linalg.norm(FILM_VIEW)
     right = np.cross([0.0, 0.0, 1.0], toward)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(toward, right), toward])
-    seen = points_m @ axes.T
-    wide, tall, _ = MARGIN * np.ptp(seen, axis=0)
+    shown_m = points_m @ axes.T
+    wide, tall, _ = MARGIN * np.ptp(shown_m, axis=0)
     height = min(max(WIDTH * tall / wide + TEXT, SMALLEST), LARGEST)
     scale = max(wide / WIDTH, tall / (height - TEXT))  # m to a pixel
-    middle = (seen.max(axis=0) + seen.min(axis=0)) / 2 + [0.0, scale * TEXT / 2, 0.0]
+    middle = (shown_m.max(axis=0) + shown_m.min(axis=0)) / 2 + [0.0, scale * TEXT / 2, 0.0]
     plotter.window_size = [WIDTH, int(height) // 2 * 2]
     plotter.enable_parallel_projection()
     plotter.camera.focal_point = middle @ axes

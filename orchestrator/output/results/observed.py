@@ -28,7 +28,7 @@ from orchestrator.preflight.judgement.account import Entry
 from orchestrator.preflight.judgement.catalogue import EFFECTS, has_effect
 from orchestrator.preflight.scene.clamp_motion import (
     MotionPart,
-    clamps_m,
+    clamp_arms_m,
     motion_by_rotation,
     motion_out_of_plane,
 )
@@ -240,7 +240,7 @@ class ObservedMotion:
         for name in free_frames(self._scene.plan) if has_effect(self._run.case, effect) else ():
             moved_m = self.phasor(name)
             if size_m := np.linalg.norm(moved_m):
-                arms_m = clamps_m(self._scene, name) - self._bodies[name].center_of_mass_m
+                arms_m = clamp_arms_m(self._scene, name)
                 at_clamps_m = part(moved_m, self.phasor(name, "rotation_rad"), arms_m)
                 ratios.append((float(np.linalg.norm(at_clamps_m, axis=-1).max() / size_m), name))
         if not ratios:

@@ -24,7 +24,7 @@ from orchestrator.ports.recording import Playback
 
 @dataclass(frozen=True)
 class HyperelasticPlan:
-    """Two-parameter Mooney-Rivlin  W = C10 (I1 - 3) + C01 (I2 - 3) + K/2 (J - 1)^2  with the
+    """The two-parameter Mooney-Rivlin law  W = C10 (I1 - 3) + C01 (I2 - 3) + K/2 (J - 1)^2  with the
     isochoric invariants, and Maxwell branches for damping: each a pair (ratio of the branch's
     modulus to the elastic one, relaxation time in s)."""
 
@@ -40,7 +40,7 @@ class HyperelasticPlan:
 
     @property
     def youngs_modulus_Pa(self) -> float:
-        """At small strain, incompressible."""
+        """Young's modulus at small strain, of a material that does not change its volume."""
         return 3.0 * self.shear_modulus_Pa
 
 
@@ -62,7 +62,7 @@ class StopPlan:
 
 @dataclass(frozen=True)
 class PanelPlan:
-    """One panel: geometry, material, and how finely to solve it.
+    """A panel: its geometry, its material, and how finely to solve it.
 
     ``frames`` names the frames that hold the first and the second clamp.  ``cells`` along the
     free length and across; ``step_s`` the largest step (0: the solver's own limit with margin).
@@ -87,7 +87,7 @@ class PanelPlan:
 
     @property
     def mass_kg(self) -> float:
-        """Mass of the whole panel: its free length without openings, and the parts in the clamps."""
+        """The mass of the whole panel: its free length without openings, and the parts in the clamps."""
         at = self.rectangle
         share = self.apertures.material_share(at) if self.apertures is not None else 1.0
         area_m2 = at.width_m * (share * at.length_m + 2.0 * at.clamp_m)
@@ -122,7 +122,7 @@ class BodyPlan:
 
 @dataclass(frozen=True)
 class BushingPlan:
-    """Linear spring and damper along three axes between two bodies ("ground" is the fixed one).
+    """A linear spring and damper along three axes between two bodies ("ground" is the fixed one).
 
     ``axes`` (3, 3): its rows are the spring axes in the world at t = 0, ``stiffness_N_per_m`` and
     ``damping_N_s_per_m`` (3,) belong to them; the axes turn with the first body.  Force-free at
@@ -180,7 +180,7 @@ class ExciterPlan:
 
 @dataclass(frozen=True)
 class DrivePlan:
-    """Prescribed harmonic motion of a body about its place at t = 0, with smooth run-up.
+    """A prescribed harmonic motion of a body about its place at t = 0, with smooth run-up.
 
     Nothing turns the body from it; one drive per body.  Bodies without one are free, or stand
     still where the frames are prescribed altogether.
@@ -202,7 +202,7 @@ class DrivePlan:
 
 @dataclass(frozen=True)
 class FramesPlan:
-    """Frames and the points they carry: ``points_m`` (n, 3) at t = 0, ``carrier`` (n,) names.
+    """The frames and the points they carry: ``points_m`` (n, 3) at t = 0, ``carrier`` (n,) names.
 
     ``reaction_N`` (n, 3) is the panels' force at t = 0.  With ``drawn_at_rest`` the bushings'
     preload holds weight and initial reaction, so that nothing moves until something drives;
@@ -224,6 +224,8 @@ class FramesPlan:
 
 @dataclass(frozen=True)
 class GrainMaterial:
+    """A material that particles are made of, or that they touch."""
+
     name: str
     youngs_modulus_Pa: float
     poisson_ratio: float
@@ -231,7 +233,7 @@ class GrainMaterial:
 
 @dataclass(frozen=True)
 class ParticleList:
-    """Particles to create: positions (n, 3), velocities (n, 3), spins (n, 3) in rad/s,
+    """A list of particles to create: positions (n, 3), velocities (n, 3), spins (n, 3) in rad/s,
     diameters (n,), densities (n,), materials (n,) as indices.  Ids are given in order."""
 
     position_m: Array
@@ -245,18 +247,19 @@ class ParticleList:
         return len(self.diameter_m)
 
     def part(self, rows: npt.NDArray[np.bool_]) -> ParticleList:
+        """Returns the particles of some rows."""
         return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 class ParticleFeed(Protocol):
-    """New particles for each interval.  Deterministic: alike on every rank."""
+    """A source of new particles for each interval, alike on every rank."""
 
     def due(self, interval: Interval) -> ParticleList:
-        """Particles wanted at the interval's start; they do not overlap each other."""
+        """Returns the particles wanted at the interval's start; they do not overlap each other."""
         ...
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        """Which of those just offered (bool per particle) found room; the rest is tried again."""
+        """Takes note of which of those just offered (bool per particle) had room; the rest is tried again."""
         ...
 
 
@@ -275,14 +278,14 @@ class ExitPlan:
     half_m: Array
 
     def holds(self, position_m: Array) -> npt.NDArray[np.bool_]:
-        """Which of the positions (n, 3) are in it, (n,)."""
+        """Tells which of the positions (n, 3) are in the box, (n,)."""
         along_edges_m = (position_m - self.center_m) @ self.axes.T
         return np.asarray(np.all(np.abs(along_edges_m) <= self.half_m, axis=1))
 
 
 @dataclass(frozen=True)
 class Jkr:
-    """Adhesion after Johnson, Kendall and Roberts: ``work_J_per_m2`` (k, k) by material.
+    """The law of adhesion after Johnson, Kendall and Roberts: ``work_J_per_m2`` (k, k) by material.
 
     ``largest_stretch``: how far a neck reaches before it snaps, at most, as a share of a radius.
     """
@@ -293,19 +296,19 @@ class Jkr:
 
 @dataclass(frozen=True)
 class Sjkr:
-    """LIGGGHTS's ``sjkr``: attraction ``energy_density_J_per_m3`` (k, k) times the area of contact."""
+    """The law ``sjkr`` of LIGGGHTS: ``energy_density_J_per_m3`` (k, k) times the contact's area."""
 
     energy_density_J_per_m3: Array
 
 
 @dataclass(frozen=True)
 class ParticlesPlan:
-    """Particles, the surface they touch, and the laws between them.
+    """The particles, the surface they touch, and the laws between them.
 
     ``restitution``, ``sliding_friction``, ``rolling_friction``: (k, k) symmetric, by material.
     ``wear_m3_per_N_m``: (k, k) too, volume that particles of one material wear off a surface of the
     other per force and distance slid; None where nothing wears.
-    ``predicts_load``: whether the particles are to foretell their load (``ports.Predicting``).
+    ``predicts_load``: whether the particles are to predict their load (``ports.Predicting``).
     ``rolling``: the law of rolling resistance, where its coefficient is not zero.
     Particles in one of the ``exits``, or outside of ``domain_m`` (2, 3: lowest and highest
     corner), are removed; the first exit that holds one counts.  ``communicator`` is an mpi4py
@@ -338,7 +341,7 @@ class ParticlesPlan:
 
 @dataclass(frozen=True)
 class Cost:
-    """Processor time: ``opening_s`` until the solver is open, ``stepping_s`` of all its steps."""
+    """The processor time of a solver: ``opening_s`` until it is open, ``stepping_s`` of all its steps."""
 
     opening_s: float
     stepping_s: float
@@ -346,7 +349,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class PanelsWork:
-    """``panels`` alike, each of ``cells`` along and across; ``resolved_cells`` of all of them
+    """The work of ``panels`` alike, each of ``cells`` along and across; ``resolved_cells`` of all of them
     together where the mesh follows openings, else 0.  They are moved over ``runs`` intervals of
     ``interval_s``; ``step_s`` is the largest step that the case allows, 0: the solver's own."""
 
@@ -361,8 +364,8 @@ class PanelsWork:
 
 @dataclass(frozen=True)
 class FramesWork:
-    """``bodies`` of which ``driven`` follow a drive, on ``bushings`` (each a spring at one place),
-    with ``exciters``, of which ``motors`` lag; moved over ``runs`` intervals of ``interval_s``."""
+    """The work of ``bodies`` of which ``driven`` follow a drive, on ``bushings`` (each at one place), with
+    ``exciters``, of which ``motors`` lag; moved over ``runs`` intervals of ``interval_s``."""
 
     bodies: int
     driven: int
@@ -375,8 +378,8 @@ class FramesWork:
 
 @dataclass(frozen=True)
 class ParticlesWork:
-    """``particle_steps``: steps of all particles together; ``steps`` of the solver, in ``runs``
-    intervals; ``triangles`` that they may touch; ``sticky`` where contacts have adhesion."""
+    """The work of particles: ``particle_steps`` of all particles together; ``steps`` of the solver, in
+    ``runs`` intervals; ``triangles`` that they may touch; ``sticky`` where contacts have adhesion."""
 
     particle_steps: float
     steps: float

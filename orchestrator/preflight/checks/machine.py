@@ -13,19 +13,18 @@ from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.solver_plans import frames_plan, panel_plans
 from orchestrator.case.solvers import Port
 from orchestrator.case.tables.case import Case
-from orchestrator.case.tables.frames import Exciter, Motor
 from orchestrator.case.tables.quantities import GROUND
 from orchestrator.ports import linear_frames
+from orchestrator.preflight.checks.names import rows
 
 
 def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
-    """Masses for frames that forces move, and drives only for solvers that know them."""
+    """Frames that forces move need masses, and drives a solver that knows them."""
     solver, able = case.frames.solver, case.frames.adapter
     if not able.moved_by_forces:
         return
     driving = solvers.those("frames", lambda frames: frames.drives and frames.moved_by_forces)
-    for name, frame in case.screen.frames.items():
-        key: Key = ("screen", "frames", name)
+    for key, frame in rows(case, "screen.frames"):
         if frame.drive is not None:
             if not able.drives:
                 hint = f"take the drive out, or frames.solver = {driving}"
@@ -39,19 +38,17 @@ def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
 
 
 def possible_inertia(case: Case) -> Iterator[CaseProblem]:
-    """Principal moments are positive and none exceeds the sum of the others (it would take
-    negative mass)."""
-    for name, frame in case.screen.frames.items():
+    """Principal moments are positive and none exceeds the sum of the others, which would take
+    negative mass."""
+    for key, frame in rows(case, "screen.frames"):
         if frame.inertia_kg_m2 is None:
             continue
         xy, xz, yz = frame.products_of_inertia_kg_m2
         tensor = np.diag(frame.inertia_kg_m2) + np.array([[0, xy, xz], [xy, 0, yz], [xz, yz, 0]])
         moments = np.linalg.eigvalsh(tensor)
         if moments[0] <= 0 or moments[2] > (1 + 1e-9) * (moments[0] + moments[1]):
-            said = ", ".join(f"{moment:.4g}" for moment in moments)
-            key: Key = ("screen", "frames", name, "inertia_kg_m2")
-            hint = "none may exceed the sum of the others"
-            yield CaseProblem(key, f"no body has the principal moments {said} kg m2", hint)
+            what = f"no body has the principal moments {', '.join(f'{m:.4g}' for m in moments)} kg m2"
+            yield CaseProblem((*key, "inertia_kg_m2"), what, "none may exceed the sum of the others")
 
 
 def held_frames(case: Case) -> Iterator[CaseProblem]:
@@ -63,41 +60,53 @@ def held_frames(case: Case) -> Iterator[CaseProblem]:
     free = [plan.bodies[number] for number in linear_frames.free(plan)]
     weight = np.array([body.mass_kg * plan.gravity_m_per_s2 for body in free]).ravel()
     _, unmet = linear_frames.linearise(plan, linear_frames.TRANSLATIONS).hold(weight)
-    names = [body.name for body in free]
-    for name, left_N in zip(names, unmet.reshape(-1, 3), strict=True):
+    for body, left_N in zip(free, unmet.reshape(-1, 3), strict=True):
         if np.abs(left_N).max() > 1e-8 * np.abs(weight).max():
             what = "no bushing holds its weight"
             hint = "add bushings to the ground, or let it drop: screen.drawn_at_rest = false"
-            yield CaseProblem(("screen", "frames", name), what, hint)
+            yield CaseProblem(("screen", "frames", body.name), what, hint)
 
 
 def bushings_and_exciters(case: Case) -> Iterator[CaseProblem]:
-    """Bushings between two different bodies, exciters on a frame with a proper shaft."""
-    for name, bushing in case.screen.bushings.items():
-        key: Key = ("screen", "bushings", name)
+    """Bushings lie between two different bodies.  Exciters have a proper shaft, on a frame that no
+    drive moves while forces move others."""
+    for key, bushing in rows(case, "screen.bushings"):
         if bushing.between[0] == bushing.between[1]:
             yield CaseProblem((*key, "between"), f'"{bushing.between[0]}" twice', "name two frames")
         if not any(bushing.stiffness_N_per_m):
             yield CaseProblem((*key, "stiffness_N_per_m"), "is zero in every direction")
-    for name, exciter in case.screen.exciters.items():
-        key = ("screen", "exciters", name)
+    able = case.frames.adapter
+    for key, exciter in rows(case, "screen.exciters"):
         if exciter.frame == GROUND:
             yield CaseProblem((*key, "frame"), "the ground cannot be excited", "name a frame")
-        yield from right_angle(key, "axis", exciter.axis, "start", exciter.start)
+        frame = case.screen.frames.get(exciter.frame)
+        if able.drives and able.moved_by_forces and frame is not None and frame.drive is not None:
+            what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
+            yield CaseProblem((*key, "frame"), what, "take one of them out")
+        yield from right_angle(key, exciter, "axis", "start")
         if exciter.motor is not None:
-            yield from _motor((*key, "motor"), exciter, exciter.motor)
+            synchronous = exciter.motor.synchronous_speed_rad_per_s
+            if exciter.speed_rad_per_s > synchronous:
+                what = f"{synchronous:g} is below the exciter's speed_rad_per_s = "
+                what += f"{exciter.speed_rad_per_s:g}"
+                motor_key = (*key, "motor", "synchronous_speed_rad_per_s")
+                yield CaseProblem(motor_key, what, "a motor lags behind it")
 
 
-def _motor(key: Key, exciter: Exciter, motor: Motor) -> Iterator[CaseProblem]:
-    synchronous = motor.synchronous_speed_rad_per_s
-    if exciter.speed_rad_per_s > synchronous:
-        what = f"{synchronous:g} is below the exciter's speed_rad_per_s = {exciter.speed_rad_per_s:g}"
-        yield CaseProblem((*key, "synchronous_speed_rad_per_s"), what, "a motor lags behind it")
+def right_angle(key: Key, row: Any, one: str, other: str) -> Iterator[CaseProblem]:
+    """Two directions of a row must have a size and stand at right angles."""
+    vectors = [getattr(row, one), getattr(row, other)]
+    sizes = np.linalg.norm(vectors, axis=1)
+    for name, size in zip((one, other), sizes, strict=True):
+        if size == 0:
+            yield CaseProblem((*key, name), "is zero", "give a direction")
+    if sizes.all() and abs(np.dot(*vectors)) > 1e-9 * sizes.prod():
+        yield CaseProblem((*key, other), f"is not at right angles to {one}")
 
 
 def solvers_objections(case: Case) -> Iterator[CaseProblem]:
-    """What the adapters of panels and frames cannot take in their plans.  The plans can be made of a
-    case whose tables fit together."""
+    """Adapters of panels and frames object to what they cannot take in their plans, which can be made
+    of a case whose tables fit together."""
     asked: list[tuple[Port, list[Any]]] = [
         ("panel", list(panel_plans(case))),
         ("frames", [frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))]),
@@ -110,8 +119,7 @@ def solvers_objections(case: Case) -> Iterator[CaseProblem]:
 
 def probes(case: Case) -> Iterator[CaseProblem]:
     """Each probe is on exactly one thing and says where on it."""
-    for name, probe in case.probes.items():
-        key: Key = ("probes", name)
+    for key, probe in rows(case, "probes"):
         on = [kind for kind in ("frame", "panel", "particle") if getattr(probe, kind) is not None]
         if len(on) != 1:
             what = f"is on {' and '.join(on)}" if on else "is on nothing"
@@ -125,25 +133,11 @@ def probes(case: Case) -> Iterator[CaseProblem]:
             yield CaseProblem((*key, "frame"), "the ground does not move", "name a frame")
 
 
-def driven_frames(case: Case) -> Iterator[CaseProblem]:
-    """Frames that a drive moves while forces move others: they have no exciter."""
-    solver = case.frames.adapter
-    if not (solver.drives and solver.moved_by_forces):
-        return
-    frames = case.screen.frames
-    for name, exciter in case.screen.exciters.items():
-        if exciter.frame in frames and frames[exciter.frame].drive is not None:
-            what = f'"{exciter.frame}" has a drive, which leaves nothing to an exciter'
-            yield CaseProblem(("screen", "exciters", name, "frame"), what, "take one of them out")
-
-
 def start_of_drives(case: Case) -> Iterator[CaseProblem]:
     """A drive without run-up must start from the place in which its frame is drawn."""
-    for name, frame in case.screen.frames.items():
-        drive = frame.drive
-        if drive is None or drive.run_up_s > 0:
+    for key, drive in rows(case, "screen.frames.drive"):
+        if drive.run_up_s > 0:
             continue
-        key: Key = ("screen", "frames", name, "drive")
         for phase, unit, size, phase_rad in (
             ("phase_rad", "m", drive.amplitude_m, drive.phase_rad),
             ("rotation_phase_rad", "rad", drive.rotation_rad, drive.rotation_phase_rad),
@@ -155,8 +149,8 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
 
 
 def sudden_drives(case: Case) -> Iterator[str]:
-    """Drives without run-up that move panels' clamps at full speed from t = 0, while the panels are
-    at rest."""
+    """Warns of drives without run-up that move panels' clamps at full speed from t = 0, while the
+    panels are at rest."""
     for name, frame in case.screen.frames.items():
         drive = frame.drive
         held = [panel.name for panel in single_panels(case) if name in panel.frames]
@@ -177,14 +171,3 @@ def sudden_drives(case: Case) -> Iterator[str]:
                 f"{held[0]}{more} on it is at rest: a blow that no machine gives; give its drive a "
                 f"run_up_s, two cycles are {cycles_s:.2g} s"
             )
-
-
-def right_angle(
-    key: Key, one: str, one_vector: tuple[float, ...], two: str, two_vector: tuple[float, ...]
-) -> Iterator[CaseProblem]:
-    sizes = np.linalg.norm([one_vector, two_vector], axis=1)
-    for name, size in zip((one, two), sizes, strict=True):
-        if size == 0:
-            yield CaseProblem((*key, name), "is zero", "give a direction")
-    if sizes.all() and abs(np.dot(one_vector, two_vector)) > 1e-9 * sizes.prod():
-        yield CaseProblem((*key, two), f"is not at right angles to {one}")

@@ -2,25 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
+from typing import Any
 
 from orchestrator.case.deck.panels import single_panels
 from orchestrator.case.file.errors import CaseProblem, Key, did_you_mean
 from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import GROUND
 
+REFERENCES = {
+    "frame": (
+        "screen.bushings.between",
+        "screen.panels.frames",
+        "screen.panels.stops.frame",
+        "screen.exciters.frame",
+        "screen.surfaces.frame",
+        "probes.frame",
+    ),
+    "material": (
+        "contacts.between",
+        "screen.panels.material",
+        "screen.surfaces.material",
+        "bed.particles.material",
+        "bed.blocks.material",
+        "bed.feeds.material",
+    ),
+    "panel": ("probes.panel",),
+}
+"""Where things of a kind are referred to by their name."""
+
+
+def rows(case: Case, path: str) -> Iterator[tuple[Key, Any]]:
+    """Yields each row or value at a dotted path of a case with its key: ``screen.panels.stops`` are all
+    stops of all panels.  What is not given is left out."""
+    found: list[tuple[Key, Any]] = [((), case)]
+    for part in path.split("."):
+        inner = [((*key, part), getattr(table, part)) for key, table in found]
+        found = [row for key, value in inner for row in _members(key, value) if row[1] is not None]
+    yield from found
+
+
+def _members(key: Key, value: Any) -> Iterator[tuple[Key, Any]]:
+    match value:
+        case dict():
+            yield from (((*key, name), inner) for name, inner in value.items())
+        case tuple():
+            yield from (((*key, number), inner) for number, inner in enumerate(value))
+        case _:
+            yield key, value
+
 
 def unknown_names(case: Case) -> Iterator[CaseProblem]:
-    """Frames, materials, panels and particles that are referred to but not there."""
-    frames = [*case.screen.frames, GROUND]
-    for key, name in _frames_named(case):
-        yield from _known(key, name, frames, "frame")
-    for key, name in _materials_named(case):
-        yield from _known(key, name, case.materials, "material")
-    panels = [panel.name for panel in single_panels(case)]
-    for name, probe in case.probes.items():
-        if probe.panel is not None:
-            yield from _known(("probes", name, "panel"), probe.panel, panels, "panel")
+    """Frames, materials and panels that are referred to must be there."""
+    known = {
+        "frame": [*case.screen.frames, GROUND],
+        "material": [*case.materials],
+        "panel": [panel.name for panel in single_panels(case)],
+    }
+    for kind, paths in REFERENCES.items():
+        for key, name in (row for path in paths for row in rows(case, path)):
+            if name not in known[kind]:
+                hint = did_you_mean(name, known[kind], f"{kind}s")
+                yield CaseProblem(key, f'no {kind} "{name}"', hint)
 
 
 def shared_names(case: Case) -> Iterator[CaseProblem]:
@@ -38,41 +81,3 @@ def shared_names(case: Case) -> Iterator[CaseProblem]:
     for name in case.probes:
         if name in screen.frames:
             yield CaseProblem(("probes", name), f'the name "{name}" is a frame\'s', "take another name")
-
-
-def _known(key: Key, name: str, known: Iterable[str], kind: str) -> Iterator[CaseProblem]:
-    if name not in known:
-        yield CaseProblem(key, f'no {kind} "{name}"', did_you_mean(name, known, f"{kind}s"))
-
-
-def _frames_named(case: Case) -> Iterator[tuple[Key, str]]:
-    screen = case.screen
-    for name, bushing in screen.bushings.items():
-        for end in (0, 1):
-            yield ("screen", "bushings", name, "between", end), bushing.between[end]
-    for name, panel in screen.panels.items():
-        for end in (0, 1):
-            yield ("screen", "panels", name, "frames", end), panel.frames[end]
-        for stop, row in panel.stops.items():
-            if row.frame is not None:
-                yield ("screen", "panels", name, "stops", stop, "frame"), row.frame
-    for name, exciter in screen.exciters.items():
-        yield ("screen", "exciters", name, "frame"), exciter.frame
-    for name, surface in screen.surfaces.items():
-        yield ("screen", "surfaces", name, "frame"), surface.frame
-    for name, probe in case.probes.items():
-        if probe.frame is not None:
-            yield ("probes", name, "frame"), probe.frame
-
-
-def _materials_named(case: Case) -> Iterator[tuple[Key, str]]:
-    for number, contact in enumerate(case.contacts):
-        for end in (0, 1):
-            yield ("contacts", number, "between", end), contact.between[end]
-    for kind, rows in (("panels", case.screen.panels), ("surfaces", case.screen.surfaces)):
-        for name, row in rows.items():
-            yield ("screen", kind, name, "material"), row.material
-    bed = case.bed
-    for kind, grains in (("particles", bed.particles), ("blocks", bed.blocks), ("feeds", bed.feeds)):
-        for name, grain in grains.items():
-            yield ("bed", kind, name, "material"), grain.material

@@ -1,41 +1,46 @@
-"""Panels: their tables, openings, meshes, and the beams below them."""
+"""Panels: their tables, openings, meshes and recordings, and the beams below them."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 
-from orchestrator.case import solvers
+from orchestrator.case import recordings, solvers
 from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
+from orchestrator.case.file.layers import is_outside
+from orchestrator.case.recordings import NoMatch, playbacks, turning
 from orchestrator.case.solver_plans import UNKNOWNS, memory_GiB, mesh_sizes
 from orchestrator.case.tables.case import Case, has_particles
-from orchestrator.case.tables.deck import Stop
 from orchestrator.case.tables.screen import PanelTable
 from orchestrator.ports.geometry import AperturePattern
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, SolverMissing
 from orchestrator.preflight.checks.machine import right_angle
+from orchestrator.preflight.checks.names import rows
 
 THINNEST_LAND = 0.02  # of the longer pitch: thinner ones no unit cell's mesh resolves
 PLATE = 3.0  # thicknesses over an opening's larger pitch above which a panel is a block
+RECORDING = ("panel", "recording")
+OTHER_SPEED = 0.01
+GIB = 2**30
 
 
 def panel_rows(case: Case) -> Iterator[CaseProblem]:
-    """One of tension and span, a pitch for a row, and directions that span a rectangle."""
+    """Each row gives one of tension and span, a pitch, and directions that span a rectangle."""
     if has_particles(case) and not case.screen.panels and not case.screen.surfaces:
         yield CaseProblem(("screen", "panels"), "missing: there is nothing for particles to touch")
-    for name, panel in case.screen.panels.items():
-        key: Key = ("screen", "panels", name)
+    for key, panel in rows(case, "screen.panels"):
         yield from _one_span(key, panel)
         if panel.count > 1 and panel.pitch_m is None:
             yield CaseProblem((*key, "pitch_m"), f"missing: count = {panel.count} panels need it")
-        yield from right_angle(key, "along", panel.along, "across", panel.across)
+        yield from right_angle(key, panel, "along", "across")
 
 
 def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
     if panel.tension_m is not None and panel.span_m is not None:
-        hint = "give one of the two"
-        yield CaseProblem((*key, "span_m"), "contradicts tension_m, which gives the span, too", hint)
+        what = "contradicts tension_m, which gives the span, too"
+        yield CaseProblem((*key, "span_m"), what, "give one of the two")
     if panel.tension_m is None and panel.span_m is None:
         yield CaseProblem((*key, "tension_m"), "missing", "give tension_m or span_m")
     span = panel.span_m or panel.length_m + (panel.tension_m or 0.0)
@@ -43,14 +48,17 @@ def _one_span(key: Key, panel: PanelTable) -> Iterator[CaseProblem]:
         given = "span_m" if panel.span_m is not None else "tension_m"
         what = f"the clamps are {span:g} m apart, the free length is {panel.length_m:g} m"
         yield CaseProblem((*key, given), what, "0.5 to 1.5 of the free length is wanted")
-    if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < span + 2 * panel.clamp_m:
-        what = f"{panel.pitch_m:g} m lets neighbours overlap"
-        hint = f"span and two clamps need {span + 2 * panel.clamp_m:g} m"
+    needed_m = span + 2 * panel.clamp_m
+    if panel.pitch_m is not None and panel.count > 1 and panel.pitch_m < needed_m:
+        what, hint = (
+            f"{panel.pitch_m:g} m lets neighbours overlap",
+            f"span and two clamps need {needed_m:g} m",
+        )
         yield CaseProblem((*key, "pitch_m"), what, hint)
 
 
 def panel_integrator(case: Case) -> Iterator[CaseProblem]:
-    """An integrator that the panels' solver does not have."""
+    """The panels' solver must have the integrator."""
     asked, able = case.panel.integrator, case.panel.adapter.integrators
     if asked not in able:
         others = solvers.those("panel", lambda panel: asked in panel.integrators)
@@ -60,17 +68,55 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
 
 
 def openings(case: Case) -> Iterator[CaseProblem]:
-    """Openings that overlap, do not fit, leave too little land, or are too round."""
+    """Openings must leave enough land, fit into the panel, and be far enough apart that it is a plate."""
     for panel, *_ in perforated(case):
-        name = panel.table_name
-        key: Key = ("screen", "panels", name, "apertures")
-        assert panel.apertures is not None, "only panels with apertures are perforated"
-        found = [*_lands(key, panel.apertures)] or [*_room(key, panel)]
-        yield from found or _thickness(key, panel, panel.apertures)
+        key: Key = ("screen", "panels", panel.table_name)
+        pattern, thickness_m = panel.apertures, panel.table.thickness_m
+        assert pattern is not None, "only panels with apertures are perforated"
+        longest_m = max(pattern.pitch_along_m, pattern.pitch_across_m)
+        in_pattern: Key = (*key, "apertures")
+        if problems := [*_lands(in_pattern, pattern, longest_m)] or [*_room(in_pattern, pattern, panel)]:
+            yield from problems
+        elif thickness_m > PLATE * longest_m:  # plate theory for the lands needs a plate
+            what = (
+                f"the panel is {thickness_m:g} m thick, its openings are only {longest_m:g} m apart: no plate"
+            )
+            yield CaseProblem((*key, "thickness_m"), what, f"at most {PLATE * longest_m:g} m is wanted")
+
+
+def _lands(key: Key, pattern: AperturePattern, longest_m: float) -> Iterator[CaseProblem]:
+    for way, size_m, pitch_m in (
+        ("along", pattern.length_m, pattern.pitch_along_m),
+        ("across", pattern.width_m, pattern.pitch_across_m),
+    ):
+        land_m = pitch_m - size_m
+        if land_m <= 0:
+            what = f"{pitch_m:g} m leaves no land between openings of {size_m:g} m {way}"
+            yield CaseProblem((*key, f"pitch_{way}_m"), what, f"more than {size_m:g} m is wanted")
+        elif land_m < THINNEST_LAND * longest_m:
+            what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
+            hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
+            yield CaseProblem((*key, f"pitch_{way}_m"), what, hint)
+
+
+def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[CaseProblem]:
+    along, across = pattern.counts(panel.rectangle)
+    length_m, width_m = panel.rectangle.length_m, panel.rectangle.width_m
+    for way, count, whole_m, margin_m, pitch_m in (
+        ("along", along, length_m, pattern.margin_along_m, pattern.pitch_along_m),
+        ("across", across, width_m, pattern.margin_across_m, pattern.pitch_across_m),
+    ):
+        if count == 0 and pitch_m > whole_m:
+            what = f"{pitch_m:g} m is larger than the panel, {whole_m:g} m"
+            yield CaseProblem((*key, f"pitch_{way}_m"), what)
+        elif count == 0:
+            left_m = max(whole_m - 2 * margin_m, 0.0)
+            what = f"{margin_m:g} m at both ends leaves {left_m:.3g} m of the panel's {whole_m:g} m"
+            yield CaseProblem((*key, f"margin_{way}_m"), what, f"one pitch needs {pitch_m:g} m")
 
 
 def triangles(case: Case) -> Iterator[CaseProblem]:
-    """What the mesh generator makes of the openings.  One that is not installed is not asked:
+    """The mesh generator must make triangles of the openings.  One that is not installed is not asked:
     missing_solvers says so."""
     if not perforated(case):
         return
@@ -84,82 +130,27 @@ def triangles(case: Case) -> Iterator[CaseProblem]:
         return
 
 
-def _lands(key: Key, apertures: AperturePattern) -> Iterator[CaseProblem]:
-    for way, size_m, pitch_m in (
-        ("along", apertures.length_m, apertures.pitch_along_m),
-        ("across", apertures.width_m, apertures.pitch_across_m),
-    ):
-        pitch = f"pitch_{way}_m"
-        land_m = pitch_m - size_m
-        if land_m <= 0:
-            what = f"{pitch_m:g} m leaves no land between openings of {size_m:g} m {way}"
-            yield CaseProblem((*key, pitch), what, f"more than {size_m:g} m is wanted")
-        elif land_m < THINNEST_LAND * max(apertures.pitch_along_m, apertures.pitch_across_m):
-            what = f"leaves lands of {land_m:.3g} m, too thin for a mesh"
-            hint = f"at least {THINNEST_LAND:g} of the longer pitch is wanted"
-            yield CaseProblem((*key, pitch), what, hint)
-
-
-def _room(key: Key, panel: SinglePanel) -> Iterator[CaseProblem]:
-    apertures, rectangle = panel.apertures, panel.rectangle
-    assert apertures is not None, "only panels with apertures are perforated"
-    for way, count, whole_m, margin_m, pitch_m in zip(
-        ("along", "across"),
-        apertures.counts(rectangle),
-        (rectangle.length_m, rectangle.width_m),
-        (apertures.margin_along_m, apertures.margin_across_m),
-        (apertures.pitch_along_m, apertures.pitch_across_m),
-        strict=True,
-    ):
-        if count == 0 and pitch_m > whole_m:
-            what = f"{pitch_m:g} m is larger than the panel, {whole_m:g} m"
-            yield CaseProblem((*key, f"pitch_{way}_m"), what)
-        elif count == 0:
-            left_m = max(whole_m - 2 * margin_m, 0.0)
-            what = f"{margin_m:g} m at both ends leaves {left_m:.3g} m of the panel's {whole_m:g} m"
-            hint = f"one pitch needs {pitch_m:g} m"
-            yield CaseProblem((*key, f"margin_{way}_m"), what, hint)
-
-
-def _thickness(key: Key, panel: SinglePanel, apertures: AperturePattern) -> Iterator[CaseProblem]:
-    """Plate theory for the lands needs a plate."""
-    pitch_m = max(apertures.pitch_along_m, apertures.pitch_across_m)
-    if panel.table.thickness_m > PLATE * pitch_m:
-        what = (
-            f"the panel is {panel.table.thickness_m:g} m thick, its openings are only "
-            f"{pitch_m:g} m apart: no plate"
-        )
-        yield CaseProblem((*key[:-1], "thickness_m"), what, f"at most {PLATE * pitch_m:g} m is wanted")
-
-
-GIB = 2**30
-
-
 def too_large(case: Case) -> Iterator[CaseProblem]:
-    """With what they need, and what would fit."""
+    """Meshes must fit into the memory that is allowed; the message says what would."""
     needed_GiB = memory_GiB(case)
     if needed_GiB <= LARGEST_MESHES_GIB:
         return
     allowed = f"some {needed_GiB:.0f} GiB; at most {LARGEST_MESHES_GIB:g} GiB are allowed"
-    sizes = mesh_sizes(case).values()
+    sizes, panels = mesh_sizes(case).values(), single_panels(case)
     if not sizes:
         along, across = case.panel.cells
-        panels = len(single_panels(case))
-        what = f"{along} x {across} cells on each of {panels} panels need {allowed}"
+        what = f"{along} x {across} cells on each of {len(panels)} panels need {allowed}"
         yield CaseProblem(("panel", "cells"), what, "some ten to thirty along are usual")
         return
-    widest_m = max(panel.rectangle.width_m for panel in single_panels(case))
-    what = (
-        f"{sum(size.cells for size in sizes)} cells and "
-        f"{UNKNOWNS * sum(size.nodes for size in sizes)} unknowns on all panels need {allowed}"
-    )
-    fits_mm = int(1e3 * widest_m * LARGEST_MESHES_GIB / needed_GiB)
-    hint = f'panels {fits_mm} mm wide would fit: take a slice, or panel.solver = "sheet"'
+    cells, unknowns = (sum(size.cells for size in sizes), UNKNOWNS * sum(size.nodes for size in sizes))
+    fits = max(panel.rectangle.width_m for panel in panels) * LARGEST_MESHES_GIB / needed_GiB
+    hint = f'panels {int(1e3 * fits)} mm wide would fit: take a slice, or panel.solver = "sheet"'
+    what = f"{cells} cells and {unknowns} unknowns on all panels need {allowed}"
     yield CaseProblem(("panel", "solver"), what, hint)
 
 
 def beyond_this_machine(case: Case) -> Iterator[str]:
-    """Where a run would be ended by the system, without a word, when its memory is used up."""
+    """Warns where a run would be ended by the system, without a word, when its memory is used up."""
     there_GiB = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / GIB
     needed_GiB = memory_GiB(case)
     if needed_GiB > there_GiB:
@@ -170,25 +161,63 @@ def beyond_this_machine(case: Case) -> Iterator[str]:
 
 
 def stops(case: Case) -> Iterator[CaseProblem]:
-    """Each row of panels once."""
-    rows = {panel.table_name: panel for panel in reversed(single_panels(case))}
-    for table_name, panel in reversed(rows.items()):
-        for name, stop in panel.table.stops.items():
-            yield from _stop(("screen", "panels", table_name, "stops", name), case, panel, stop)
+    """Stops lie between the clamps, and are no stiffer than the sync interval allows; each row of
+    panels is looked at once."""
+    first = {panel.table_name: panel for panel in reversed(single_panels(case))}
+    for key, stop in rows(case, "screen.panels.stops"):
+        panel = first[str(key[2])]
+        free_m = panel.table.length_m
+        if stop.to_m > free_m * (1 + 1e-9):
+            what = f"lies beyond the free length of {free_m:g} m"
+            yield CaseProblem((*key, "to_m"), what, "stops lie between the clamps' inner edges")
+        if stop.from_m >= stop.to_m:
+            yield CaseProblem((*key, "from_m"), f"is not before to_m = {stop.to_m:g} m")
+        if panel.table.material not in case.materials or stop.stiffness_Pa_per_m is None:
+            continue
+        most_Pa_per_m = stiffest_Pa_per_m(case, panel)
+        if stop.stiffness_Pa_per_m > most_Pa_per_m:
+            interval_s = case.coupling.sync_interval_s
+            what = f"is too stiff for a sync interval of {interval_s:g} s: the panel would be kicked"
+            hint = f"at most {most_Pa_per_m:.3g} Pa/m, or a shorter coupling.sync_interval_s"
+            yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint)
 
 
-def _stop(key: Key, case: Case, panel: SinglePanel, stop: Stop) -> Iterator[CaseProblem]:
-    free_m = panel.table.length_m
-    if stop.to_m > free_m * (1 + 1e-9):
-        what = f"lies beyond the free length of {free_m:g} m"
-        yield CaseProblem((*key, "to_m"), what, "stops lie between the clamps' inner edges")
-    if stop.from_m >= stop.to_m:
-        yield CaseProblem((*key, "from_m"), f"is not before to_m = {stop.to_m:g} m")
-    if panel.table.material not in case.materials or stop.stiffness_Pa_per_m is None:
+def named_recording(case: Case) -> Iterator[CaseProblem]:
+    """A solver that plays back needs a file, and a machine whose angle it can follow."""
+    if not case.panel.adapter.plays_back:
         return
-    most_Pa_per_m = stiffest_Pa_per_m(case, panel)
-    if stop.stiffness_Pa_per_m > most_Pa_per_m:
-        interval_s = case.coupling.sync_interval_s
-        what = f"is too stiff for a sync interval of {interval_s:g} s: the panel would be kicked"
-        hint = f"at most {most_Pa_per_m:.3g} Pa/m, or a shorter coupling.sync_interval_s"
-        yield CaseProblem((*key, "stiffness_Pa_per_m"), what, hint)
+    if case.panel.recording is None:
+        what = "missing: what is to be played back?"
+        yield CaseProblem(RECORDING, what, "flipflow record makes a file")
+    if turning(case) is None:
+        yield CaseProblem(("panel", "solver"), f"{case.panel.solver} needs an exciter or a drive to follow")
+
+
+def own_recording(case: Case, folder: Path, source: str) -> Iterator[CaseProblem]:
+    """A file outside of the case's folder must be named by the user; ``source`` is who named it."""
+    if not case.panel.adapter.plays_back or case.panel.recording is None or source == "--set":
+        return
+    file = folder / case.panel.recording
+    if file.is_file() and is_outside(file, folder):
+        yield CaseProblem(RECORDING, "is outside of the case's folder", "copy it there, or name it by --set")
+
+
+def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
+    """The file must be a recording, and of panels like these."""
+    try:
+        playbacks(case, folder)
+    except (NoMatch, recordings.UnreadableRecording) as error:
+        yield CaseProblem(RECORDING, str(error))
+
+
+def other_speed(case: Case, folder: Path) -> Iterator[str]:
+    """Warns of a recording made at another speed than it is played back at."""
+    machine = turning(case)
+    if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
+        return
+    recorded = recordings.read(folder / case.panel.recording).speed_rad_per_s
+    if abs(machine.speed_rad_per_s / recorded - 1) > OTHER_SPEED:
+        yield (
+            f"panel.recording was made at {recorded:.4g} rad/s and is played back at "
+            f"{machine.speed_rad_per_s:.4g} rad/s: panels would move otherwise there"
+        )

@@ -1,4 +1,4 @@
-"""Time steps against what limits them."""
+"""Time steps against what limits them, and solvers that are missing."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ from collections.abc import Iterator
 
 from orchestrator.case.bed.adhesion import STEPS_PER_CONTACT, adhesive_step_s
 from orchestrator.case.bed.contact_times import LARGEST_RAYLEIGH_FRACTION, shortest_rayleigh_s
-from orchestrator.case.file.errors import CaseProblem
+from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.solver_plans import panel_plans, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 
 
 def particle_step(case: Case) -> Iterator[CaseProblem]:
-    """A step above 0.2 of the Rayleigh time does not resolve a contact."""
+    """A step above 0.2 of the Rayleigh time does not resolve a contact; contacts that stick need
+    shorter ones."""
     if not has_particles(case):
         return
     rayleigh_s, step_s = shortest_rayleigh_s(case), particle_step_s(case)
@@ -25,27 +26,21 @@ def particle_step(case: Case) -> Iterator[CaseProblem]:
             f"Rayleigh time {rayleigh_s:.3g} s; the limit is {limit_s:.3g} s"
         )
         yield CaseProblem(("particles", key), what, f"take {0.75 * limit_s:.2g} s or less")
-
-
-def adhesive_step(case: Case) -> Iterator[CaseProblem]:
-    """A step too long for contacts that stick."""
-    step_s, limit_s = particle_step_s(case), adhesive_step_s(case)
-    if has_particles(case) and step_s > limit_s * (1 + 1e-9):
+    sticky_s = adhesive_step_s(case)
+    if step_s > sticky_s * (1 + 1e-9):
         what = (
             f"a step of {step_s:.3g} s is longer than 1/{STEPS_PER_CONTACT} of the shortest "
-            f"contact of particles that stick, {limit_s:.3g} s"
+            f"contact of particles that stick, {sticky_s:.3g} s"
         )
         yield CaseProblem(("particles", "step_s"), what, "take 0 for the longest possible")
 
 
 def panel_step(case: Case) -> Iterator[CaseProblem]:
-    """A step given for the panels against the solver's own limit, where it tells one.  A
+    """A step given for the panels must be within the solver's own limit, where it tells one.  A
     solver that is not installed is not asked: missing_solvers says so; nor is one that finds no
     resting shape: the run says so."""
-    if case.panel.step_s == 0:
-        return
     limit = case.panel.adapter.largest_step_s
-    if limit is None:
+    if case.panel.step_s == 0 or limit is None:
         return
     try:
         limit_s = min(limit(plan) for plan in panel_plans(case))
@@ -58,21 +53,22 @@ def panel_step(case: Case) -> Iterator[CaseProblem]:
 
 
 def whole_times(case: Case) -> Iterator[CaseProblem]:
-    """A sync interval that is longer than the run or than the time between records."""
-    interval_s = case.coupling.sync_interval_s
-    for key, time_s in (
-        (("duration_s",), case.duration_s),
-        (("output", "interval_s"), case.output.interval_s),
-        (("output", "series_s"), case.output.series_s or interval_s),
-        (("output", "shapes_s"), case.output.shapes_s or interval_s),
-    ):
+    """A sync interval may not be longer than the run or than the time between records."""
+    interval_s, output = case.coupling.sync_interval_s, case.output
+    times_s: dict[Key, float] = {
+        ("duration_s",): case.duration_s,
+        ("output", "interval_s"): output.interval_s,
+        ("output", "series_s"): output.series_s or interval_s,
+        ("output", "shapes_s"): output.shapes_s or interval_s,
+    }
+    for key, time_s in times_s.items():
         if time_s < interval_s:
             what = f"{time_s:g} s is shorter than coupling.sync_interval_s = {interval_s:g} s"
             yield CaseProblem(key, what)
 
 
 def missing_solvers(case: Case) -> Iterator[str]:
-    """Solvers that the case wants and this installation lacks; takes as long as they load."""
+    """Yields the solvers that the case wants and this installation lacks; takes as long as they load."""
     for port, adapter in case.adapters.items():
         if port == "particles" and not has_particles(case):
             continue

@@ -1,4 +1,4 @@
-"""STL files: there, readable, whole, consistently oriented, and inside the domain; plates."""
+"""What stands where at t = 0: STL files, plates and panels, and particles clear of them and of each other."""
 
 from __future__ import annotations
 
@@ -8,38 +8,43 @@ from pathlib import Path
 
 import numpy as np
 
+from orchestrator.case.bed.sources import NoRoom, initial_particles, inlets
 from orchestrator.case.deck import stl
-from orchestrator.case.deck.panels import plate_corners_m, single_panels, to_world
+from orchestrator.case.deck.panels import plate_corners_m, single_panels, to_world, walls
+from orchestrator.case.deck.triangle_grid import grid
 from orchestrator.case.file.errors import CaseProblem, Key
+from orchestrator.case.solver_plans import material_numbers
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import TriangleSurface, overlap_m, reach_into
+from orchestrator.ports.penetration import Penetrations
+from orchestrator.ports.plans import ParticleList
+from orchestrator.preflight.checks.names import rows
+
+ENLARGE = "enlarge domain_m"
 
 
 def stl_files(case: Case, folder: Path) -> Iterator[CaseProblem]:
-    """All that is wrong with the files of ``[screen.surfaces]``."""
-    for name, surface in case.screen.surfaces.items():
-        if surface.stl is None:
-            continue
-        key: Key = ("screen", "surfaces", name, "stl")
+    """The files of ``[screen.surfaces]`` must be there, whole, consistently oriented, and inside the
+    domain."""
+    for key, file in rows(case, "screen.surfaces.stl"):
         try:
-            facets = stl.read(folder, surface.stl)
+            facets = stl.read(folder, file)
         except stl.UnreadableStl as error:
-            yield CaseProblem(key, f'"{surface.stl}": {error}')
+            yield CaseProblem(key, f'"{file}": {error}')
             continue
         for what, hint in faults(facets):
-            yield CaseProblem(key, f'"{surface.stl}": {what}', hint)
+            yield CaseProblem(key, f'"{file}": {what}', hint)
         position_m = to_world(case, facets.position_m)
-        outside = _outside(case, position_m)
-        if outside:
-            extent = np.ptp(position_m, axis=0).max()
-            millimetres = "is it in mm? m are wanted" if extent > 50 else ""
-            yield CaseProblem(key, f'"{surface.stl}": {outside}', millimetres or "enlarge domain_m")
+        if outside := _outside(case, position_m):
+            millimetres = np.ptp(position_m, axis=0).max() > 50
+            hint = "is it in mm? m are wanted" if millimetres else ENLARGE
+            yield CaseProblem(key, f'"{file}": {outside}', hint)
 
 
 def plates(case: Case) -> Iterator[CaseProblem]:
     """Each surface is a file or a plate, and a plate has an area."""
-    for name, surface in case.screen.surfaces.items():
-        key: Key = ("screen", "surfaces", name)
+    for key, surface in rows(case, "screen.surfaces"):
         given = [surface.corner_m is not None, surface.edges_m is not None]
         if surface.stl is not None and any(given):
             yield CaseProblem(key, "is a file and a plate", "give stl, or corner_m and edges_m")
@@ -53,26 +58,23 @@ def plates(case: Case) -> Iterator[CaseProblem]:
 
 
 def panels_inside(case: Case) -> Iterator[CaseProblem]:
-    """Panels and plates with corners outside the domain."""
-    for name, surface in case.screen.surfaces.items():
-        if surface.edges_m is not None:
-            outside = _outside(case, to_world(case, plate_corners_m(surface)))
-            if outside:
-                plate: Key = ("screen", "surfaces", name, "corner_m")
-                yield CaseProblem(plate, f"surface {name}: {outside}", "enlarge domain_m")
+    """Panels and plates must have their corners inside the domain."""
+    for key, surface in rows(case, "screen.surfaces"):
+        if surface.edges_m is None:
+            continue
+        if outside := _outside(case, to_world(case, plate_corners_m(surface))):
+            yield CaseProblem((*key, "corner_m"), f"surface {key[-1]}: {outside}", ENLARGE)
     for panel in single_panels(case):
         r = panel.rectangle
-        s = np.array([-r.clamp_m, r.length_m + r.clamp_m])
-        corners = np.array([(a, b) for a in s for b in (0.0, r.width_m)])
-        outside = _outside(case, r.mounted(corners))
-        if outside:
-            row = panel.name if panel.table.count == 1 else panel.name.rpartition("-")[0]
-            key: Key = ("screen", "panels", row, "corner_m")
-            yield CaseProblem(key, f"panel {panel.name}: {outside}", "enlarge domain_m")
+        ends_m = (-r.clamp_m, r.length_m + r.clamp_m)
+        corners_m = r.mounted(np.array([(s, y) for s in ends_m for y in (0.0, r.width_m)]))
+        if outside := _outside(case, corners_m):
+            panel_key: Key = ("screen", "panels", panel.table_name, "corner_m")
+            yield CaseProblem(panel_key, f"panel {panel.name}: {outside}", ENLARGE)
 
 
 def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
-    """What is wrong with a triangulation, and what to do about it."""
+    """Yields what is wrong with a triangulation, and what to do about it."""
     corners = facets.position_m[facets.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
@@ -80,41 +82,151 @@ def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
     if len(flat):
         yield f"{len(flat)} triangles without area, the first is number {flat[0]}", "remove them"
         return
-    edges, count = _directed_edges(facets.triangles)
+    # edges as pairs of points, as the triangles run through them
+    edges = facets.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    _, alike = np.unique(edges, axis=0, return_counts=True)
     both, sharing = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     if (sharing > 2).any():
-        middle = facets.position_m[both[np.argmax(sharing > 2)]].mean(axis=0)
-        yield (
-            f"{(sharing > 2).sum()} edges with more than two triangles, the first at "
-            f"{np.round(middle, 4).tolist()}",
-            "remove double or inner triangles",
-        )
-    elif (count > 1).any():
+        middle = np.round(facets.position_m[both[np.argmax(sharing > 2)]].mean(axis=0), 4).tolist()
+        what = f"{(sharing > 2).sum()} edges with more than two triangles, the first at {middle}"
+        yield what, "remove double or inner triangles"
+    elif (alike > 1).any():
         yield "neighbouring triangles are oriented against each other", "orient all alike"
-    elif (sharing == 2).all() and _volume_m3(corners) < 0:
+    elif (sharing == 2).all() and np.linalg.det(corners - corners.reshape(-1, 3).mean(axis=0)).sum() < 0:
+        # six times its volume, by the divergence theorem
         yield "a closed surface whose normals point inwards", "turn its triangles over"
     against = np.einsum("ij,ij->i", normal, facets.normal) < 0
     if against.any():
         yield f"{against.sum()} normals contradict the order of the corners", "export it again"
 
 
-def _directed_edges(triangles: Indices) -> tuple[Indices, Indices]:
-    """Edges as pairs of points, as the triangles run through them, each with how often."""
-    edges = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, inverse, count = np.unique(edges, axis=0, return_inverse=True, return_counts=True)
-    return edges, count[inverse]
-
-
-def _volume_m3(corners: Array) -> float:
-    """By the divergence theorem, (m, 3, 3) corners of a closed surface."""
-    return float(np.linalg.det(corners - corners.reshape(-1, 3).mean(axis=0)).sum() / 6)
-
-
 def _outside(case: Case, position_m: Array) -> str:
-    """Says how far points reach outside the domain; empty if they do not."""
+    """Returns how far points reach outside the domain, in words; empty if they do not."""
     low, high = np.array(case.domain_m)
     beyond = np.maximum(low - position_m, position_m - high).max(axis=0)
     if beyond.max() <= 0:
         return ""
     axis = int(beyond.argmax())
     return f"reaches {beyond[axis]:.4g} m out of domain_m along {'xyz'[axis]}"
+
+
+ALLOWED = 1e-6  # overlap over diameter that counts as touching
+
+
+def particles_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
+    """Particles must be inside the domain, apart from each other, and clear of surfaces.  Slack panels
+    are looked at in ``in_hanging_panels``: how they hang only their solvers know."""
+    try:
+        particles = initial_particles(case, material_numbers(case))
+    except NoRoom as full:
+        yield CaseProblem(("bed", "blocks", full.block, "count"), str(full))
+        return
+    if len(particles) == 0:
+        return
+    low, high = np.array(case.domain_m)
+    beyond = ((particles.position_m < low) | (particles.position_m > high)).any(axis=1)
+    outside = np.flatnonzero(beyond)
+    if len(outside):
+        key, name = _named(case, outside[0])
+        place = np.round(particles.position_m[outside[0]], 4).tolist()
+        yield CaseProblem(key, f"{name} at {place} is outside domain_m{_more(outside)}")
+    yield from _overlapping(case, particles)
+    for name, corners_m in _surfaces(case, folder):
+        yield from _in_surface(case, particles, name, corners_m)
+
+
+def feeds_at_start(case: Case, folder: Path) -> Iterator[CaseProblem]:
+    """No surface may reach into the box of a feed: what appeared there would be inside it."""
+    for name, corners_m in _surfaces(case, folder) if case.bed.feeds else ():
+        yield from _in_feed_box(case, name, corners_m)
+
+
+def beyond_surfaces(
+    case: Case, penetrations: Penetrations, surface: TriangleSurface
+) -> Iterator[CaseProblem]:
+    """No panel may hang through a surface or another panel where the monitor would stop the run."""
+    deepest = penetrations.deepest(surface.position_m)
+    if deepest is None or case.monitor.penetrated_surfaces != "stop":
+        return
+    if deepest.thicknesses > case.monitor.largest_penetration:
+        tables = {panel.name: panel.table_name for panel in single_panels(case)}
+        through = f"{deepest.depth_m:.3g} m through {deepest.surface}"
+        what = f"panel {deepest.panel} hangs {through} before anything moves"
+        hint = "tighten it, move one of them, or give the panel a stop where it is to lie"
+        yield CaseProblem(("screen", "panels", tables[deepest.panel]), what, hint)
+
+
+def in_hanging_panels(
+    case: Case, surface: TriangleSurface, panel_of_triangle: Indices, particles: ParticleList
+) -> Iterator[CaseProblem]:
+    """No panel at rest may reach into particles, or boxes of feeds."""
+    corners_m = surface.position_m[surface.triangles]
+    for number, panel in enumerate(single_panels(case)):
+        at_rest = f"panel {panel.name} as it hangs at rest"
+        own_m = corners_m[panel_of_triangle == number]
+        yield from _in_surface(case, particles, at_rest, own_m)
+        yield from _in_feed_box(case, at_rest, own_m)
+
+
+def _in_surface(case: Case, particles: ParticleList, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
+    """Particles' centres may not be nearer to the triangles (m, 3, 3) than their radius."""
+    depth_m = overlap_m(particles.position_m, particles.diameter_m / 2, corners_m)
+    inside = np.flatnonzero(depth_m > ALLOWED * particles.diameter_m)
+    if len(inside):
+        deepest = inside[np.argmax(depth_m[inside])]
+        key, name = _named(case, deepest)
+        yield CaseProblem(key, f"{name} is {depth_m[deepest]:.3g} m inside {surface}{_more(inside)}")
+
+
+def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CaseProblem]:
+    """None of the triangles (m, 3, 3) may reach into the box of a feed."""
+    for feed, inlet in inlets(case, material_numbers(case)).items():
+        low, high = inlet.box_m
+        rim_m = ALLOWED * (high - low)  # a box may stand against a wall
+        if reach_into(corners_m @ inlet.axes, np.stack([low + rim_m, high - rim_m])).any():
+            yield CaseProblem(("bed", "feeds", feed, "box_m"), f"{surface} reaches into it")
+
+
+def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
+    """Yields panels that are not slack, straight between their clamps, and rigid surfaces: by name,
+    their triangles (m, 3, 3) in the world."""
+    for panel in single_panels(case):
+        if panel.rectangle.span_m >= panel.rectangle.length_m:
+            flat = grid(panel.rectangle, (1, 1))
+            yield f"panel {panel.name}", panel.rectangle.mounted(flat.coordinates_m)[flat.triangles]
+    for wall in walls(case, folder):
+        yield f"surface {wall.name}", wall.position_m[wall.triangles]
+
+
+def _overlapping(case: Case, particles: ParticleList) -> Iterator[CaseProblem]:
+    """Pairs may not be nearer than the sum of their radii; found by a k-d tree."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(particles.position_m)
+    one, two = tree.query_pairs(particles.diameter_m.max(), output_type="ndarray").T
+    distance_m = np.linalg.norm(particles.position_m[one] - particles.position_m[two], axis=1)
+    radii_m = (particles.diameter_m[one] + particles.diameter_m[two]) / 2
+    pairs = np.flatnonzero(distance_m < radii_m * (1 - ALLOWED))
+    if len(pairs):
+        deepest = pairs[np.argmax((radii_m - distance_m)[pairs])]
+        key, name = _named(case, one[deepest])
+        other = _named(case, two[deepest])[1]
+        depth_m = (radii_m - distance_m)[deepest]
+        yield CaseProblem(key, f"{name} overlaps {other} by {depth_m:.3g} m{_more(pairs)}")
+
+
+def _more(numbers: Indices) -> str:
+    return f" ({len(numbers) - 1} more)" if len(numbers) > 1 else ""
+
+
+def _named(case: Case, number: int) -> tuple[Key, str]:
+    """Returns the key that puts particle ``number`` (from 0) where it is, and what to call it."""
+    singles = list(case.bed.particles)
+    if number < len(singles):
+        return ("bed", "particles", singles[number], "position_m"), f'"{singles[number]}"'
+    first = len(singles)
+    for name, block in case.bed.blocks.items():
+        first += block.count
+        if number < first:
+            return ("bed", "blocks", name, "box_m"), f"particle {number + 1}"
+    raise AssertionError(f"there is no particle {number + 1}")

@@ -1,5 +1,5 @@
-"""Adhesion: JKR's pull-off force of the smallest particles over their weight (the Bond number),
-over what pulls them apart, their weight and the throw."""
+"""Adhesion matters where JKR's pull-off force of the smallest particles over their weight (the Bond
+number) is not small against what pulls them apart, their weight and the throw."""
 
 from __future__ import annotations
 
@@ -10,47 +10,35 @@ from orchestrator.case.bed.contact_times import smallest_diameters_m
 from orchestrator.case.tables.case import Case
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.preflight.scene.contacts import contact_law_effect
-from orchestrator.preflight.scene.effect import TENTH, Verdict
+from orchestrator.preflight.scene.effect import TENTH, Verdict, compare
 from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
-    pull = max((pull * work for pull, work in _pulls(scene.case)), default=0.0)
-    apart = 1 + scene.throw
-    ratio = pull / apart
-    sticks = f"the pull-off force is {pull:.3g} weights, shaking pulls with {apart:.3g}"
-    dry = "no contact has a work of adhesion: the material is dry"
-    return Verdict(
-        number="Bond / (1 + throw)",
-        value=ratio,
-        threshold="0.1 (JKR 1971)",
-        matters=ratio > TENTH,
-        limit=TENTH,
-        why=sticks if pull else f"{dry}{_would_matter(scene, apart)}",
-        cost="about half as much again per step (jkr)",
-    )
+    pulls, apart = list(_pulls(scene.case)), 1 + scene.throw
+    pull = max((per_work * work for per_work, work in pulls), default=0.0)
+    most = max((per_work for per_work, _ in pulls), default=0.0)
+    why = f"the pull-off force is {pull:.3g} weights, shaking pulls with {apart:.3g}"
+    if not pull:
+        from_here = f" (it would matter from {TENTH * apart / most:.1g} J/m2)" if most else ""
+        why = f"no contact has a work of adhesion: the material is dry{from_here}"
+    cost = "about half as much again per step (jkr)"
+    return compare("Bond / (1 + throw)", pull / apart, why, "0.1 (JKR 1971)", cost=cost)
 
 
 def _pulls(case: Case) -> Iterator[tuple[float, float]]:
-    """Pull-off force over weight for a work of adhesion of 1 J/m2, and the work: of the smallest
-    real particles of each pair that can meet, whatever coarse ones the case computes."""
+    """Yield the pull-off force over weight for a work of adhesion of 1 J/m2, and the work, of the
+    smallest real particles of each pair that can meet, whatever coarse ones the case computes."""
     k = case.particles.coarse_graining
     radius_m = {name: d / 2 / k for name, d in smallest_diameters_m(case).items()}
     for row in case.contacts:
         radii = [radius_m.get(name, math.inf) for name in row.between]
         if math.isinf(min(radii)):
             continue
-        name = row.between[radii.index(min(radii))]
-        weight_N = STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(
-            2 * min(radii), case.materials[name].density_kg_per_m3
-        )
+        density_kg_per_m3 = case.materials[row.between[radii.index(min(radii))]].density_kg_per_m3
+        weight_N = STANDARD_GRAVITY_M_PER_S2 * sphere_mass_kg(2 * min(radii), density_kg_per_m3)
         reduced_m = 1 / (1 / radii[0] + 1 / radii[1])
         yield 1.5 * math.pi * reduced_m / weight_N, row.work_of_adhesion_J_per_m2 / k
-
-
-def _would_matter(scene: Scene, apart: float) -> str:
-    most = max((pull for pull, _ in _pulls(scene.case)), default=0.0)
-    return f" (it would matter from {TENTH * apart / most:.1g} J/m2)" if most else ""
 
 
 EFFECT = contact_law_effect(

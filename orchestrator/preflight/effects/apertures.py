@@ -1,100 +1,71 @@
-"""Openings: whether the smallest particles pass, what they take of the panel's mass, and what they
-take of its stiffness, by which the stroke changes."""
+"""Openings matter where the smallest particles pass, or by what they take of the panel's mass and of
+its stiffness, by which the stroke changes."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
-from orchestrator.case.bed.contact_times import smallest_diameters_m
-from orchestrator.case.deck.openings import smaller_sides_m
-from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.case.tables.case import has_particles
+from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.preflight.scene.clamp_motion import largest_stroke_m
-from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
-from orchestrator.preflight.scene.moved_panel import MovedPanel, softest_share, stiffness_share
+from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict, compare, overlay_of_panels
+from orchestrator.preflight.scene.moved_panel import softest_share, stiffness_share
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import solve_shakings
 
 COST = "thousands of triangles for the particles"
+BY_MASS = "0.1 (of the panel's mass)"
+
+Share = Callable[[AperturePattern | None, Rectangle], float]
+"""The share of a panel's stiffness that its openings leave."""
 
 
 def judge(scene: Scene) -> Verdict:
     open_share = 1 - min(panel.material_share for panel in scene.panels)
     if open_share == 0:
         unknown = "the case names no openings: which the deck has is not said"
-        return Verdict("open share", None, "0.1", None, unknown, COST)
-    passing = _smallest_over_opening(scene)
-    said = f"{open_share:.1%} of the free panel is open"
-    if passing is not None and passing < 1:
-        number, limit = "smallest particle / opening", "below 1 (geometry)"
-        return Verdict(number, passing, limit, True, said, COST)
+        return compare("open share", None, unknown, cost=COST)
+    why = f"{open_share:.1%} of the free panel is open"
+    if has_particles(scene.case) and scene.falls_through:
+        passing = scene.finest_m / max(scene.openings_m)
+        return Verdict("smallest particle / opening", passing, "below 1 (geometry)", True, why, COST)
     if open_share > TENTH:
-        limit = "0.1 (of the panel's mass)"
-        return Verdict("open share", open_share, limit, True, said, COST)
+        return Verdict("open share", open_share, BY_MASS, True, why, COST)
     least, most, words = _changes_of_stroke(scene)
-    number, value, limit = "open share", open_share, "0.1 (of the panel's mass)"
-    if most > open_share:
-        number, value, limit = "change of the stroke by openings", most, "0.1"
-    matters: bool | None = most > TENTH
-    if matters and least <= TENTH:
-        matters = None
-    return Verdict(number, value, limit, matters, f"{said}; {words}", COST, TENTH)
+    if most <= open_share:
+        return compare("open share", open_share, f"{why}; {words}", BY_MASS, cost=COST)
+    verdict = compare("change of the stroke by openings", most, f"{why}; {words}", cost=COST)
+    return replace(verdict, matters=None) if least <= TENTH < most else verdict
 
 
 def _changes_of_stroke(scene: Scene) -> tuple[float, float, str]:
-    """Relative changes of the stroke by leaving out the openings, the least and the most that
-    bounds of the panels' stiffness give, and words about them."""
-    strokes_m = [_stroke_m(scene, share) for share in (stiffness_share, softest_share)]
+    """Return the relative changes of the stroke by leaving out the openings, the least and the most
+    that bounds of the panels' stiffness give, and words about them."""
+    low_m, high_m = sorted(_stroke_m(scene, share) for share in (stiffness_share, softest_share))
     closed_m = _stroke_m(scene, lambda pattern, rectangle: 1.0)
-    changes = sorted(abs(closed_m / one - 1) if one else 0.0 for one in strokes_m)
-    low_m, high_m = sorted(strokes_m)
-    words = (
-        f"without them the stroke would be {closed_m * 1e3:.3g} instead of {low_m * 1e3:.3g} to "
-        f"{high_m * 1e3:.3g} mm"
-    )
-    return changes[0], changes[1], words
+    least, most = sorted(abs(closed_m / one_m - 1) if one_m else 0.0 for one_m in (low_m, high_m))
+    strokes = f"{closed_m * 1e3:.3g} instead of {low_m * 1e3:.3g} to {high_m * 1e3:.3g} mm"
+    return least, most, f"without them the stroke would be {strokes}"
 
 
-def _stroke_m(scene: Scene, share: Any) -> float:
-    """With a share of the stiffness that openings leave: of the panels' that the scene has."""
-    springs = tuple(
-        replace(spring, stiffness_N_per_m=spring.stiffness_N_per_m * _against(scene, panel, share))
-        for panel, spring in zip(scene.panels, scene.springs, strict=True)
-    )
-    moved = replace(scene, springs=springs, shaken=solve_shakings(scene.plan, springs))
-    return largest_stroke_m(moved, moved.shaken)
-
-
-def _against(scene: Scene, panel: MovedPanel, share: Any) -> float:
-    """Over the share that is in the springs of the scene: all of it in a run without openings."""
-    pattern, rectangle = panel.panel.apertures, panel.panel.rectangle
-    there = 1.0 if scene.observed.closed else stiffness_share(pattern, rectangle)
-    return float(share(pattern, rectangle) / there)
-
-
-def _smallest_over_opening(scene: Scene) -> float | None:
-    """Of real particles, whatever coarse ones the case computes; None without either."""
-    openings_m = list(smaller_sides_m(scene.case))
-    if not has_particles(scene.case) or not openings_m:
-        return None
-    k = scene.case.particles.coarse_graining
-    return min(smallest_diameters_m(scene.case).values()) / k / max(openings_m)
-
-
-def overlay(case: Case) -> Overlay:
-    found: dict[str, Any] = {}
-    for kind, rows in (("panels", case.screen.panels), ("decks", case.screen.decks)):
-        for name, row in rows.items():
-            if row.apertures is not None:
-                found.setdefault(kind, {})[name] = {"apertures": None}
-    return {"screen": found} if found else {}
+def _stroke_m(scene: Scene, share: Share) -> float:
+    """Return the stroke with another share of the stiffness than the springs of the scene have: all
+    of it in a run without openings."""
+    springs = []
+    for panel, spring in zip(scene.panels, scene.springs, strict=True):
+        pattern, rectangle = panel.panel.apertures, panel.panel.rectangle
+        there = 1.0 if scene.observed.closed else stiffness_share(pattern, rectangle)
+        stiffness_N_per_m = spring.stiffness_N_per_m * float(share(pattern, rectangle) / there)
+        springs.append(replace(spring, stiffness_N_per_m=stiffness_N_per_m))
+    return largest_stroke_m(scene, solve_shakings(scene.plan, springs))
 
 
 EFFECT = Effect(
     part="panels",
     judge=judge,
     described=lambda case: any(row.apertures for row in case.screen.panels.values()),
-    overlay=overlay,
+    overlay=lambda case: overlay_of_panels(case, "apertures"),
     key="apertures of panels or decks",
     checked_by="frames_throw",
     saves=True,

@@ -1,10 +1,10 @@
-"""Damping in the bushings: change of the stroke without it."""
+"""Damping in the bushings matters where the stroke changes without it."""
 
 from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
-from orchestrator.preflight.scene.clamp_motion import change_of_stroke, moved_by_forces
-from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.clamp_motion import change_of_stroke, has_moved_by_forces
+from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict, overlay_of_rows
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames, solve_shakings
 
@@ -12,33 +12,27 @@ RUBBER = 0.1  # loss factor taken where no damping is given (docs/theory/machine
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None without bushings on free frames."""
+    """Return None without bushings on free frames."""
     if not scene.plan.bushings or not free_frames(scene.plan):
         return None
     given = any(bushing.damping_N_s_per_m.any() for bushing in scene.plan.bushings)
     what = "without damping" if given else f"with a loss factor of {RUBBER:g}, as rubber has"
     other = solve_shakings(scene.plan, scene.springs, 0.0 if given else RUBBER)
     change, why = change_of_stroke(scene, other, what)
-    matters = True if abs(change) > TENTH else None
-    swings = "" if matters else "; yet the start's swinging would never die out"
-    return Verdict(
-        number="change of the stroke",
-        value=abs(change) if scene.speed_rad_per_s else None,
-        threshold="0.1",
-        matters=matters,
-        why=why + swings,
-        cost="nothing",
-    )
+    value = abs(change) if scene.speed_rad_per_s else None
+    verdict = Verdict("change of the stroke", value, "0.1", True, why, "nothing")
+    if abs(change) > TENTH:
+        return verdict
+    return verdict.doubted("yet the start's swinging would never die out")
+
+
+def overlay(case: Case) -> Overlay:
+    return overlay_of_rows("screen.bushings", case.screen.bushings, {"damping_N_s_per_m": [0.0, 0.0, 0.0]})
 
 
 def described(case: Case) -> bool:
     damped = any(any(row.damping_N_s_per_m) for row in case.screen.bushings.values())
-    return damped and bool(moved_by_forces(case))
-
-
-def overlay(case: Case) -> Overlay:
-    undamped = {name: {"damping_N_s_per_m": [0.0, 0.0, 0.0]} for name in case.screen.bushings}
-    return {"screen": {"bushings": undamped}} if undamped else {}
+    return damped and has_moved_by_forces(case)
 
 
 EFFECT = Effect(

@@ -1,9 +1,8 @@
-"""Contacts as stiff as the materials: softened ones must not let particles through."""
+"""Contacts are as stiff as the materials; softened ones must not let particles through."""
 
 from __future__ import annotations
 
-from orchestrator.case.tables.case import has_particles
-from orchestrator.preflight.scene.contacts import STEP_COST, is_softened, softness
+from orchestrator.preflight.scene.contacts import STEP_COST, compute_softness, is_softened
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 
@@ -15,13 +14,13 @@ of a panel, through which it passes at 1."""
 
 
 def judge(scene: Scene) -> Verdict:
-    found = softness(scene)
+    softness = compute_softness(scene)
     return Verdict(
         number="overlap / radius",
-        value=found.overlap,
+        value=softness.overlap,
         threshold="0.333 (half a radius in a run)",
-        matters=found.overlap > LARGEST_OVERLAP,
-        why=found.in_words(found.overlap, LARGEST_OVERLAP, found.where),
+        matters=softness.overlap > LARGEST_OVERLAP,
+        why=softness.in_words(LARGEST_OVERLAP),
         cost=STEP_COST,
     )
 
@@ -29,7 +28,7 @@ def judge(scene: Scene) -> Verdict:
 EFFECT = Effect(
     part="particles",
     judge=judge,
-    described=lambda case: has_particles(case) and not is_softened(case),
+    described=lambda case: not is_softened(case),
     key="particles.largest_youngs_modulus_Pa",
     checked_by="deepest",
 )

@@ -1,4 +1,4 @@
-"""A feed: the share of the bed that is replaced in the run."""
+"""A feed replaces a share of the bed in the run, by which it matters."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from dataclasses import replace
 
 from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
-from orchestrator.preflight.scene.passage import passage
+from orchestrator.preflight.scene.passage import compare_passage
 from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None without particles."""
+    """Return None without particles."""
     if not has_particles(scene.case):
         return None
-    found = passage(scene, cost="a deck that fills for as long as material stays on it")
+    verdict = compare_passage(scene, cost="a deck that fills for as long as material stays on it")
     if scene.case.bed.blocks or scene.case.bed.particles:
-        return found
-    return replace(found, matters=True, why="at t = 0 the deck is empty: the feed is all there is")
+        return verdict
+    return replace(verdict, matters=True, why="at t = 0 the deck is empty: the feed is all there is")
 
 
 EFFECT = Effect(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from orchestrator.case import solvers
-from orchestrator.preflight.scene.clamp_motion import moved_by_forces
+from orchestrator.preflight.scene.clamp_motion import has_moved_by_forces
 from orchestrator.preflight.scene.effect import Effect, Verdict
 from orchestrator.preflight.scene.scene import Scene
 from orchestrator.preflight.scene.shaking import free_frames
@@ -27,7 +27,7 @@ def judge(scene: Scene) -> Verdict:
 EFFECT = Effect(
     part="frames",
     judge=judge,
-    described=lambda case: bool(moved_by_forces(case)),
+    described=has_moved_by_forces,
     overlay=lambda case: {"frames": {"solver": solvers.without("frames", "frame-dynamics")}},
     key="frames.solver",
 )

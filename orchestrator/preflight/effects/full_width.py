@@ -1,4 +1,4 @@
-"""The whole width of the machine: width of the slice over the largest particle."""
+"""A slice stands for the whole width of the machine if it is wide against the largest particle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None without a slice."""
+    """Return None without a slice."""
     part = scene.case.slice
     if part is None or not has_particles(scene.case):
         return None
@@ -32,6 +32,4 @@ def left_out(case: Case) -> str:
     return f"slice.width_m = {case.slice.width_m:g}: the middle of the width"
 
 
-EFFECT = Effect(
-    part="machine", judge=judge, described=lambda case: True, left_out=left_out, key="slice.width_m"
-)
+EFFECT = Effect(part="machine", judge=judge, left_out=left_out, key="slice.width_m")

@@ -1,4 +1,4 @@
-"""Gravity: always, but for frames that are driven and nothing else; the number says how it
+"""Gravity matters always, but for frames that are driven and nothing else; the number says how it
 compares."""
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ from orchestrator.preflight.scene.shaking import free_frames
 
 def judge(scene: Scene) -> Verdict:
     needed = has_particles(scene.case) or bool(scene.panels) or bool(free_frames(scene.plan))
-    throw = scene.throw
     return Verdict(
         number="1 / throw",
-        value=1 / throw if throw else math.inf,
+        value=1 / scene.throw if scene.throw else math.inf,
         threshold="always",
         matters=needed,
         why="particles fall, panels and frames hang" if needed else "nothing here can fall",

@@ -1,31 +1,22 @@
-"""A panel's material at large strain: Mooney-Rivlin's stress against the linear law's, where the
-panel is most taut."""
+"""A panel's material at large strain has Mooney-Rivlin's stress, which is compared with the linear
+law's where the panel is most taut."""
 
 from __future__ import annotations
 
-from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
+from orchestrator.preflight.scene.effect import Effect, Verdict, compare
 from orchestrator.preflight.scene.moved_panel import mooney_ratio
 from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
     panel = max(scene.panels, key=lambda one: one.strain)
-    off = abs(mooney_ratio(panel.material, panel.strain) - 1)
-    return Verdict(
-        number="Mooney-Rivlin / linear stress - 1",
-        value=off,
+    return compare(
+        "Mooney-Rivlin / linear stress - 1",
+        abs(mooney_ratio(panel.material, panel.strain) - 1),
+        f"the tautest panel is stretched by {panel.strain:.2%}",
         threshold="0.1 (a tenth of the force)",
-        matters=off > TENTH,
-        limit=TENTH,
-        why=f"the tautest panel is stretched by {panel.strain:.2%}",
         cost=elastic_solvers(),
     )
 
 
-EFFECT = Effect(
-    part="panels",
-    judge=judge,
-    described=lambda case: bool(case.screen.panels),
-    needs=("panel-deformation",),
-    checked_by="frames_throw",
-)
+EFFECT = Effect(part="panels", judge=judge, needs=("panel-deformation",), checked_by="frames_throw")

@@ -1,32 +1,23 @@
-"""Deflections as large as the panel is thick, which stretch it: sag over thickness."""
+"""Deflections stretch a panel where it sags by as much as it is thick."""
 
 from __future__ import annotations
 
-from orchestrator.preflight.scene.effect import Effect, Verdict
+from orchestrator.preflight.scene.effect import Effect, Verdict, compare
 from orchestrator.preflight.scene.scene import NOTHING_MOVES, Scene, elastic_solvers
-
-LARGE_DEFLECTION = 0.2
 
 
 def judge(scene: Scene) -> Verdict:
     ratio = max(panel.sag_m / panel.panel.table.thickness_m for panel in scene.panels)
     sag_m = max(panel.sag_m for panel in scene.panels)
     moves = scene.speed_rad_per_s > 0 or ratio > 0
-    return Verdict(
-        number="sag / thickness",
-        value=ratio if moves else None,
+    return compare(
+        "sag / thickness",
+        ratio if moves else None,
+        f"the slackest panel sags by {sag_m * 1e3:.3g} mm" if moves else NOTHING_MOVES,
         threshold="0.2 (Ventsel, Krauthammer 2001)",
-        matters=ratio > LARGE_DEFLECTION if moves else None,
-        limit=LARGE_DEFLECTION,
-        why=f"the slackest panel sags by {sag_m * 1e3:.3g} mm" if moves else NOTHING_MOVES,
+        limit=0.2,
         cost=elastic_solvers(),
     )
 
 
-EFFECT = Effect(
-    part="panels",
-    judge=judge,
-    described=lambda case: bool(case.screen.panels),
-    needs=("panel-deformation",),
-    checked_by="frames_throw",
-)
+EFFECT = Effect(part="panels", judge=judge, needs=("panel-deformation",), checked_by="frames_throw")

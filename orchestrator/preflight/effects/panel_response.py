@@ -7,20 +7,8 @@ from orchestrator.preflight.scene.scene import Scene, elastic_solvers
 
 
 def judge(scene: Scene) -> Verdict:
-    return Verdict(
-        number="none",
-        value=None,
-        threshold="none",
-        matters=None,
-        why="a recording holds for the machine and the cycles it was made of, and no others",
-        cost=elastic_solvers(),
-    )
+    why = "a recording holds for the machine and the cycles it was made of, and no others"
+    return Verdict("none", None, "none", None, why, elastic_solvers())
 
 
-EFFECT = Effect(
-    part="panels",
-    judge=judge,
-    described=lambda case: bool(case.screen.panels),
-    needs=("panel-deformation",),
-    key="panel.solver",
-)
+EFFECT = Effect(part="panels", judge=judge, needs=("panel-deformation",), key="panel.solver")

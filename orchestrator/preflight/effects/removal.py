@@ -1,16 +1,16 @@
-"""Exits take out what has left the deck: the share of the bed that leaves in the run."""
+"""Exits take out what has left the deck, which matters by the share of the bed that leaves."""
 
 from __future__ import annotations
 
 from orchestrator.case.tables.case import has_particles
 from orchestrator.preflight.scene.effect import Effect, Verdict
-from orchestrator.preflight.scene.passage import passage
+from orchestrator.preflight.scene.passage import compare_passage
 from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None without particles."""
-    return passage(scene, cost="nothing") if has_particles(scene.case) else None
+    """Return None without particles."""
+    return compare_passage(scene, cost="nothing") if has_particles(scene.case) else None
 
 
 EFFECT = Effect(

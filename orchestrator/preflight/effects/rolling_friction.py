@@ -1,4 +1,4 @@
-"""Rolling friction: a sphere rolls down with 5/7 g (sin - mu_r cos)."""
+"""Rolling friction slows down a sphere, which rolls down with 5/7 g (sin - mu_r cos)."""
 
 from __future__ import annotations
 
@@ -8,26 +8,18 @@ from orchestrator.preflight.scene.contacts import (
     describe_friction,
     friction_over_pull,
 )
-from orchestrator.preflight.scene.effect import TENTH, Verdict
+from orchestrator.preflight.scene.effect import Verdict, compare
 from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
     friction = max((row.rolling_friction for row in contacts_on_deck(scene.case)), default=0.0)
     ratio = friction_over_pull(scene, friction)
-    matters: bool | None = ratio > TENTH
-    why = describe_friction(ratio, "rolling alone")
-    if matters and scene.throw > 1:
-        matters, why = None, f"{why}; but what is thrown, with {scene.throw:.2g} g, hardly rolls"
-    return Verdict(
-        number="mu_r / tan(slope)",
-        value=ratio,
-        threshold="0.1 (rolling sphere)",
-        matters=matters,
-        limit=TENTH,
-        why=why,
-        cost="a contact history (epsd2)",
-    )
+    why, cost = describe_friction(ratio, "rolling alone"), "a contact history (epsd2)"
+    verdict = compare("mu_r / tan(slope)", ratio, why, "0.1 (rolling sphere)", cost=cost)
+    if verdict.matters and scene.throw > 1:
+        return verdict.doubted(f"but what is thrown, with {scene.throw:.2g} g, hardly rolls")
+    return verdict
 
 
 EFFECT = contact_law_effect(

@@ -13,44 +13,40 @@ CYCLES = 5.0
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None where nothing shakes."""
+    """Return None where nothing shakes."""
     cycles = _cycles(scene.case)
     if cycles is None:
         return None
-    matters, why = _start(cycles)
+    why = "the machine starts with a jump"
+    if cycles:
+        higher = f"at the start accelerations are up to {1 / (2 * cycles):.0%} higher"
+        why = f"{higher}; whether its end is another without a run-up, only a run tells"
     return Verdict(
         number="cycles of the run-up",
         value=cycles,
         threshold=f"{CYCLES:g} (below it a tenth more acceleration)",
-        matters=matters,
+        matters=None if cycles else True,
         why=why,
         cost="that much machine time",
     )
 
 
 def _cycles(case: Case) -> float | None:
-    """Fewest of all exciters and drives."""
+    """Return the fewest cycles of the run-ups of all exciters and drives."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
-    found_rad = [row.run_up_s * row.speed_rad_per_s for row in drives]
-    found_rad += [row.run_up_s * row.speed_rad_per_s for row in case.screen.exciters.values()]
-    return min(found_rad) / (2 * math.pi) if found_rad else None
-
-
-def _start(cycles: float) -> tuple[bool | None, str]:
-    if cycles == 0:
-        return True, "the machine starts with a jump"
-    over = f"at the start accelerations are up to {1 / (2 * cycles):.0%} higher"
-    return None, f"{over}; whether its end is another without a run-up, only a run tells"
+    cycles = [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in drives]
+    cycles += [row.run_up_s * row.speed_rad_per_s / (2 * math.pi) for row in case.screen.exciters.values()]
+    return min(cycles, default=None)
 
 
 def overlay(case: Case) -> Overlay:
     screen = case.screen
-    found: dict[str, Any] = {}
+    tables: dict[str, Any] = {}
     if screen.exciters:
-        found["exciters"] = {name: {"run_up_s": 0.0} for name in screen.exciters}
+        tables["exciters"] = {name: {"run_up_s": 0.0} for name in screen.exciters}
     if driven := [name for name, frame in screen.frames.items() if frame.drive]:
-        found["frames"] = {name: {"drive": {"run_up_s": 0.0}} for name in driven}
-    return {"screen": found} if found else {}
+        tables["frames"] = {name: {"drive": {"run_up_s": 0.0}} for name in driven}
+    return {"screen": tables} if tables else {}
 
 
 EFFECT = Effect(

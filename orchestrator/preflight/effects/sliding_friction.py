@@ -1,36 +1,25 @@
-"""Sliding friction: a body slides down with g (sin - mu cos); mu / tan is what friction takes."""
+"""Sliding friction takes the share mu / tan of what pulls a body down: it slides with g (sin - mu cos)."""
 
 from __future__ import annotations
 
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.contacts import contacts_on_deck, describe_friction, friction_over_pull
-from orchestrator.preflight.scene.effect import TENTH, Effect, Overlay, Verdict
+from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict, compare, overlay_of_rows
 from orchestrator.preflight.scene.scene import Scene
 
 
 def judge(scene: Scene) -> Verdict:
-    """Of the coefficient, or of the force that a run with friction has found."""
-    bearing = scene.observed.bearing
+    """Return the verdict on the coefficient, or on the force that a run with friction has found."""
+    number, friction, bearing = "mu / tan(slope)", _friction(scene.case), scene.observed.bearing
     if bearing is not None and bearing.mobilised is not None:
-        return _verdict("friction / weight, along the deck", friction_over_pull(scene, bearing.mobilised))
-    return _verdict("mu / tan(slope)", friction_over_pull(scene, _friction(scene.case)))
-
-
-def _verdict(number: str, ratio: float) -> Verdict:
-    return Verdict(
-        number=number,
-        value=ratio,
-        threshold="0.1 (Coulomb)",
-        matters=ratio > TENTH,
-        limit=TENTH,
-        why=describe_friction(ratio, "sliding"),
-        cost="hardly anything",
-    )
+        number, friction = "friction / weight, along the deck", bearing.mobilised
+    ratio = friction_over_pull(scene, friction)
+    why = describe_friction(ratio, "sliding")
+    return compare(number, ratio, why, "0.1 (Coulomb)", cost="hardly anything")
 
 
 def overlay(case: Case) -> Overlay:
-    frictionless = {str(k): {"sliding_friction": 0.0} for k in range(len(case.contacts))}
-    return {"contacts": frictionless} if frictionless else {}
+    return overlay_of_rows("contacts", map(str, range(len(case.contacts))), {"sliding_friction": 0.0})
 
 
 def _friction(case: Case) -> float:

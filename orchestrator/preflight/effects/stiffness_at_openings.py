@@ -1,4 +1,4 @@
-"""Contacts as stiff as the materials, at openings: a soft particle passes one that is smaller by
+"""Contacts are as stiff as the materials, at openings: a soft particle passes one that is smaller by
 its overlaps with both of its sides, and counts as one that is finer than it is."""
 
 from __future__ import annotations
@@ -12,99 +12,87 @@ from orchestrator.case.bed.contact_times import (
     reduced_modulus_Pa,
     smallest_diameters_m,
 )
-from orchestrator.case.bed.size_distribution import Class, classes, mean_mass_kg
-from orchestrator.case.deck.openings import smaller_sides_m
-from orchestrator.case.tables.case import has_particles
+from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.preflight.scene.contacts import STEP_COST, is_softened, softness
+from orchestrator.preflight.scene.contacts import STEP_COST, compute_softness, is_softened
 from orchestrator.preflight.scene.effect import TENTH, Effect, Verdict
-from orchestrator.preflight.scene.scene import Scene
+from orchestrator.preflight.scene.scene import Scene, bed_parts
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """Mass of the particles that pass by overlap alone, over that of those that pass in any case;
-    None without openings.  Pressed by its weight and the throw, a particle overlaps at least so
-    much; at its impact speed it overlaps at most so much."""
-    openings_m = list(smaller_sides_m(scene.case))
-    if not openings_m:
+    """Return the verdict on the mass of the particles that pass by overlap alone, over that of those
+    that pass in any case; None without openings.
+
+    Pressed by its weight and the throw, a particle overlaps at least so much; at its impact speed it
+    overlaps at most so much."""
+    if not scene.openings_m:
         return None
-    found, opening_m = softness(scene), max(openings_m)
-    pressed_m = pressed_overlap_m(scene, opening_m)
-    struck_m = max(pressed_m, found.overlap * opening_m / 2)
+    softness, opening_m = compute_softness(scene), max(scene.openings_m)
+    pressed_m = _pressed_overlap_m(scene, opening_m)
+    struck_m = max(pressed_m, softness.overlap * opening_m / 2)
     if scene.observed.deepest is not None:
         struck_m = max(pressed_m, scene.observed.deepest.surface_m)
-    least, most = (_passing_more(scene, opening_m, one) for one in (pressed_m, struck_m))
-    matters = True if least > TENTH else None if most > TENTH else False
+    least, most = (_passing_more(scene, opening_m, overlap_m) for overlap_m in (pressed_m, struck_m))
     return Verdict(
         number="mass that overlaps let pass / that passes",
         value=most,
         threshold="0.1",
-        matters=matters,
+        matters=None if least <= TENTH < most else most > TENTH,
         why=(
             f"of {opening_m * 1e3:.2g} mm, {least:.1%} more pass when they lie and are thrown, "
-            f"{most:.1%} if every one struck ({found.where}) passed"
+            f"{most:.1%} if every one struck ({softness.where}) passed"
         ),
         cost=STEP_COST,
     )
 
 
-def pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
-    """Of a particle with a panel, the softest pair, pressed by its weight and the throw."""
+def _pressed_overlap_m(scene: Scene, diameter_m: float) -> float:
+    """Return the overlap of a particle with a panel, of the softest pair, pressed by its weight and
+    the throw."""
     case, cap_Pa = scene.case, scene.case.particles.largest_youngs_modulus_Pa
-    found = []
+    overlaps_m = [0.0]
     for grain in smallest_diameters_m(case):
         mass_kg = sphere_mass_kg(diameter_m, case.materials[grain].density_kg_per_m3)
         force_N = mass_kg * scene.gravity_m_per_s2 * (1 + scene.throw)
         for panel in {row.panel.table.material for row in scene.panels}:
             moduli = (contact_moduli(case.materials[name], cap_Pa) for name in (grain, panel))
-            found.append(hertz_static_overlap_m(force_N, diameter_m / 2, reduced_modulus_Pa(*moduli)))
-    return max(found, default=0.0)
+            overlaps_m.append(hertz_static_overlap_m(force_N, diameter_m / 2, reduced_modulus_Pa(*moduli)))
+    return max(overlaps_m)
 
 
 def _passing_more(scene: Scene, opening_m: float, overlap_m: float) -> float:
-    """Mass between the opening and what overlaps on both sides make of it, over the mass below;
-    infinite where nothing is finer, 0 where nothing is between."""
-    more = sum(kg * share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in _masses(scene))
-    finer = sum(kg * share_between(row, 0.0, opening_m) for kg, row in _masses(scene))
+    """Return the mass between the opening and what overlaps on both sides make of it, over the mass
+    below; infinite where nothing is finer, 0 where nothing is between."""
+    masses = list(_masses(scene))
+    more = sum(kg * _share_between(row, opening_m, opening_m + 2 * overlap_m) for kg, row in masses)
+    finer = sum(kg * _share_between(row, 0.0, opening_m) for kg, row in masses)
     if more == 0.0:
         return 0.0
     return more / finer if finer else math.inf
 
 
-def share_between(row: Class, low_m: float, high_m: float) -> float:
-    """Of the mass of a class whose diameters are evenly spread; single ones are all or nothing."""
+def _share_between(row: SizeClass, low_m: float, high_m: float) -> float:
+    """Return the share of the mass of a class between two diameters, where its own are evenly
+    spread; single ones are all or nothing."""
     if row.largest_m <= row.smallest_m:
         return 1.0 if low_m <= row.smallest_m < high_m else 0.0
-    inside = [min(max(limit, row.smallest_m), row.largest_m) for limit in (low_m, high_m)]
-    whole = row.largest_m**4 - row.smallest_m**4
-    return (inside[1] ** 4 - inside[0] ** 4) / whole
+    low, high = (min(max(limit, row.smallest_m), row.largest_m) for limit in (low_m, high_m))
+    return (high**4 - low**4) / (row.largest_m**4 - row.smallest_m**4)
 
 
-def _masses(scene: Scene) -> Iterator[tuple[float, Class]]:
-    """Mass in kg of every class, of real particles."""
+def _masses(scene: Scene) -> Iterator[tuple[float, SizeClass]]:
+    """Yield the mass in kg of every class, of real particles."""
     case, k = scene.case, scene.case.particles.coarse_graining
-    for one in case.bed.particles.values():
-        mass_kg = sphere_mass_kg(one.diameter_m, case.materials[one.material].density_kg_per_m3)
-        yield mass_kg, Class(one.diameter_m / k, one.diameter_m / k, 1.0)
-    blocks = (
-        (classes(block), block.count * mean_mass_kg(classes(block), _density(scene, block.material)))
-        for block in case.bed.blocks.values()
-    )
-    feeds = ((classes(feed), feed.rate_kg_per_s * case.duration_s) for feed in case.bed.feeds.values())
-    for rows, mass_kg in (*blocks, *feeds):
+    for mass_kg, rows in bed_parts(case, lambda feed: feed.rate_kg_per_s * case.duration_s):
         for row in rows:
-            real = Class(row.smallest_m / k, row.largest_m / k, row.mass_fraction)
+            real = row.times(1 / k, "smallest_m", "largest_m")
             yield mass_kg * row.mass_fraction, real
-
-
-def _density(scene: Scene, material: str) -> float:
-    return scene.case.materials[material].density_kg_per_m3
 
 
 EFFECT = Effect(
     part="particles",
     judge=judge,
-    described=lambda case: has_particles(case) and not is_softened(case),
+    described=lambda case: not is_softened(case),
     key="particles.largest_youngs_modulus_Pa",
     checked_by="deepest",
     about=("particles",),

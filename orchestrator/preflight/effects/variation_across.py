@@ -1,42 +1,36 @@
-"""Panels vary across: width over length, as clamps hinder a wide panel's contraction."""
+"""Panels vary across where they are wide against their length, as clamps hinder their contraction."""
 
 from __future__ import annotations
 
 from orchestrator.case import solvers
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.scene.effect import Effect, Overlay, Verdict
-from orchestrator.preflight.scene.moved_panel import MovedPanel
 from orchestrator.preflight.scene.scene import Scene
 
-WIDE = 1.0  # docs/theory/panel_strip.md: at width / length 0.15 and 1.2 a strip is off by 2 and 9 %
+WIDE = 1.0
+"""A panel that nothing varies across is off by 2 and 9 % at width / length 0.15 and 1.2
+(docs/theory/panel_strip.md)."""
 
 
 def judge(scene: Scene) -> Verdict:
-    panel = max(scene.panels, key=_aspect)
-    aspect, whole = _aspect(panel), _whole_aspect(scene)
-    note = "particles spread unevenly across, and corners, are not in this number"
+    aspect = max(panel.panel.rectangle.width_m / panel.length_m for panel in scene.panels)
+    why = "particles spread unevenly across, and corners, are not in this number"
     if scene.case.slice is not None:
-        note = f"of the slice; the whole machine's panels have {whole:.2g}"
+        rows = scene.case.whole.screen.panels.values()
+        whole = max(row.width_m / row.length_m for row in rows)
+        why = f"of the slice; the whole machine's panels have {whole:.2g}"
     return Verdict(
         number="width / length",
         value=aspect,
-        threshold="1 (measured: strip against sheet)",
+        threshold="1 (measured: with against without it)",
         matters=True if aspect > WIDE else None,
-        why=note,
+        why=why,
         cost="22 x 8 cells take 2 to 3 times the time of a panel without it",
     )
 
 
-def _aspect(panel: MovedPanel) -> float:
-    return panel.panel.rectangle.width_m / panel.length_m
-
-
-def _whole_aspect(scene: Scene) -> float:
-    return max(row.width_m / row.length_m for row in scene.case.whole.screen.panels.values())
-
-
 def overlay(case: Case) -> Overlay:
-    """A solver without it, with its own step; it has at least two cells along."""
+    """Return a solver without it, with its own step; it has at least two cells along."""
     if case.panel.cells[0] < 2:
         return {}
     uniform = solvers.without("panel", "variation-across")
@@ -46,7 +40,6 @@ def overlay(case: Case) -> Overlay:
 EFFECT = Effect(
     part="panels",
     judge=judge,
-    described=lambda case: bool(case.screen.panels),
     overlay=overlay,
     needs=("panel-deformation",),
     key="panel.solver",

@@ -1,5 +1,5 @@
-"""Wear: how much of its thickness the bed rubs off a panel in a thousand hours, at most (it lies
-on the panel all the time, and slides as fast as the frames shake and it is carried)."""
+"""Wear rubs off a share of a panel's thickness in a thousand hours, at most (the bed lies on the panel
+all the time, and slides as fast as the frames shake and it is carried)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 
 from orchestrator.case.deck.panels import axes
 from orchestrator.preflight.scene.contacts import contact_law_effect, contacts_on_deck
-from orchestrator.preflight.scene.effect import TENTH, Verdict
+from orchestrator.preflight.scene.effect import Verdict, compare
 from orchestrator.preflight.scene.scene import Scene
 
 SERVICE_S = 1000 * 3600.0
@@ -15,26 +15,19 @@ HARSHEST_M3_PER_N_M = 1e-10  # a polyurethane on abrasive paper: docs/theory/wea
 
 
 def judge(scene: Scene) -> Verdict | None:
-    """None without panels."""
+    """Return None without panels."""
     if not scene.panels:
         return None
     rate_m3_per_N_m = max((row.specific_wear_m3_per_N_m for row in contacts_on_deck(scene.case)), default=0.0)
-    share = _worn_share(scene, rate_m3_per_N_m)
-    given = f"after 1000 hours at most {share:.1%} of the thinnest panel is worn off"
-    harshest = _worn_share(scene, HARSHEST_M3_PER_N_M)
-    unknown = (
-        f"no contact has specific wear; with {HARSHEST_M3_PER_N_M:g} m3/(N m), as on abrasive paper, "
-        f"1000 hours would take {harshest:.1%} of the thickness at most"
-    )
-    return Verdict(
-        number="worn in 1000 h / thickness",
-        value=share if rate_m3_per_N_m else None,
-        threshold="0.1",
-        matters=share > TENTH if rate_m3_per_N_m else None,
-        limit=TENTH,
-        why=given if rate_m3_per_N_m else unknown,
-        cost="a few products per contact and step",
-    )
+    share: float | None = _worn_share(scene, rate_m3_per_N_m)
+    why = f"after 1000 hours at most {share:.1%} of the thinnest panel is worn off"
+    if not rate_m3_per_N_m:
+        share, harshest = None, _worn_share(scene, HARSHEST_M3_PER_N_M)
+        why = (
+            f"no contact has specific wear; with {HARSHEST_M3_PER_N_M:g} m3/(N m), as on abrasive paper, "
+            f"1000 hours would take {harshest:.1%} of the thickness at most"
+        )
+    return compare("worn in 1000 h / thickness", share, why, cost="a few products per contact and step")
 
 
 def _worn_share(scene: Scene, rate_m3_per_N_m: float) -> float:
@@ -44,7 +37,7 @@ def _worn_share(scene: Scene, rate_m3_per_N_m: float) -> float:
 
 
 def _sliding_m_per_s(scene: Scene) -> float:
-    """The mean speed of the fastest frame along the deck, and that of the material."""
+    """Return the mean speed of the fastest frame along the deck plus that of the material."""
     along = axes(scene.case)[:, 0]
     shaking_m_per_s = (
         sum(one.speed_rad_per_s * abs(one.amplitude_m[body.name] @ along) for one in scene.shaken)

@@ -18,13 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.scalars import Value, scalar
-
-TENTH = 0.1
+from orchestrator.preflight.scene.effect import TENTH
 
 
 @dataclass(frozen=True)
 class Change:
-    """Of one result: ``with_it`` and ``without`` the effect; ``relative`` is the size of their
+    """The change of one result: ``with_it`` and ``without`` the effect; ``relative`` is the size of their
     difference over the value with the effect (infinite where only one run has the result), None
     where neither run has it or both values are too small to be resolved; ``uncertain`` is half the
     width of its interval, None where the runs give none."""
@@ -36,7 +35,7 @@ class Change:
 
     @property
     def matters(self) -> bool | None:
-        """By a tenth, where chance does not decide; None else."""
+        """Whether it is more than a tenth; None where there is no change, or chance decides."""
         if self.relative is None:
             return None
         chance = self.uncertain or 0.0
@@ -44,10 +43,18 @@ class Change:
             return True
         return False if self.relative + chance <= TENTH else None
 
+    @property
+    def in_words(self) -> str:
+        """Both values, and what is by chance."""
+        values = ("none" if value is None else f"{value:.3g}" for value in (self.with_it, self.without))
+        chance = "" if self.uncertain is None else f", +- {100 * self.uncertain:.2g} % by chance"
+        return "{} with it, {} without".format(*values) + chance
+
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs of a case at a cheap level; ``refused`` says why there are none ("": there are).
+    """Two runs of a case at a cheap level, with and without an effect; ``refused`` says why there are
+    none ("": there are).
 
     ``summary_with`` and ``summary_without`` are theirs; ``processor_s`` is of both together;
     ``level`` and ``sets`` say how the case was made cheap, ``limit_s`` what a run was allowed.
@@ -63,50 +70,50 @@ class Pair:
     summary_without: Mapping[str, Any] | None = None
 
     def change(self, name: str) -> Change | None:
-        """Of a result by its name (``case/scalars.py``); None without runs."""
+        """Return the change of a result by its name (``case/scalars.py``); None without runs."""
         if self.summary_with is None or self.summary_without is None:
             return None
         asked = scalar(name)
         return compute_change(asked.of(self.summary_with), asked.of(self.summary_without), asked.floor)
 
     def changes(self, names: Sequence[str]) -> dict[str, Change]:
-        """Of those results that the runs have, by name."""
-        found = {name: self.change(name) for name in names}
-        return {name: one for name, one in found.items() if one and one.relative is not None}
+        """Return the changes of those results that the runs have, by name."""
+        every = {name: self.change(name) for name in names}
+        return {name: each for name, each in every.items() if each and each.relative is not None}
 
 
-def compute_change(one: Value | None, two: Value | None, floor: float) -> Change:
-    """From ``one`` with the effect to ``two`` without; a result that one run alone has has changed
-    by all of it."""
-    if one is None and two is None:
-        return Change(None, None, None)
-    if one is None or two is None:
-        found, lost = (each.value if each is not None else None for each in (one, two))
-        return Change(found, lost, math.inf)
-    if max(abs(one.value), abs(two.value)) < floor:
-        return Change(one.value, two.value, None)
-    by = max(abs(one.value), floor)
-    widths = [each.half_width for each in (one, two) if each.half_width is not None]
-    uncertain = math.hypot(*widths) / by if len(widths) == 2 else None
-    return Change(one.value, two.value, abs(two.value - one.value) / by, uncertain)
+def compute_change(with_it: Value | None, without: Value | None, floor: float) -> Change:
+    """Return the change of a result, which is too small to be resolved below ``floor``; a result that
+    one run alone has has changed by all of it."""
+    if with_it is None or without is None:
+        one, other = (None if value is None else value.value for value in (with_it, without))
+        return Change(one, other, None if with_it is without else math.inf)
+    if max(abs(with_it.value), abs(without.value)) < floor:
+        return Change(with_it.value, without.value, None)
+    by = max(abs(with_it.value), floor)
+    uncertain = None
+    if with_it.half_width is not None and without.half_width is not None:
+        uncertain = math.hypot(with_it.half_width, without.half_width) / by
+    return Change(with_it.value, without.value, abs(without.value - with_it.value) / by, uncertain)
 
 
-def memory() -> Path:
-    """The folder of all pairs."""
+def _memory() -> Path:
+    """Return the folder of all pairs."""
     home = Path(os.getenv("XDG_CACHE_HOME") or Path.home() / ".cache")
     return home / "flipflow" / "pairs"
 
 
 @cache
 def _program() -> str:
-    """What computes: other versions may find other values."""
+    """Return what computes: other versions may find other values."""
     from orchestrator.case.provenance import commit, versions  # loads much, and is rarely asked
 
     return json.dumps([commit(), versions()], sort_keys=True)
 
 
 def key_of(read: Mapping[str, Any], effect: str) -> str:
-    """``read``: all that the case was read from (``case/file/layers.py``)."""
+    """Return the checksum by which a pair is found again; ``read`` is all that the case was read from
+    (``case/file/layers.py``)."""
     text = json.dumps([_program(), read, effect], sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -114,28 +121,28 @@ def key_of(read: Mapping[str, Any], effect: str) -> str:
 _AGREED: dict[str, Pair | None] = {}
 
 
-def share_pairs(found: Mapping[str, Pair | None]) -> None:
-    """From now on, this process remembers these pairs by their keys, whatever its own memory has:
-    processes that run one case together must choose alike."""
-    _AGREED.update(found)
+def share_pairs(by_key: Mapping[str, Pair | None]) -> None:
+    """Remember these pairs from now on, whatever this process's own memory has: processes that run
+    one case together must choose alike."""
+    _AGREED.update(by_key)
 
 
-def recall(found: str) -> Pair | None:
-    """The pair of a key; None where it is not known, or its file is no pair."""
-    if found in _AGREED:
-        return _AGREED[found]
+def recall(key: str) -> Pair | None:
+    """Return the pair of a key; None where it is not known, or its file is no pair."""
+    if key in _AGREED:
+        return _AGREED[key]
     try:
-        table = json.loads((memory() / f"{found}.json").read_text(encoding="utf-8"))
+        table = json.loads((_memory() / f"{key}.json").read_text(encoding="utf-8"))
         return Pair(**(table | {"sets": tuple(table["sets"])}))
     except (OSError, ValueError, TypeError, KeyError):
         return None
 
 
-def remember(found: str, pair: Pair) -> None:
-    """Whole or not at all; where nothing can be written, it is asked again another time."""
+def remember(key: str, pair: Pair) -> None:
+    """Write a pair whole or not at all; where nothing can be written, it is asked again another time."""
     with suppress(OSError):
-        folder = memory()
+        folder = _memory()
         folder.mkdir(parents=True, exist_ok=True)
-        aside = folder / f".{found}.{os.getpid()}"
+        aside = folder / f".{key}.{os.getpid()}"
         aside.write_text(json.dumps(asdict(pair)), encoding="utf-8")
-        aside.replace(folder / f"{found}.json")
+        aside.replace(folder / f"{key}.json")

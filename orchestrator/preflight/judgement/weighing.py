@@ -10,7 +10,7 @@ An estimate that says "may be left out" is overruled to "cannot say" where
 An estimate that says "matters" is overruled to "cannot say" of an effect that could be left out
 
 - where it is an estimate of other parts' results than those that are asked for, and
-- within a factor of ``MARGIN`` above the threshold, where a pair of runs decides (``doubted``).
+- within a factor of ``MARGIN`` above the threshold, where a pair of runs decides (``with_doubt``).
 
 Pairs of runs that have measured what an effect changes take the place of its estimate before.
 """
@@ -29,121 +29,96 @@ from orchestrator.preflight.judgement.catalogue import (
     find_also_lost,
     judge_effects,
 )
-from orchestrator.preflight.judgement.pair import Change, Pair
-from orchestrator.preflight.scene.effect import MARGIN, TENTH, Part, Verdict, describe_verdict
+from orchestrator.preflight.judgement.pair import Pair
+from orchestrator.preflight.scene.effect import MARGIN, TENTH, Verdict, describe_verdict
+
+NEAR = f"within a factor of {MARGIN:g} of the threshold"
 
 
 def weigh_effects(
     case: Case, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
-) -> dict[Part, list[Judged]]:
-    """As ``judged``, weighed, with the ``pairs`` that are known, by what results are ``asked``
-    for."""
-    parts = judge_effects(case)
-    by_name = {one.effect: one for rows in parts.values() for one in rows}
+) -> dict[str, Judged]:
+    """Return the effects as ``judge_effects`` does, weighed, with the ``pairs`` that are known, by the
+    results that are ``asked`` for."""
+    judged = judge_effects(case)
     for name, pair in (pairs or {}).items():
-        if name in by_name:
-            verdict = measured_verdict(by_name[name].verdict, pair, asked)
-            by_name[name] = replace(by_name[name], verdict=verdict)
-    if any(is_of_separation(name) for name in asked):
-        by_name = {name: _separated(one) for name, one in by_name.items()}
-    parts_asked = {part_of(name, case) for name in asked}
-    by_name = {name: _about(one, parts_asked) for name, one in by_name.items()}
-    close = {name: _far_enough(one) for name, one in by_name.items()}
-    every = [_consistent(case, one, close.values()) for one in close.values()]
-    kept = {one.effect: one for one in every}
-    return {part: [kept[one.effect] for one in rows] for part, rows in parts.items()}
+        if name in judged:
+            judged[name] = replace(judged[name], verdict=measured_verdict(judged[name].verdict, pair, asked))
+    separates = any(is_of_separation(name) for name in asked)
+    parts = {part_of(name, case) for name in asked}
+    doubted = {name: _doubted(one, _doubt(one, parts, separates)) for name, one in judged.items()}
+    return {name: _consistent(case, one, doubted.values()) for name, one in doubted.items()}
 
 
-def is_undecided(one: Judged) -> bool:
-    """Whether only a pair of runs can say if the case can do without the effect: it has it, a key
-    takes it out, and no estimate says with certainty that it matters."""
-    verdict = one.verdict
-    if verdict.measured or not (one.present and one.can_go):
+def is_undecided(judged: Judged) -> bool:
+    """Return whether only a pair of runs can say if the case can do without the effect: it has it, a
+    key takes it out, and no estimate says with certainty that it matters."""
+    verdict = judged.verdict
+    if verdict.measured or not (judged.present and judged.can_go):
         return False
-    return verdict.matters is None or (verdict.matters is True and not is_clear(verdict))
+    return verdict.matters is None or (verdict.matters and not verdict.is_clear)
 
 
-def with_doubt(one: Judged) -> Judged:
-    """ "Cannot say" in place of a "matters" that is no further above its threshold than estimates
-    err, where a pair of runs can decide."""
-    if not is_undecided(one) or one.verdict.matters is None:
-        return one
-    return _cannot_say(one, f"within a factor of {MARGIN:g} of the threshold")
-
-
-def is_clear(verdict: Verdict) -> bool:
-    """Whether what matters does so beyond the error of its estimate."""
-    if verdict.limit is None or verdict.value is None:
-        return True
-    return verdict.value > MARGIN * verdict.limit
+def with_doubt(judged: Judged) -> Judged:
+    """Return "cannot say" in place of a "matters" that is no further above its threshold than
+    estimates err, where a pair of runs can decide."""
+    return _doubted(judged, NEAR if is_undecided(judged) and judged.verdict.matters else "")
 
 
 def measured_verdict(verdict: Verdict, pair: Pair, asked: Sequence[str]) -> Verdict:
-    """By the largest change of the results that are asked for; as it was where there are no
-    runs, or neither has such a result."""
+    """Return the verdict by the largest change of the results that are asked for; as it was where
+    there are no runs, or neither has such a result."""
     changes = pair.changes(asked)
     if not changes:
         return verdict
     name, worst = max(changes.items(), key=lambda item: item[1].relative or 0.0)
-    verdicts = {one.matters for one in changes.values()}
-    matters = True if True in verdicts else None if None in verdicts else False
+    verdicts = {change.matters for change in changes.values()}
     return replace(
         verdict,
         number=f"change of {name}",
         value=worst.relative,
         threshold=f"{TENTH:g} (two runs)",
-        matters=matters,
-        why=f"measured: {name} {_figures(worst)}",
+        matters=True if True in verdicts else None if None in verdicts else False,
+        why=f"measured: {name} {worst.in_words}",
         limit=TENTH,
         measured=True,
     )
 
 
-def _figures(change: Change) -> str:
-    with_it, without = ("none" if one is None else f"{one:.3g}" for one in (change.with_it, change.without))
-    chance = "" if change.uncertain is None else f", +- {100 * change.uncertain:.2g} % by chance"
-    return f"{with_it} with it, {without} without{chance}"
+def _doubted(judged: Judged, because: str) -> Judged:
+    return replace(judged, verdict=judged.verdict.doubted(because)) if because else judged
 
 
-def _separated(one: Judged) -> Judged:
-    """Without what comes and goes a run has no separation to tell of, however little that is."""
-    if one.effect not in ("feed", "removal") or one.verdict.matters is not False:
-        return one
-    return _cannot_say(one, "yet without it there is no separation, which is asked for")
+def _doubt(judged: Judged, parts: Set[str], separates: bool) -> str:
+    """Return why an estimate does not decide, "" where it does.
+
+    ``parts`` are those of the results that are asked for ("" stands for any), ``separates`` says
+    whether a separation is among these: without what comes and goes a run has none to tell of,
+    however little that is."""
+    verdict = judged.verdict
+    if verdict.matters is False:
+        if separates and judged.effect in ("feed", "removal"):
+            return "yet without it there is no separation, which is asked for"
+        return NEAR if verdict.is_close else ""
+    stays = verdict.measured or not (judged.present and judged.can_go)
+    about = verdict.about or EFFECTS[judged.effect].about
+    if stays or not verdict.matters or not parts or "" in parts or not parts.isdisjoint(about):
+        return ""
+    return f"what that changes of the {' and '.join(sorted(parts))} it does not say"
 
 
-def _about(one: Judged, parts: Set[str]) -> Judged:
-    """``parts``: of the results that are asked for; "" stands for any."""
-    about = one.verdict.about or EFFECTS[one.effect].about
-    if not parts or "" in parts or one.verdict.measured or one.verdict.matters is not True:
-        return one
-    if not one.present or not one.can_go or not parts.isdisjoint(about):
-        return one
-    return _cannot_say(one, f"what that changes of the {' and '.join(sorted(parts))} it does not say")
-
-
-def _cannot_say(one: Judged, because: str) -> Judged:
-    why = f"{one.verdict.why}; {because}"
-    return replace(one, verdict=replace(one.verdict, matters=None, why=why))
-
-
-def _far_enough(one: Judged) -> Judged:
-    verdict = one.verdict
-    if verdict.matters is not False or not verdict.is_close:
-        return one
-    return _cannot_say(one, f"within a factor of {MARGIN:g} of the threshold")
-
-
-def _consistent(case: Case, one: Judged, every: Collection[Judged]) -> Judged:
-    """What is measured speaks for all that goes with it, but against another measurement."""
-    if one.verdict.matters is not False:
-        return one
-    along = find_also_lost(case, one.effect) if one.present and one.can_go else []
+def _consistent(case: Case, judged: Judged, every: Collection[Judged]) -> Judged:
+    """Return "cannot say" where what goes with the effect may matter; what is measured speaks for all
+    that goes with it, but against another measurement."""
+    measured = judged.verdict.measured
+    if judged.verdict.matters is not False:
+        return judged
+    along = find_also_lost(case, judged.effect) if judged.present and judged.can_go else []
     for other in every:
-        goes = other.effect in along or one.effect in all_needs(other.effect)
-        if one.verdict.measured and not (other.verdict.measured and other.verdict.matters):
+        if measured and not (other.verdict.measured and other.verdict.matters):
             continue
+        goes = other.effect in along or judged.effect in all_needs(other.effect)
         if goes and other.present and other.verdict.matters is not False:
-            why = f"{other.effect} goes with it: {describe_verdict(other.verdict.matters)}"
-            return _cannot_say(one, why)
-    return one
+            says = describe_verdict(other.verdict.matters)
+            return _doubted(judged, f"{other.effect} goes with it: {says}")
+    return judged

@@ -8,27 +8,33 @@ import numpy as np
 
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
+from orchestrator.preflight.scene.effect import Verdict, compare
 from orchestrator.preflight.scene.scene import Scene, stroke_m
 from orchestrator.preflight.scene.shaking import Shaking, free_frames, solve_shakings
 
 
 def moved_by_forces(case: Case) -> list[str]:
-    """Frames with a mass that no drive moves."""
+    """Return the frames with a mass that no drive moves."""
     frames = case.screen.frames.items()
     return [name for name, frame in frames if frame.drive is None and frame.mass_kg]
 
 
+def has_moved_by_forces(case: Case) -> bool:
+    """Return whether forces move a frame."""
+    return bool(moved_by_forces(case))
+
+
 def largest_stroke_m(scene: Scene, shaken: tuple[Shaking, ...]) -> float:
-    """Of all panels; without panels, of the frame that moves most."""
+    """Return the largest stroke of all panels; without panels, that of the frame that moves most."""
     if scene.springs:
         return max(stroke_m(shaken, spring) for spring in scene.springs)
     names = [body.name for body in scene.plan.bodies]
-    found = [sum(np.linalg.norm(one.amplitude_m[name]) for one in shaken) for name in names]
-    return float(max(found, default=0.0))
+    strokes_m = [sum(np.linalg.norm(one.amplitude_m[name]) for one in shaken) for name in names]
+    return float(max(strokes_m, default=0.0))
 
 
 def change_of_stroke(scene: Scene, other: tuple[Shaking, ...], what: str) -> tuple[float, str]:
-    """Relative change of the largest stroke in another motion, and words about it."""
+    """Return the relative change of the largest stroke in another motion, and words about it."""
     now_m, then_m = largest_stroke_m(scene, scene.shaken), largest_stroke_m(scene, other)
     if now_m == 0.0:
         return 0.0, "nothing shakes the frames"
@@ -42,32 +48,47 @@ MotionPart = Callable[[Array, Array, Array], Array]
 
 
 def motion_by_rotation(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """By rotation alone."""
+    """Return the motion by rotation alone."""
     return np.cross(angle_rad, arms_m)
 
 
 def motion_out_of_plane(amplitude_m: Array, angle_rad: Array, arms_m: Array) -> Array:
-    """Across, by roll and by yaw."""
+    """Return the motion across, by roll and by yaw."""
     return np.asarray(amplitude_m * [0, 1, 0] + np.cross(angle_rad * [1, 0, 1], arms_m))
 
 
-def at_outermost_clamps(scene: Scene, part: MotionPart) -> tuple[float | None, str]:
-    """The part at a frame's outermost clamp over the translation of the frame's centre of mass:
-    the largest over the free frames, of which there must be one, and words about it; None if
-    moments of inertia are missing."""
+def compare_outermost(
+    scene: Scene, observed: tuple[float, str] | None, part: MotionPart, number: str, cost: str
+) -> Verdict | None:
+    """Return the verdict on a part of the motion at a frame's outermost clamp over the translation
+    of the frame's centre of mass: of a run or, where it does not tell, as estimated.
+
+    None without free frames, or where nothing shakes them."""
     free = free_frames(scene.plan)
-    inertia = {body.name: body.inertia_kg_m2 for body in scene.plan.bodies}
-    if not all(np.linalg.det(inertia[name]) > 0 for name in free):
-        return None, "no inertia_kg_m2 is given"
-    turning = solve_shakings(scene.plan, scene.springs, None, 6)
-    ratio, name = max((_ratio(scene, one, turning, part), one) for one in free)
-    return ratio, f"at the outermost clamp of {name}"
+    if not free or scene.speed_rad_per_s == 0:
+        return None
+    if observed is None:
+        inertia = {body.name: body.inertia_kg_m2 for body in scene.plan.bodies}
+        if not all(np.linalg.det(inertia[name]) > 0 for name in free):
+            return compare(number, None, "no inertia_kg_m2 is given", cost=cost)
+        turning = solve_shakings(scene.plan, scene.springs, None, 6)
+        ratio, name = max((_ratio(scene, name, turning, part), name) for name in free)
+        observed = ratio, f"at the outermost clamp of {name}"
+    return compare(number, *observed, cost=cost)
+
+
+def compare_throw(scene: Scene, thrown: str, slow: str, still: str, cost: str) -> Verdict:
+    """Return the verdict on what throws particles and panels, over their weight: ``thrown`` is said of
+    the throw, ``slow`` where it is small, and ``still`` where nothing shakes."""
+    number, threshold = "throw", "0.1 (of the weight)"
+    if not scene.speed_rad_per_s > 0:
+        return compare(number, None, still, threshold, cost=cost)
+    verdict = compare(number, scene.throw, thrown, threshold, cost=cost)
+    return verdict if verdict.matters else verdict.doubted(slow)
 
 
 def _ratio(scene: Scene, name: str, turning: tuple[Shaking, ...], part: MotionPart) -> float:
-    body = next(one for one in scene.plan.bodies if one.name == name)
-    arms_m = clamps_m(scene, name) - body.center_of_mass_m
-    at_clamp_m = moved_m = 0.0
+    arms_m, at_clamp_m, moved_m = clamp_arms_m(scene, name), 0.0, 0.0
     for one in turning:
         displacement_m = part(one.amplitude_m[name], one.angle_rad[name], arms_m)
         at_clamp_m += float(np.linalg.norm(displacement_m, axis=1).max())
@@ -75,8 +96,9 @@ def _ratio(scene: Scene, name: str, turning: tuple[Shaking, ...], part: MotionPa
     return at_clamp_m / moved_m if moved_m else 0.0
 
 
-def clamps_m(scene: Scene, name: str) -> Array:
-    """(n, 3) middles of the clamps that a frame holds; without any, its bushings."""
+def clamp_arms_m(scene: Scene, name: str) -> Array:
+    """Return the arms (n, 3) from a frame's centre of mass to the middles of the clamps that it
+    holds; without any, to its bushings."""
     places_m = [
         place_m
         for spring in scene.springs
@@ -84,5 +106,5 @@ def clamps_m(scene: Scene, name: str) -> Array:
         if end == name
     ]
     places_m += [b.position_m for b in scene.plan.bushings if name in b.bodies and not places_m]
-    body = next(one for one in scene.plan.bodies if one.name == name)
-    return np.array(places_m or [body.center_of_mass_m])
+    center_m = next(body.center_of_mass_m for body in scene.plan.bodies if body.name == name)
+    return np.array(places_m or [center_m]) - center_m

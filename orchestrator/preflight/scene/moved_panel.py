@@ -17,8 +17,8 @@ from orchestrator.preflight.scene.observed import Shape
 
 @dataclass(frozen=True)
 class MovedPanel:
-    """``stroke_m``: amplitude of one clamp against the other along the panel; ``shape``: as a run
-    has seen it, None where it is estimated."""
+    """A panel and what moves it: ``stroke_m`` is the amplitude of one clamp against the other along the
+    panel; ``shape`` is as a run has seen it, None where it is estimated."""
 
     panel: SinglePanel
     material: HyperelasticPlan
@@ -27,60 +27,62 @@ class MovedPanel:
 
     @property
     def length_m(self) -> float:
+        """The free length between the clamps, unstretched."""
         return self.panel.rectangle.length_m
 
     @property
     def tension_m(self) -> float:
-        """Positive is taut, negative slack."""
+        """The stretch in which it is mounted: positive is taut, negative slack."""
         return self.panel.rectangle.span_m - self.length_m
 
     @property
     def sag_m(self) -> float:
-        """Largest height of its arch."""
+        """The largest height of its arch."""
         if self.shape is not None:
             return self.shape.sag_m
         return sine_arch_m(self.length_m, self.stroke_m - self.tension_m)
 
     @property
     def travel_m(self) -> float:
-        """Range of its middle's motion, without snapping from one side to the other."""
+        """The range of its middle's motion, without snapping from one side to the other."""
         if self.shape is not None:
             return self.shape.travel_m
         return self.sag_m - sine_arch_m(self.length_m, -self.stroke_m - self.tension_m)
 
     @property
     def strain(self) -> float:
-        """When it is most taut; 0 if it never is."""
+        """The strain when it is most taut; 0 if it never is."""
         if self.shape is not None:
             return self.shape.strain
         return max(0.0, self.tension_m + self.stroke_m) / self.length_m
 
     @property
     def material_share(self) -> float:
-        """Of its free area."""
+        """The share of material in its free area."""
         pattern = self.panel.apertures
         return pattern.material_share(self.panel.rectangle) if pattern else 1.0
 
     @property
     def mass_kg_per_m2(self) -> float:
-        """Per area of the free panel, its openings counted in."""
+        """The mass per area of the free panel, its openings counted in."""
         thickness_m = self.panel.table.thickness_m
         return self.material.density_kg_per_m3 * thickness_m * self.material_share
 
     @property
     def free_mass_kg(self) -> float:
+        """The mass between the clamps."""
         return self.mass_kg_per_m2 * self.length_m * self.panel.rectangle.width_m
 
     @property
     def whole_mass_kg(self) -> float:
-        """With what is under the clamps."""
+        """The mass with what is under the clamps."""
         clamps_m2 = 2 * self.panel.rectangle.clamp_m * self.panel.rectangle.width_m
         law, thickness_m = self.material, self.panel.table.thickness_m
         return self.free_mass_kg + law.density_kg_per_m3 * thickness_m * clamps_m2
 
     @property
     def frequency_rad_per_s(self) -> float:
-        """Lowest: bending between clamps and, where the panel is mounted taut, a string's."""
+        """The lowest frequency: bending between clamps and, where the panel is mounted taut, a string's."""
         law, thickness_m = self.material, self.panel.table.thickness_m
         plate_N_m = law.youngs_modulus_Pa * thickness_m**3 / 9  # E t^3 / (12 (1 - 1/4))
         areal_kg_per_m2 = law.density_kg_per_m3 * thickness_m
@@ -91,30 +93,32 @@ class MovedPanel:
 
     @property
     def taut_stiffness_N_per_m(self) -> float:
-        """Along itself while it is taut, for small strain."""
+        """The stiffness along itself while it is taut, for small strain."""
         area_m2 = self.panel.rectangle.width_m * self.panel.table.thickness_m
         whole_N_per_m = self.material.youngs_modulus_Pa * area_m2 / self.length_m
         return whole_N_per_m * stiffness_share(self.panel.apertures, self.panel.rectangle)
 
     @property
     def stiffening(self) -> float:
-        """Of fast changes against slow ones: Maxwell branches answer them like springs."""
+        """The stiffness against fast changes over that against slow ones: Maxwell branches answer fast
+        ones like springs."""
         return 1.0 + sum(ratio for ratio, _ in self.material.branches)
 
     @property
     def spring_N_per_m(self) -> float:
-        """Of the spring that has the first harmonic of a panel which pulls while taut only."""
+        """The stiffness of the spring that has the first harmonic of a panel which pulls while taut
+        only."""
         ratio = self.tension_m / self.stroke_m if self.stroke_m else math.copysign(2, self.tension_m)
         return self.taut_stiffness_N_per_m * one_sided(ratio)
 
 
 def sine_arch_m(length_m: float, approach_m: float) -> float:
-    """Height of a sine arch of that length whose ends came nearer by so much; 0 for a taut one."""
+    """Return the height of a sine arch of a length whose ends came nearer by so much; 0 for a taut one."""
     return 2 / math.pi * math.sqrt(length_m * max(0.0, approach_m))
 
 
 def one_sided(ratio: float) -> float:
-    """Share of a one-sided spring's stiffness in the first harmonic, its stretch being
+    """Return the share of a one-sided spring's stiffness in the first harmonic, its stretch being
     tension + amplitude * sin: ``ratio`` = tension / amplitude.  Gelb, A. and Vander Velde, W. E.,
     Multiple-Input Describing Functions, 1968, ch. 2."""
     r = min(1.0, max(-1.0, ratio))
@@ -122,7 +126,7 @@ def one_sided(ratio: float) -> float:
 
 
 def stiffness_share(pattern: AperturePattern | None, rectangle: Rectangle) -> float:
-    """Stiffness along the panel against the whole panel's: net sections in series, as if every
+    """Return the stiffness along the panel against the whole panel's: net sections in series, as if every
     section stayed straight (an upper bound)."""
     if pattern is None:
         return 1.0
@@ -134,10 +138,12 @@ def stiffness_share(pattern: AperturePattern | None, rectangle: Rectangle) -> fl
 
 
 def softest_share(pattern: AperturePattern | None, rectangle: Rectangle) -> float:
-    """Lower bound of the same: besides its net section, each row of openings gives way like a row
-    of collinear cracks as long as the openings are wide, (4 W / pi) ln sec(pi a / W) for cracks
-    2 a at the pitch W; rows near each other shield each other and are stiffer.  Tada, H., Paris,
-    P. C. and Irwin, G. R., The Stress Analysis of Cracks Handbook, 3rd ed., 2000, section 7."""
+    """Return a lower bound of the same.
+
+    Besides its net section, each row of openings gives way like a row of collinear cracks as long as
+    the openings are wide, (4 W / pi) ln sec(pi a / W) for cracks 2 a at the pitch W; rows near each
+    other shield each other and are stiffer.  Tada, H., Paris, P. C. and Irwin, G. R., The Stress
+    Analysis of Cracks Handbook, 3rd ed., 2000, section 7."""
     if pattern is None:
         return 1.0
     (low, high) = pattern.region_m(rectangle)
@@ -150,7 +156,7 @@ def softest_share(pattern: AperturePattern | None, rectangle: Rectangle) -> floa
 
 
 def clamp_response(ratio: float) -> float:
-    """Amplitude of the middle of a panel against its clamps, over theirs normal to it, when they
+    """Return the amplitude of the middle of a panel against its clamps, over theirs normal to it, when they
     are shaken at ``ratio`` times its lowest frequency without damping: the sine's share of a
     uniform load, 4/pi, times r^2 / |1 - r^2|.  Infinite at resonance."""
     square = ratio**2
@@ -158,9 +164,9 @@ def clamp_response(ratio: float) -> float:
 
 
 def change_of_response(ratio: float, loss_factor: float, mass_ratio: float) -> float:
-    """Share by which the amplitude of the middle of a panel, clamps' motion included, changes when
+    """Return the share by which the amplitude of the middle of a panel, clamps' motion included, changes when
     it has neither a loss factor nor ``mass_ratio`` times its own mass upon it, which moves with it
-    and lowers its frequency; shaken as in ``answer``, where ``ratio`` is of the empty panel."""
+    and lowers its frequency; shaken as in ``clamp_response``, where ``ratio`` is of the empty panel."""
 
     def amplitude(square: float, loss: float) -> float:
         against_clamps = square / complex(1 - square, loss) if square != 1.0 or loss else math.inf
@@ -172,7 +178,7 @@ def change_of_response(ratio: float, loss_factor: float, mass_ratio: float) -> f
 
 
 def mooney_ratio(law: HyperelasticPlan, strain: float) -> float:
-    """Nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
+    """Return the nominal stress of the uniaxially stretched incompressible two-parameter Mooney-Rivlin bar
     over Young's modulus times strain.  Treloar, L. R. G., The Physics of Rubber Elasticity, 1975,
     ch. 5."""
     if strain <= 0.0:
@@ -183,5 +189,5 @@ def mooney_ratio(law: HyperelasticPlan, strain: float) -> float:
 
 
 def loss_factor(law: HyperelasticPlan, speed_rad_per_s: float) -> float:
-    """Of the elastic spring with its Maxwell branches, at an angular frequency."""
+    """Return the loss factor of the elastic spring with its Maxwell branches at an angular frequency."""
     return float(moduli(law.branches, np.array([speed_rad_per_s]))[1][0])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 
 @dataclass(frozen=True)
@@ -17,7 +16,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Bearing:
-    """How particles bear on the panels, on the mean: force normal to them over the weight that
+    """How particles bear on the panels in the mean: force normal to them over the weight that
     would lie on them (``carried``), and force down the deck over the normal one (``mobilised``,
     None in a run without friction)."""
 
@@ -27,8 +26,8 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Deepest:
-    """Largest overlap in any step of the particles, over a particle's diameter and of those with
-    the surface in m."""
+    """The largest overlap in any step of the particles, over a particle's diameter, and the largest
+    of those with the surface in m."""
 
     per_diameter: float
     surface_m: float
@@ -36,7 +35,7 @@ class Deepest:
 
 @dataclass(frozen=True)
 class Products:
-    """Mean diameter of the coarsest product over that of the finest, and words about it."""
+    """The mean diameter of the coarsest product over that of the finest, and words about it."""
 
     ratio: float
     words: str
@@ -44,7 +43,7 @@ class Products:
 
 @dataclass(frozen=True)
 class Turned:
-    """Mean power of the exciters on the frames, and the largest of a cycle during the run-up over
+    """The mean power of the exciters on the frames, and the largest of a cycle during the run-up over
     the speed that the shafts had then: the torque."""
 
     power_W: float
@@ -53,17 +52,17 @@ class Turned:
 
 @dataclass(frozen=True)
 class Observed:
-    """None where the run does not tell.
+    """The numbers of a run; each is None where the run does not tell.
 
-    ``frames_throw``: throw intensity of the frame that moves most normal to the deck; with it,
+    ``frames_throw`` is the throw intensity of the frame that moves most normal to the deck; with it,
     the scene's panels have the strokes and, where they bend, the shapes of the run.
-    ``bed_kg_per_m2``: largest mass on the deck per area.  ``rotation`` and
-    ``sideways``: displacement of a frame's outermost clamp by rotation, and out of the vertical
-    plane, over its translation, and words about it.  ``transport_m_per_s``: speed of the bed along the
-    deck.  ``panels_N_per_m``: stiffness of all panels along themselves, pull over stretch; with it the
-    scene's springs have the run's, and ``shaken`` is the frames' motion with them.
-    ``loss_factor``: largest of the panels', at the frequencies of their pull.  ``closed``: the
-    panels of the run have no openings.  ``turned``: what the run's exciters took.
+    ``bed_kg_per_m2`` is the largest mass on the deck per area.  ``rotation`` and ``sideways`` are the
+    displacement of a frame's outermost clamp by rotation, and out of the vertical plane, over its
+    translation, with words about it.  ``transport_m_per_s`` is the speed of the bed along the deck.
+    ``panels_N_per_m`` is the stiffness of all panels along themselves, pull over stretch; with it
+    the scene's springs have the run's, and ``shaken`` is the frames' motion with them.
+    ``loss_factor`` is the largest of the panels', at the frequencies of their pull.  ``closed`` says
+    that the panels of the run have no openings.  ``turned`` is what the run's exciters took.
     """
 
     frames_throw: float | None = None
@@ -78,18 +77,3 @@ class Observed:
     products: Products | None = None
     closed: bool = False
     turned: Turned | None = None
-
-
-ObservedField = Literal[
-    "frames_throw",
-    "bed_kg_per_m2",
-    "rotation",
-    "sideways",
-    "transport_m_per_s",
-    "panels_N_per_m",
-    "loss_factor",
-    "bearing",
-    "deepest",
-    "products",
-    "turned",
-]

@@ -7,18 +7,20 @@ rigid panel's would-be sag says what leaving its deformation out does.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_diameters_m
-from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out
+from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out, size_class
 from orchestrator.case.bed.sources import largest_diameter_m
+from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.deck.panels import TRANSPORT_M_S, axes, single_panels, stay_s
 from orchestrator.case.solver_plans import frames_plan, hyperelastic
+from orchestrator.case.tables.bed import Feed, SizeClass
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.plans import FramesPlan
@@ -47,67 +49,86 @@ class Scene:
     observed: Observed = field(default_factory=Observed)
 
     @property
+    def openings_m(self) -> list[float]:
+        """The smaller sides of the openings of each panel that has any."""
+        return list(smaller_sides_m(self.case))
+
+    @property
+    def finest_m(self) -> float:
+        """The smallest diameter of real particles, whatever coarse ones the case computes."""
+        return min(smallest_diameters_m(self.case).values()) / self.case.particles.coarse_graining
+
+    @property
+    def falls_through(self) -> bool:
+        """Whether some particles are smaller than the openings."""
+        return bool(self.openings_m) and self.finest_m < max(self.openings_m)
+
+    @property
     def speed_rad_per_s(self) -> float:
         """The fastest excitation; 0 where nothing shakes."""
         return max((one.speed_rad_per_s for one in self.shaken), default=0.0)
 
     @property
     def gravity_m_per_s2(self) -> float:
-        """Its size; the standard one where the case has none, as a unit."""
+        """The size of gravity; the standard one where the case has none, as a unit."""
         return float(np.linalg.norm(self.case.gravity_m_per_s2)) or STANDARD_GRAVITY_M_PER_S2
 
     @property
     def frames_throw(self) -> float:
-        """Throw intensity w^2 a / g of the frame that moves most normal to the deck."""
+        """The throw intensity w^2 a / g of the frame that moves most normal to the deck."""
         if self.observed.frames_throw is not None:
             return self.observed.frames_throw
         normal = axes(self.case)[:, 2]
         names = [body.name for body in self.plan.bodies]
-        found = [
+        accelerations_m_per_s2 = [
             sum(one.speed_rad_per_s**2 * abs(one.amplitude_m[name] @ normal) for one in self.shaken)
             for name in names
         ]
-        return float(max(found, default=0.0)) / self.gravity_m_per_s2
+        return float(max(accelerations_m_per_s2, default=0.0)) / self.gravity_m_per_s2
 
     @property
     def panels_throw(self) -> float:
-        """Throw intensity w^2 s / g of the middle of the panel that travels farthest."""
+        """The throw intensity w^2 s / g of the middle of the panel that travels farthest."""
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
         return self.speed_rad_per_s**2 * travel_m / self.gravity_m_per_s2
 
     @property
     def throw(self) -> float:
-        """The larger of both."""
+        """The larger throw of frames and panels."""
         return max(self.frames_throw, self.panels_throw)
 
     @property
     def bed_kg_per_m2(self) -> float:
-        """Mass of the particles per area of the deck, at most."""
+        """The mass of the particles per area of the deck, at most, as estimated or of a run.
+
+        It is at least that of the largest particle over the square of its diameter: so much lies
+        where it lies.  0 without particles or panels."""
+        if not has_particles(self.case) or not self.case.screen.panels:
+            return 0.0
         observed = self.observed.bed_kg_per_m2
-        if observed is None:
-            return bed_kg_per_m2(self.case)
-        return max(observed, _lying_kg_per_m2(self.case))
+        whole = bed_kg(self.case) / deck_m2(self.case) if observed is None else observed
+        return max(whole, layer_kg_per_m2(self.case))
 
     @property
     def transport_m_per_s(self) -> float:
-        """Speed of the bed along the deck."""
+        """The speed of the bed along the deck."""
         observed = self.observed.transport_m_per_s
         return TRANSPORT_M_S if observed is None else observed
 
     @property
     def slope(self) -> float:
-        """Tangent of the flattest panel's slope against the horizontal; 0 without panels."""
+        """The tangent of the flattest panel's slope against the horizontal; 0 without panels."""
         sines = [min(1.0, abs(p.panel.rectangle.along[2])) for p in self.panels]
         return math.tan(math.asin(min(sines, default=0.0)))
 
     def near_resonance(self, panel: MovedPanel) -> bool:
-        """Whether the excitation is so near to a panel's lowest frequency that its answer is
+        """Return whether the excitation is so near to a panel's lowest frequency that its answer is
         several times the static one."""
         ratio = self.speed_rad_per_s / panel.frequency_rad_per_s
         return RESONANT[0] < ratio < RESONANT[1]
 
     def change_of_response(self, loss_factor: float = 0.0, mass_ratio: float = 0.0) -> float | None:
-        """Largest change of the amplitude of a panel's middle without a loss factor or a mass upon
+        """Return the largest change of the amplitude of a panel's middle without a loss factor or a mass upon
         it (``moved_panel.change_of_response``), if all panels are taut all the time and shaken; else
         None: a slack panel is no oscillator."""
         if self.speed_rad_per_s == 0 or any(panel.sag_m > 0 for panel in self.panels):
@@ -119,45 +140,18 @@ class Scene:
 
     @property
     def impact_m_per_s(self) -> float:
-        """The case's own (1 m/s, or the highest it gives), or the panels' middles' speed."""
+        """The speed of impacts: the case's own (1 m/s, or the highest it gives), or that of the panels'
+        middles, whichever is more."""
         travel_m = max((panel.travel_m for panel in self.panels), default=0.0)
         return max(impact_speed_m_per_s(self.case), self.speed_rad_per_s * travel_m)
 
 
 def scene(case: Case) -> Scene:
-    """Of a case whose tables fit together."""
-    plan = moving_plan(case)
-    panels, springs, shaken = _together(case, plan)
-    return Scene(case, plan, panels, springs, shaken)
+    """Return the scene of a case whose tables fit together.
 
-
-def elastic_solvers() -> str:
-    """Return the panel solvers whose panels deform, as words about a cost."""
-    return f"none with panel.solver {solvers.those('panel', lambda adapter: adapter.deforms)}"
-
-
-def moving_plan(case: Case) -> FramesPlan:
-    """Frames, bushings, exciters and drives, whatever the level solves of them."""
-    able = next(name for name in solvers.names("frames") if _moves_all(name))
-    case = case.model_copy(update={"frames": case.frames.model_copy(update={"solver": able})})
-    return frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
-
-
-def _moves_all(solver: str) -> bool:
-    """Return whether a frames solver leaves out nothing that a plan of frames has."""
-    adapter = cast("FramesAdapter", solvers.adapter("frames", solver))
-    return adapter.moved_by_forces and adapter.drives and adapter.rotates and adapter.motors
-
-
-def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
-    """Amplitude of a panel's ends against each other, along it; of several speeds the sum."""
-    return float(sum(abs(one.relative_m(spring.frames) @ spring.along) for one in shaken))
-
-
-def _together(
-    case: Case, plan: FramesPlan
-) -> tuple[tuple[MovedPanel, ...], tuple[PanelSpring, ...], tuple[Shaking, ...]]:
-    """Panels pull as the stroke lets them, the stroke is as the panels let it."""
+    Its panels pull as the stroke lets them, and the stroke is as the panels let it.
+    """
+    plan = _moving_plan(case)
     panels = tuple(
         MovedPanel(one, hyperelastic(case.materials[one.table.material]), 0.0) for one in single_panels(case)
     )
@@ -166,14 +160,29 @@ def _together(
         springs = tuple(_spring(*row) for row in zip(panels, stiffness_N_per_m, strict=True))
         shaken = solve_shakings(plan, springs)
         panels = tuple(
-            MovedPanel(panel.panel, panel.material, stroke_m(shaken, spring))
+            replace(panel, stroke_m=stroke_m(shaken, spring))
             for panel, spring in zip(panels, springs, strict=True)
         )
         wanted_N_per_m = np.array([panel.spring_N_per_m for panel in panels])
         if np.allclose(wanted_N_per_m, stiffness_N_per_m, rtol=1e-9, atol=0.0):
             break
         stiffness_N_per_m = (stiffness_N_per_m + wanted_N_per_m) / 2
-    return panels, springs, shaken
+    return Scene(case, plan, panels, springs, shaken)
+
+
+def _moving_plan(case: Case) -> FramesPlan:
+    """Return frames, bushings, exciters and drives, whatever the level's solver leaves out of them."""
+
+    def moves_all(frames: FramesAdapter) -> bool:
+        return frames.moved_by_forces and frames.drives and frames.rotates and frames.motors
+
+    able = next(
+        name
+        for name in solvers.names("frames")
+        if moves_all(cast("FramesAdapter", solvers.adapter("frames", name)))
+    )
+    case = case.model_copy(update={"frames": case.frames.model_copy(update={"solver": able})})
+    return frames_plan(case, np.empty((0, 3)), (), np.empty((0, 3)))
 
 
 def _spring(panel: MovedPanel, stiffness_N_per_m: float) -> PanelSpring:
@@ -183,40 +192,48 @@ def _spring(panel: MovedPanel, stiffness_N_per_m: float) -> PanelSpring:
     return PanelSpring(panel.panel.frames, ends_m, at.along, float(stiffness_N_per_m), panel.free_mass_kg)
 
 
+def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
+    """Return the amplitude of a panel's ends against each other, along it; of several speeds the sum."""
+    return float(sum(abs(one.relative_m(spring.frames) @ spring.along) for one in shaken))
+
+
+def elastic_solvers() -> str:
+    """Return the panel solvers whose panels deform, as words about a cost."""
+    return f"none with panel.solver {solvers.those('panel', lambda adapter: adapter.deforms)}"
+
+
 def deck_m2(case: Case) -> float:
-    """Area of the panels."""
+    """Return the area of the panels."""
     return sum(p.rectangle.span_m * p.rectangle.width_m for p in single_panels(case))
 
 
-def bed_kg_per_m2(case: Case) -> float:
-    """Mass of the particles per area of the deck, at most: what is there at the start, and what a
-    feed brings in the time that material stays.  At least that of the largest particle over the
-    square of its diameter: so much lies where it lies.  0 without particles or panels."""
-    if not has_particles(case) or not case.screen.panels:
-        return 0.0
-    return max(bed_kg(case) / deck_m2(case), _lying_kg_per_m2(case))
-
-
 def bed_kg(case: Case) -> float:
-    """Mass of the particles, at most: what is there at the start, and what a feed brings in the
-    time that material stays."""
-    return sum(_masses_kg(case))
+    """Return the mass of the particles, at most: what is there at the start, and what a feed brings
+    in the time that material stays."""
+
+    def fed_kg(feed: Feed) -> float:
+        stop_s = min(case.duration_s, feed.stop_s or math.inf)
+        fed_s = min(stay_s(case), max(0.0, stop_s - feed.start_s))
+        return feed.rate_kg_per_s * (1 - share_left_out(feed)) * fed_s
+
+    return sum(mass_kg for mass_kg, _ in bed_parts(case, fed_kg))
 
 
-def _lying_kg_per_m2(case: Case) -> float:
-    """Of the largest particle."""
+def bed_parts(case: Case, fed_kg: Callable[[Feed], float]) -> Iterator[tuple[float, tuple[SizeClass, ...]]]:
+    """Yield the mass and the size classes of each single particle, each block and, with the mass that
+    ``fed_kg`` gives, each feed."""
+    for one in case.bed.particles.values():
+        density = case.materials[one.material].density_kg_per_m3
+        yield sphere_mass_kg(one.diameter_m, density), (size_class(one.diameter_m, one.diameter_m, 1.0),)
+    for block in case.bed.blocks.values():
+        sizes = classes(block)
+        yield block.count * mean_mass_kg(sizes, case.materials[block.material].density_kg_per_m3), sizes
+    for feed in case.bed.feeds.values():
+        yield fed_kg(feed), classes(feed)
+
+
+def layer_kg_per_m2(case: Case) -> float:
+    """Return the mass per area of one layer of the largest particles, side by side."""
     densest = max(case.materials[name].density_kg_per_m3 for name in smallest_diameters_m(case))
     largest_m = largest_diameter_m(case)
     return sphere_mass_kg(largest_m, densest) / largest_m**2
-
-
-def _masses_kg(case: Case) -> Iterator[float]:
-    for one in case.bed.particles.values():
-        yield sphere_mass_kg(one.diameter_m, case.materials[one.material].density_kg_per_m3)
-    for block in case.bed.blocks.values():
-        density = case.materials[block.material].density_kg_per_m3
-        yield block.count * mean_mass_kg(classes(block), density)
-    for feed in case.bed.feeds.values():
-        stop_s = min(case.duration_s, feed.stop_s or math.inf)
-        fed_s = min(stay_s(case), max(0.0, stop_s - feed.start_s))
-        yield feed.rate_kg_per_s * (1 - share_left_out(feed)) * fed_s

@@ -8,21 +8,20 @@ import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from statistics import median
 from typing import Any
 
 import numpy as np
 from scipy.stats import t as student
 
-from orchestrator.case.file.errors import CaseError
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.output.results.estimate import CONFIDENCE
 from orchestrator.ports.clock import exact
-from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
 from orchestrator.studies.criteria import Criterion, answer_error
-from orchestrator.studies.points import CaseStudy, Point, is_random, sample_s, sampled_at, seeded
+from orchestrator.studies.points import CaseStudy, Point, sample_s, sampling_sets
 from orchestrator.studies.quantities import COMPARED, Metrics, measure, relative
 
 BASE, ALONE, TOGETHER, REFERENCE, CALIBRATION = "base", "parameter", "diagonal", "reference", "short"
@@ -72,8 +71,8 @@ class Combination:
         """Whether all its runs have come to an end, well or not."""
         return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
 
-    def measured(self) -> Combination:
-        """Returns it with the metrics of its runs, if all are done."""
+    def with_metrics(self) -> Combination:
+        """Returns the point with the metrics of its runs, if all are done."""
         if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
             return self
         return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
@@ -87,28 +86,22 @@ class Combination:
         values = self.values(name)
         return float(np.mean(values)) if values else None
 
-    def _mean_of(self, key: str) -> float:
-        return float(np.mean([of_run.summary[key] for of_run in self.metrics]))
-
     @property
     def processor_s(self) -> float:
         """Processor time of one run."""
-        return self._mean_of("processor_s")
+        return self.cost["processor_s"]
 
-    @property
-    def wall_s(self) -> float:
-        """Wall time of one run."""
-        return self._mean_of("wall_s")
-
-    @property
-    def memory_MiB(self) -> float:
-        """The most memory that a run took."""
-        return float(max(of_run.summary["peak_memory_MiB"] for of_run in self.metrics))
-
-    @property
-    def side_by_side(self) -> int:
-        """How many runs were at work at a time when these were."""
-        return max(run.side_by_side() for run in self.runs)
+    @cached_property
+    def cost(self) -> dict[str, float]:
+        """Times of one run, how many runs were at work at a time when these were, and the most memory
+        that one took."""
+        summaries = [of_run.summary for of_run in self.metrics]
+        return {
+            "processor_s": float(np.mean([summary["processor_s"] for summary in summaries])),
+            "wall_s": float(np.mean([summary["wall_s"] for summary in summaries])),
+            "side_by_side": max(run.side_by_side() for run in self.runs),
+            "peak_memory_MiB": max(summary["peak_memory_MiB"] for summary in summaries),
+        }
 
     @property
     def processor_by_part_s(self) -> dict[str, float]:
@@ -133,7 +126,7 @@ def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
     shortens = [name for name, then in case.monitor.model_dump().items() if then == "shorten"]
     return (
         *(f"monitor.{name}=warn" for name in shortens),
-        *sampled_at(coarsest_s),
+        *sampling_sets(coarsest_s),
         f"output.interval_s={_whole(exact(case.output.interval_s), every)!r}",
         f"duration_s={_whole(exact(case.duration_s), every)!r}",
         "checkpoint.wall_min=0.0",
@@ -152,24 +145,6 @@ def folder_name(kind: str, settings: dict[str, Setting]) -> str:
     if kind in (TOGETHER, REFERENCE):
         return f"together-{zlib.crc32(chr(10).join(joint_sets(settings)).encode()):08x}"
     return kind
-
-
-def combination(
-    asked: Asked, case: Case, shared: Sequence[str], kind: str, settings: dict[str, Setting]
-) -> Combination:
-    """Returns settings as a point, checked, with the time that a run should take; ``case`` is the
-    one as it is."""
-    name = folder_name(kind, settings)
-    seeds = asked.seeds if is_random(case) and kind != CALIBRATION else 1
-    runs = []
-    try:
-        for number in range(seeds):
-            sets = (*shared, *joint_sets(settings), *seeded(case, number))
-            runs.append(asked.study.point(name, sets, f"{name}-seed{number}" if number else name))
-    except CaseError as error:
-        return Combination(kind, name, settings, omitted=str(error.problems[0]))
-    there = runs[0].loaded.case
-    return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 
 
 def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
@@ -286,7 +261,7 @@ def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, f
     return {name: float(np.mean(each)) for name, each in told.items() if each}
 
 
-def worst(found: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
+def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
     """Returns the largest of the errors that decide, with its name."""
-    deciding = [(name, found[name]) for name in judged_by if name in found]
+    deciding = [(name, errors[name]) for name in judged_by if name in errors]
     return max(deciding, key=lambda pair: pair[1].value, default=None)

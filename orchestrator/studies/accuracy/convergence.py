@@ -1,14 +1,22 @@
-"""How series of settings converge: the order that is observed, and what is left of error in the finest."""
+"""How series of settings converge, and what settings taken together should give.
+
+A series shows the order that is observed, and what is left of error in its finest setting.  Of
+settings taken together errors add up, quantity by quantity; the processor time of each part of the
+program (particles, panel, frames ...) is multiplied by what each setting does to it.  The study then
+runs what this proposes, so that a prediction stands beside what was measured.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from statistics import median
+from typing import Literal
 
 import numpy as np
 
+from orchestrator.ports import Array
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
     BASE,
@@ -19,7 +27,6 @@ from orchestrator.studies.accuracy.combinations import (
     errors,
     folder_name,
 )
-from orchestrator.studies.accuracy.model import Option
 from orchestrator.studies.accuracy.refinement import RefinementSeries, Setting
 from orchestrator.studies.criteria import Criterion
 
@@ -126,7 +133,7 @@ class Converged:
         return last.value / float((before_h / finest_h) ** self.series.expected - 1)
 
 
-def converged(
+def measure_series(
     series: RefinementSeries, measured: Mapping[str, Combination], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
     """Returns a series with what was measured of it; None where nothing was."""
@@ -148,55 +155,87 @@ def converged(
 
 
 @dataclass(frozen=True)
-class Compared:
-    """A setting of an axis with its ``errors`` against the best of all its settings; ``is_best``
-    of that one itself."""
+class Option:
+    """A setting that was measured: error by quantity against the best of its axis, and what it
+    does to the processor time of each part (ratio to the case as it is)."""
 
-    series: RefinementSeries
+    axis: str
     setting: Setting
-    point: Combination
-    errors: dict[str, Error]
-    is_best: bool
+    error: dict[str, float]
+    ratio: dict[str, float]
 
 
-def best_of(axis: str, every: Sequence[Converged]) -> Converged | None:
-    """Returns the series on an axis that is nearest to the truth."""
-    mine = [one for one in every if one.series.axis == axis]
-    return max(mine, key=lambda one: one.series.rank, default=None)
-
-
-def compare_axis(axis: str, every: Sequence[Converged], spread: Scatter) -> list[Compared]:
-    """Returns every setting of an axis that was measured, against the best of them."""
-    best = best_of(axis, every)
-    if best is None:
-        return []
-    finest, reference = best.settings[-1], best.points[-1]
-    return [
-        Compared(one.series, setting, point, errors(point, reference, spread), setting is finest)
-        for one in every
-        if one.series.axis == axis
-        for setting, point in zip(one.settings, one.points, strict=True)
-    ]
-
-
-def options(axis: str, every: Sequence[Converged], base: Combination, spread: Scatter) -> list[Option]:
-    """Returns the choices on an axis; errors that chance explains count as none."""
-    choices = {c.setting: c for c in compare_axis(axis, every, spread) if c.series.is_choice}
-    return [
-        Option(
-            axis,
-            choice.setting,
-            {name: one.value if one.certain else 0.0 for name, one in choice.errors.items()},
-            _ratio(choice.point, base),
-        )
-        for choice in choices.values()
-    ]
-
-
-def _ratio(point: Combination, base: Combination) -> dict[str, float]:
+def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
     """Returns the ratio of processor times by part; of parts that hardly count, 1."""
     ours, theirs = point.processor_by_part_s, base.processor_by_part_s
     return {
         part: ours.get(part, 0.0) / theirs[part] if theirs[part] > LEAST_SHARE * base.processor_s else 1.0
         for part in theirs
     }
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """One option of each axis."""
+
+    options: tuple[Option, ...]
+    error: float
+    processor_s: float
+
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """Those that differ from the case as it is."""
+        return {one.axis: one.setting for one in self.options if one.setting.sets}
+
+
+class Model:
+    """``axes``: options by axis; ``parts_s``: processor time of the case as it is, by part;
+    ``remaining``: error by quantity that even the best options have."""
+
+    def __init__(
+        self,
+        axes: Mapping[str, list[Option]],
+        parts_s: Mapping[str, float],
+        remaining: Mapping[str, float],
+        judged_by: Sequence[str],
+    ) -> None:
+        self._axes = list(axes.values())
+        errors = [[_row(one.error, judged_by) for one in axis] for axis in self._axes]
+        ratios = [[_row(one.ratio, parts_s, 1.0) for one in axis] for axis in self._axes]
+        lengths = [[np.log([one.setting.h or 1.0]) for one in axis] for axis in self._axes]
+        error = _combined(np.add, errors, len(judged_by)) + _row(remaining, judged_by)
+        self._worst = error.max(axis=-1, initial=0.0)
+        self._length = _combined(np.add, lengths, 1)[..., 0]
+        self._cost_s = _combined(np.multiply, ratios, len(parts_s)) @ _row(parts_s, parts_s)
+
+    def cheapest(self, tolerance: float) -> Proposal | None:
+        """Returns the cheapest with an error of at most ``tolerance``; None where there is none."""
+        if not (self._worst <= tolerance).any():
+            return None
+        return self._proposal(int(np.where(self._worst <= tolerance, self._cost_s, np.inf).argmin()))
+
+    def best(self, budget_s: float, ties: Literal["cheapest", "finest"]) -> Proposal | None:
+        """Returns that of the least error for at most so much processor time; None where none is so
+        cheap.  Times are measured, so that what is finest must not go by them."""
+        within = np.flatnonzero(self._cost_s <= budget_s)
+        if not len(within):
+            return None
+        preferred = (self._cost_s if ties == "cheapest" else self._length).flat[within]
+        return self._proposal(int(within[np.lexsort((preferred, self._worst.flat[within]))[0]]))
+
+    def _proposal(self, flat: int) -> Proposal:
+        at = np.unravel_index(flat, self._cost_s.shape)
+        chosen = tuple(axis[number] for axis, number in zip(self._axes, at, strict=True))
+        return Proposal(chosen, float(self._worst[at]), float(self._cost_s[at]))
+
+
+def _row(
+    values: Mapping[str, float], names: Sequence[str] | Mapping[str, float], otherwise: float = 0.0
+) -> Array:
+    return np.array([values.get(name, otherwise) for name in names])
+
+
+def _combined(how: np.ufunc, axes: list[list[Array]], width: int) -> Array:
+    """Returns (n_1, n_2, ..., width) of every choice of one row from each axis."""
+    start = np.full(width, how.identity, dtype=float)
+    return reduce(lambda before, rows: how(before[..., None, :], np.array(rows)), axes, start)

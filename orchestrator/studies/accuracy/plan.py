@@ -33,9 +33,9 @@ from orchestrator.preflight.cost import THICK, THIN, bed_cost, in_words
 from orchestrator.preflight.judge import JudgedCase, load_judged
 from orchestrator.preflight.scene.effect import TENTH, Verdict
 from orchestrator.studies.accuracy.combinations import BASE, part_s
-from orchestrator.studies.accuracy.model import Model, Option, Proposal
+from orchestrator.studies.accuracy.convergence import Model, Option, Proposal
 from orchestrator.studies.accuracy.refinement import Setting, joint_label, joint_sets
-from orchestrator.studies.points import RunFailed, check_case, run_in_scratch
+from orchestrator.studies.points import CaseStudy, RunFailed, run_in_scratch
 from orchestrator.studies.quantities import DECISIVE, happens
 
 NAME = "accuracy.json"
@@ -54,26 +54,26 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoredStudy:
     """A study of accuracy, as ``report.as_json`` wrote it into a file."""
 
     file: Path
-    found: dict[str, Any]
+    table: dict[str, Any]
 
     @cached_property
     def model(self) -> Model:
         """What predicts settings taken together."""
-        found, axes = self.found, {}
-        for axis, every in found["options"].items():
+        table, axes = self.table, {}
+        for axis, every in table["options"].items():
             settings = (Setting(one["label"], tuple(one["sets"])) for one in every)
             pairs = zip(every, settings, strict=True)
             axes[axis] = [Option(axis, setting, one["error"], one["ratio"]) for one, setting in pairs]
-        return Model(axes, found["base"]["processor_by_part_s"], found["remaining"], found["judged_by"])
+        return Model(axes, table["base"]["processor_by_part_s"], table["remaining"], table["judged_by"])
 
     @property
     def of_nothing(self) -> bool:
         """Whether nothing happened in it: errors of what cannot be resolved promise nothing."""
-        base = [one for one in self.found["points"] if one.get("point") == BASE]
+        base = [one for one in self.table["points"] if one.get("point") == BASE]
         return bool(base) and not any(happens(one) for one in base)
 
     def measured(self) -> list[Candidate]:
@@ -86,7 +86,7 @@ class Stored:
                 one["processor_s"],
                 True,
             )
-            for one in self.found["points"]
+            for one in self.table["points"]
             if one["error"] is not None
         ]
 
@@ -106,7 +106,7 @@ class Stored:
     @property
     def _chance(self) -> float:
         """By how much a prediction may be off although all adds up."""
-        return float(self.found["chance"] or 0.0)
+        return float(self.table["chance"] or 0.0)
 
     def _predicted(self, proposal: Proposal | None) -> list[Candidate]:
         if proposal is None:
@@ -115,10 +115,10 @@ class Stored:
         return [Candidate(label, joint_sets(proposal.settings), error, proposal.processor_s, False)]
 
 
-def measured_verdict(effect: str, verdict: Verdict, study: Stored) -> Verdict:
+def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
     """Returns the verdict on an effect with the error and cost of the model that does without it;
     as it was where no such model was run."""
-    model = _model_without(effect, study.found.get("models", []))
+    model = _model_without(effect, study.table.get("models", []))
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
         return verdict
@@ -144,13 +144,13 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
             wanted[effect] = (port, name)
     if effect not in wanted:
         return None
-    found = [
+    fitting = [
         m for m in models if (m["axis"], m["variant"]) == wanted[effect] and m["label"] != m["reference"]
     ]
-    return next((model for model in found if not model["sets"]), found[-1] if found else None)
+    return next((model for model in fitting if not model["sets"]), fitting[-1] if fitting else None)
 
 
-def stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
+def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
     """Returns the study in the file given, or beside the case, or in its usual folder, if it is of
     this case and level; None where there is none.  Raises CaseError for a file that is none."""
 
@@ -162,12 +162,12 @@ def stored(loaded: JudgedCase, given: Path | None) -> Stored | None:
     usual = (loaded.folder / NAME, Path("runs") / f"{loaded.name}-accuracy" / NAME)
     for file in (given,) if given else filter(Path.is_file, usual):
         try:
-            found = json.loads(file.read_text(encoding="utf-8"))
-            case, level = found["case"], found["level"]
+            table = json.loads(file.read_text(encoding="utf-8"))
+            case, level = table["case"], table["level"]
         except (ValueError, KeyError, TypeError):
             raise problem(file, "is no study of accuracy") from None
         if (case, level) == (loaded.name, loaded.level):
-            return Stored(file, found)
+            return StoredStudy(file, table)
         if given:
             raise problem(file, f'is of case "{case}", level "{level}"')
     return None
@@ -235,11 +235,11 @@ class Timing:
         return more * duration_s / self.simulated_s
 
 
-def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
+def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
     """Returns the summary of a run that nobody keeps; only its times are asked for, so that it may be
     a doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
     try:
-        summary = run_in_scratch(case, check_case(case, level, sets).level, sets)
+        summary = run_in_scratch(case, CaseStudy(case, level, tuple(sets)).check().level, sets)
     except RunFailed as why:
         raise SolverFailed(f"the calibration run {why}") from None
     if not trust.came_to_its_end(str(summary["status"])):
@@ -247,11 +247,11 @@ def timed(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
     return summary
 
 
-def by_study(study: Stored, case: Path, level: str | None) -> Timing:
+def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
     """Returns what runs take here, from the study's short run, made again here."""
-    base = study.found["base"]
-    (short,) = study.found["short"].values()
-    here = timed(case, level, [*study.found["sets"], *study.found["shared"], *short["sets"]])
+    base = study.table["base"]
+    (short,) = study.table["short"].values()
+    here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])
     wall_s = here["wall_by_part_s"]
     simulated_s, in_parts_s = base["simulated_s"], base["processor_by_part_s"]
     return Timing(
@@ -260,15 +260,15 @@ def by_study(study: Stored, case: Path, level: str | None) -> Timing:
         _start_s(wall_s),
         _stepping_s(wall_s) / _stepping_s(short["processor_by_part_s"]),
         in_parts_s.get("particles", 0.0) / _stepping_s(in_parts_s),
-        filling(load_judged(case, level, study.found["sets"]).case, simulated_s),
+        filling(load_judged(case, level, study.table["sets"]).case, simulated_s),
     )
 
 
-def as_it_is_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
+def predict_wall_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
     """Returns the wall time here of a case without a study, from a short run."""
     duration_s = part_s(case, PART)
     short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
-    wall_s = timed(path, level, short)["wall_by_part_s"]
+    wall_s = time_run(path, level, short)["wall_by_part_s"]
     return _start_s(wall_s) + case.duration_s / duration_s * _stepping_s(wall_s)
 
 
@@ -289,7 +289,7 @@ class Plan:
     """What is chosen for a case by its study, a tolerance and a wall time."""
 
     case: Case
-    study: Stored
+    study: StoredStudy
     timing: Timing
     tolerance: float
     budget_s: float
@@ -336,7 +336,7 @@ class Plan:
 
     def _more_ranks_or_narrower(self) -> Iterator[str]:
         """Yields ranks, and a slice where particles and panels are what takes the time."""
-        case, parts_s = self.case, self.study.found["base"]["processor_by_part_s"]
+        case, parts_s = self.case, self.study.table["base"]["processor_by_part_s"]
         share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
         shared_s, left_s = share * self.wall_s, self.budget_s - (1 - share) * self.wall_s
         ranks = math.ceil(shared_s / left_s) if left_s > 0 else math.inf

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, cast
+from typing import Any, Literal
 
 from orchestrator.case import solvers
 from orchestrator.case.file.errors import CaseError, did_you_mean
@@ -22,9 +22,6 @@ from orchestrator.ports.clock import exact, steps_in
 from orchestrator.ports.plans import SolverFailed, SolverMissing
 from orchestrator.preflight.stability.modes import largest_steps_s
 from orchestrator.preflight.stability.report import case_with_scheme
-
-if TYPE_CHECKING:
-    from orchestrator.ports.adapters import FramesAdapter, PanelAdapter
 
 SCHEME_ORDERS = {"particles-first": 2.0, "serial-staggered": 1.0, "aitken": 2.0, "quasi-newton": 2.0}
 """Of the position (docs/theory/coupling.md); those of the other schemes are nowhere derived."""
@@ -232,7 +229,7 @@ def _panel_model(case: Case, points: int) -> Iterable[RefinementSeries]:
     own = case.panel.adapter
     along, across = case.panel.cells if own.refined_by and own.varies_across else USUAL_CELLS
     for name in _by_fidelity("panel"):
-        adapter = _panel_adapter(name)
+        adapter = _adapter("panel", name)
         if name == case.panel.solver:
             continue
         if adapter.refined_by:
@@ -245,7 +242,7 @@ def _panel_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> RefinementSeries:
-    adapter, own = _panel_adapter(name), name == case.panel.solver
+    adapter, own = _adapter("panel", name), name == case.panel.solver
     solver: tuple[str, ...] = ()
     if not own:
         integrator = "implicit" if adapter.mesh_size else "explicit"  # cells of any size
@@ -276,12 +273,12 @@ def _by_fidelity(port: solvers.Port) -> list[str]:
 def _fidelity(port: solvers.Port, name: str) -> float:
     """Returns the place of a solver; one that plays another's motion back is the better one of two
     that nothing bends."""
-    fidelity = solvers.adapter(port, name).fidelity
+    fidelity: float | None = _adapter(port, name).fidelity
     return PLAYED_BACK if fidelity is None else fidelity
 
 
-def _panel_adapter(name: str) -> PanelAdapter:
-    return cast("PanelAdapter", solvers.adapter("panel", name))
+def _adapter(port: solvers.Port, name: str) -> Any:
+    return solvers.adapter(port, name)
 
 
 def _panel_step(case: Case, points: int) -> Iterable[RefinementSeries]:
@@ -320,7 +317,7 @@ def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
     driven = all(frame.drive for frame in case.screen.frames.values())
     for name in _by_fidelity("frames"):
         own = name == case.frames.solver
-        free = cast("FramesAdapter", solvers.adapter("frames", name)).moved_by_forces
+        free = _adapter("frames", name).moved_by_forces
         made: Literal["", "motion"] = "" if own or free or driven else "motion"
         sets = () if own else (f"frames.solver={name}",)
         yield _model("frames", Setting(name, sets, made_from_run=made))

@@ -22,13 +22,13 @@ from orchestrator.studies.accuracy.combinations import (
     Combination,
     Error,
 )
-from orchestrator.studies.accuracy.convergence import Compared, Converged, Order
+from orchestrator.studies.accuracy.convergence import Converged, Order
 from orchestrator.studies.accuracy.refinement import PARAMETERS
-from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, Row
+from orchestrator.studies.accuracy.study import RECOMMENDED, AccuracyStudy, Compared, Row
 from orchestrator.studies.quantities import QUANTITIES
 from orchestrator.studies.report import (
     Cell,
-    aligned,
+    align_rows,
     console_table,
     figure_parts,
     percent,
@@ -104,7 +104,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
             "error_of": row.worst[0] if row.worst else None,
         }
         if point.metrics:
-            entry |= {"seeds": len(point.metrics), **_cost(point)}
+            entry |= {"seeds": len(point.metrics), **point.cost}
         for name in QUANTITIES:
             if point.values(name):
                 entry[name] = point.mean(name)
@@ -112,16 +112,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
                 entry[f"{name}_error"] = row.errors[name].value
                 entry[f"{name}_error_half_width"] = row.errors[name].half_width
         every.append(entry | {f"against {name}": error for name, error in row.answers.items()})
-    return aligned(every)
-
-
-def _cost(point: Combination) -> dict[str, Cell]:
-    return {
-        "processor_s": point.processor_s,
-        "wall_s": point.wall_s,
-        "side_by_side": point.side_by_side,
-        "peak_memory_MiB": point.memory_MiB,
-    }
+    return align_rows(every)
 
 
 def as_json(study: AccuracyStudy) -> dict[str, Any]:
@@ -131,7 +122,7 @@ def as_json(study: AccuracyStudy) -> dict[str, Any]:
 
     def costs(point: Combination) -> dict[str, Any]:
         simulated_s = point.metrics[0].summary["simulated_s"]
-        return {"simulated_s": simulated_s, **_cost(point), "processor_by_part_s": point.processor_by_part_s}
+        return {"simulated_s": simulated_s, **point.cost, "processor_by_part_s": point.processor_by_part_s}
 
     return {
         "case": study.loaded.name,
@@ -191,7 +182,7 @@ def cost_table(study: AccuracyStudy) -> Table:
         error = ("reference", "")
         if row.error is not None:
             error = (percent(row.error.value), percent(row.error.half_width))
-        cost = (f"{row.point.processor_s:.1f}", f"{row.point.memory_MiB:.0f}")
+        cost = (f"{row.point.processor_s:.1f}", f"{row.point.cost['peak_memory_MiB']:.0f}")
         lines.append((row.point.label, *cost, *error, row.worst[0] if row.worst else ""))
     head = ("settings", "processor / s", "MiB", "error", "+-", "of")
     return console_table(f"error against {study.reference}", head, lines, left=("of",))

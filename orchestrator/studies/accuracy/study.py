@@ -12,9 +12,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, inf
 
-from orchestrator.case import recording_file
+from orchestrator.case import recordings
 from orchestrator.case.file.errors import CaseError, CaseProblem
 from orchestrator.ports.clock import exact
+from orchestrator.preflight.cost import particles_at_start, predicted_s
 from orchestrator.preflight.judge import NUMERICS, JudgedCase
 from orchestrator.studies.accuracy.combinations import (
     ALONE,
@@ -29,26 +30,24 @@ from orchestrator.studies.accuracy.combinations import (
     Scatter,
     afford,
     answer_errors,
-    combination,
     errors,
     folder_name,
     part_s,
     scatter,
     shared_sets,
-    worst,
+    worst_error,
 )
 from orchestrator.studies.accuracy.convergence import (
-    Compared,
     Converged,
-    best_of,
-    compare_axis,
-    converged,
-    options,
+    Model,
+    Option,
+    Proposal,
+    cost_ratio,
+    measure_series,
 )
-from orchestrator.studies.accuracy.model import Model, Option, Proposal
-from orchestrator.studies.accuracy.refinement import Offer, Setting, joint_sets, offer
+from orchestrator.studies.accuracy.refinement import Offer, RefinementSeries, Setting, joint_sets, offer
 from orchestrator.studies.criteria import Criterion, known_answers
-from orchestrator.studies.points import Point, is_random, run_points
+from orchestrator.studies.points import Point, is_random, run_points, seed_sets
 from orchestrator.studies.quantities import COMPARED, happens
 from orchestrator.studies.record import drives, record
 
@@ -56,6 +55,18 @@ TOLERANCES = (0.2, 0.1, 0.05, 0.02, 0.01)
 RECOMMENDED = (0.01, 0.05, 0.1)
 RECORDING = "panels.h5"
 SHORT = 5  # the short part is one of so many of the run
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A setting of an axis with its ``errors`` against the best of all its settings; ``is_best``
+    of that one itself."""
+
+    series: RefinementSeries
+    setting: Setting
+    point: Combination
+    errors: dict[str, Error]
+    is_best: bool
 
 
 @dataclass(frozen=True)
@@ -111,15 +122,25 @@ class AccuracyStudy:
     reference: str = BASE
 
     def combine(self, kind: str, settings: dict[str, Setting]) -> Combination:
-        """Returns settings as a point of this study."""
-        return combination(self.asked, self.loaded.case, self.shared, kind, settings)
+        """Returns settings as a point of this study, checked, with the time that a run should take."""
+        name, case = folder_name(kind, settings), self.loaded.case
+        seeds = self.asked.seeds if is_random(case) and kind != CALIBRATION else 1
+        runs = []
+        try:
+            for number in range(seeds):
+                sets = (*self.shared, *joint_sets(settings), *seed_sets(case, number))
+                runs.append(self.asked.study.point(name, sets, f"{name}-seed{number}" if number else name))
+        except CaseError as error:
+            return Combination(kind, name, settings, omitted=str(error.problems[0]))
+        there = runs[0].loaded.case
+        return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 
     def run(self, points: Sequence[Combination]) -> Generator[str, None, AccuracyStudy]:
         """Runs points that are not done, yields a line for each run, and returns the study with them
         and their metrics.  Runs that have failed are results, too, and not run again."""
         todo = [run for one in points for run in one.runs if run.status() != "failed"]
         yield from run_points(todo, self.asked.study.crew)
-        return self.with_points([one.measured() for one in points])
+        return self.with_points([one.with_metrics() for one in points])
 
     def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
         """Returns the study with these points in the place of those of the same names, or added."""
@@ -149,23 +170,43 @@ class AccuracyStudy:
     @cached_property
     def converged(self) -> list[Converged]:
         """Every series of which something was measured."""
-        every = (converged(one, self.measured, self.spread, self.known) for one in self.offer.series)
+        every = (measure_series(one, self.measured, self.spread, self.known) for one in self.offer.series)
         return [one for one in every if one is not None]
 
-    def compared(self, axis: str) -> list[Compared]:
-        """Returns every setting of an axis that was measured, against the best of them."""
-        return compare_axis(axis, self.converged, self.spread)
+    def best(self, axis: str) -> Converged | None:
+        """Returns the series on an axis that is nearest to the truth."""
+        mine = [one for one in self.converged if one.series.axis == axis]
+        return max(mine, key=lambda one: one.series.rank, default=None)
+
+    def compared(self, axis: str, spread: Scatter | None = None) -> list[Compared]:
+        """Returns every setting of an axis that was measured, against the best of them; another
+        ``spread`` says what counts as chance."""
+        best = self.best(axis)
+        if best is None:
+            return []
+        finest, reference, spread = best.settings[-1], best.points[-1], spread or self.spread
+        return [
+            Compared(one.series, setting, point, errors(point, reference, spread), setting is finest)
+            for one in self.converged
+            if one.series.axis == axis
+            for setting, point in zip(one.settings, one.points, strict=True)
+        ]
 
     def options(self, spread: Scatter | None = None) -> dict[str, list[Option]]:
-        """Returns the choices by axis; another ``spread`` says what counts as chance."""
-        spread = spread or self.spread
-        every = {axis: options(axis, self.converged, self.base, spread) for axis in self.offer.titles}
-        return {axis: choices for axis, choices in every.items() if choices}
+        """Returns the choices by axis; errors that chance explains count as none."""
+        options: dict[str, list[Option]] = {}
+        for axis in self.offer.titles:
+            choices = {one.setting: one for one in self.compared(axis, spread) if one.series.is_choice}
+            for setting, one in choices.items():
+                certain = {name: error.value if error.certain else 0.0 for name, error in one.errors.items()}
+                ratio = cost_ratio(one.point, self.base)
+                options.setdefault(axis, []).append(Option(axis, setting, certain, ratio))
+        return options
 
     @cached_property
     def remaining(self) -> dict[str, float]:
         """What errors add up to where every axis has its best setting."""
-        best = [one for axis in self.offer.titles if (one := best_of(axis, self.converged)) is not None]
+        best = [one for axis in self.offer.titles if (one := self.best(axis)) is not None]
         return {name: sum(one.remaining(name) for one in best) for name in self.judged_by}
 
     def model(self, spread: Scatter | None = None) -> Model:
@@ -181,7 +222,7 @@ class AccuracyStudy:
                 off = errors(one, best, self.spread) if one.metrics and one is not best else {}
                 answers = answer_errors(one, self.known) if one.metrics else {}
                 proposal = self.proposals.get(one.name)
-                rows.append(Row(one, off, worst(off, self.judged_by), answers, proposal))
+                rows.append(Row(one, off, worst_error(off, self.judged_by), answers, proposal))
         return rows
 
     @cached_property
@@ -237,7 +278,7 @@ def _short(base: Combination) -> dict[str, Setting]:
     return {"duration": Setting(f"{short_s:g} s", (f"duration_s={short_s!r}",))}
 
 
-def studied(asked: Asked) -> Generator[str, None, AccuracyStudy]:
+def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
     """Runs what is not done yet, yields a line for each run, and returns what was found.  Raises
     CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable."""
     study = plan_study(asked)
@@ -275,7 +316,7 @@ def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
             try:
                 if setting.made_from_run == "recording":
                     file = study.asked.study.folder / RECORDING
-                    recording_file.write(file, record(run.folder, None).file)
+                    recordings.write(file, record(run.folder, None).file)
                     sets = [f"panel.recording={file.resolve()}"]
                 else:
                     sets = drives(run.folder)

@@ -13,8 +13,8 @@ from orchestrator.output.records.run_folder import study_folder
 from orchestrator.studies.accuracy.combinations import ENDED, Asked, afford
 from orchestrator.studies.accuracy.refinement import PARAMETERS
 from orchestrator.studies.accuracy.report import advice, cost_table, write_study
-from orchestrator.studies.accuracy.study import plan_study, studied
-from orchestrator.studies.options import Told
+from orchestrator.studies.accuracy.study import plan_study, run_study
+from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.quantities import COMPARED, DECISIVE
 
@@ -40,7 +40,7 @@ def command(
     ] = "",
     dry: Annotated[bool, typer.Option("--dry", help="say what would be run, and stop")] = False,
     knobs: Annotated[str, typer.Option(hidden=True)] = "",
-) -> Told:
+) -> StudyOutput:
     """Measure what accuracy costs: a case over the refinement parameters that buy it.
 
     One parameter is changed at a time; then what these propose together is run: the reference, and
@@ -66,7 +66,7 @@ def command(
         yield from _predictions(asked)
         return True
     with study_folder(study.folder):
-        done = yield from studied(asked)
+        done = yield from run_study(asked)
     yield cost_table(done)
     yield from (f"not compared: {row.point.label}: {row.why}" for row in done.rows if row.why)
     yield from advice(done)
@@ -87,7 +87,7 @@ def _predictions(asked: Asked) -> Iterator[str]:
     """Yields what would be run, with predictions."""
     study = plan_study(asked)
     yield from (f"not offered: {name}: {why}" for name, why in study.offer.missing.items())
-    start = [one.measured() for one in study.points[:2]]
+    start = [one.with_metrics() for one in study.points[:2]]
     total_s = 0.0
     for each in afford([*start, *study.points[2:]], asked.budget_s):
         todo = [run for run in each.runs if run.status() not in ENDED]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from orchestrator.studies.commands.sweep import write_sweep
-from orchestrator.studies.options import Told
+from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy
 from orchestrator.studies.verdicts import case_criteria, verdict_table, write_verdicts
 
 
-def command(study: CaseStudy) -> Told:
+def command(study: CaseStudy) -> StudyOutput:
     """Compare a case with the paper it comes from: what is printed there, ours, and the error.
 
     The case's criteria.toml has the paper's values, their acceptance bands, and the runs they need;

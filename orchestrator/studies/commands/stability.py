@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from annotated_types import Len
@@ -21,7 +21,6 @@ from pydantic import ValidationError
 
 from orchestrator.case.file.errors import CaseError, CaseProblem, from_validation
 from orchestrator.case.file.layers import read_toml
-from orchestrator.case.tables.case import Case
 from orchestrator.case.tables.quantities import OneLine, Positive, Table
 from orchestrator.coupling.ledger import share_created
 from orchestrator.coupling.schemes import SCHEMES
@@ -29,7 +28,7 @@ from orchestrator.output.records.run_folder import study_folder
 from orchestrator.output.report.drawing import save
 from orchestrator.preflight.scene.scene import bed_kg
 from orchestrator.studies.criteria import FILE, interval_sets, refuse_former
-from orchestrator.studies.options import Told
+from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy, Crew, Point, run_points, summary_of
 from orchestrator.studies.quantities import outcome
 from orchestrator.studies.report import figure_parts, write_csv, write_page
@@ -61,7 +60,7 @@ def command(
         str, typer.Option("--map", help="the case of that folder whose map.toml is drawn")
     ] = "interval",
     out: Annotated[Path, typer.Option("--out", help="folder of the study")] = Path("runs/stability"),
-) -> Told:
+) -> StudyOutput:
     """Run all hard cases, and draw the map of what stays stable.
 
     hard: every run of every case with criteria.toml, and its criteria.  map: one case over coupling
@@ -124,10 +123,10 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 
 def benchmark(case: Path, out: Path) -> CaseCriteria:
     """Returns one case at its default level.  Raises CaseError."""
-    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), was_run)
+    return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
 
 
-def was_run(run: Path) -> bool:
+def is_over(run: Path) -> bool:
     """Returns whether a run is over: also one that was stopped, which is what it found out."""
     return outcome(run) != "not run"
 
@@ -178,65 +177,57 @@ class Spot:
         }
 
 
-def map_spots(case: Path, out: Path) -> list[Spot]:
+def map_spots(folder: Path, out: Path) -> list[Spot]:
     """Returns every run of the map; none is run here.  Raises CaseError."""
     try:
-        wanted = MapAxes.model_validate(read_toml(case / MAP_FILE, case))
+        wanted = MapAxes.model_validate(read_toml(folder / MAP_FILE, folder))
     except ValidationError as error:
         raise CaseError([*from_validation(error, MapAxes)]) from None
-    study, spots = CaseStudy(case, None, (*QUIET, *wanted.sets), out), []
+    study, spots = CaseStudy(folder, None, (*QUIET, *wanted.sets), out), []
     for value in wanted.values:
         mass = f"{wanted.key}={value!r}"
-        mass_ratio = _bed_over_panels(study.check([mass]).case)
+        case = study.check([mass]).case
+        panels_kg = (
+            (panel.count * panel.length_m * panel.width_m * panel.thickness_m)
+            * case.materials[panel.material].density_kg_per_m3
+            for panel in case.screen.panels.values()
+        )
+        mass_ratio = bed_kg(case) / sum(panels_kg)  # of the panels between their clamps
         for multiple in wanted.multiples:
             interval = interval_sets(study, [mass, f"coupling.scheme={PLAIN}"], multiple)
             for scheme in SCHEMES:
                 name = f"{scheme}-{mass_ratio:.3g}-{multiple:g}"
                 run = study.point(name, [mass, f"coupling.scheme={scheme}", *interval])
-                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=was_run)))
+                spots.append(Spot(scheme, mass_ratio, multiple, replace(run, ended=is_over)))
     return spots
-
-
-def _bed_over_panels(case: Case) -> float:
-    """Returns the mass of the particles over that of the panels between their clamps."""
-    panels_kg = sum(
-        (panel.count * panel.length_m * panel.width_m * panel.thickness_m)
-        * case.materials[panel.material].density_kg_per_m3
-        for panel in case.screen.panels.values()
-    )
-    return bed_kg(case) / panels_kg
 
 
 def draw_map(spots: Sequence[Spot], file: Path) -> Path:
     """Draws a panel for each scheme: sync interval across, mass of the bed upwards."""
     schemes = list(dict.fromkeys(spot.scheme for spot in spots))
+    outcomes = [spot.outcome for spot in spots]
+    multiples, ratios = (sorted({getattr(s, key) for s in spots}) for key in ("multiple", "mass_ratio"))
     drawn, parts = figure_parts(len(schemes), min(3, len(schemes)), 3.75, 3.3)
     for axis, scheme in zip(parts, schemes, strict=True):
-        _draw_scheme(axis, scheme, [spot for spot in spots if spot.scheme == scheme])
+        for spot, outcome_there in zip(spots, outcomes, strict=True):
+            if spot.scheme == scheme:
+                colour, mark, _ = SHOWN[outcome_there]
+                axis.scatter(spot.multiple, spot.mass_ratio, c=colour, marker=mark, s=95, zorder=3)
+        axis.axvline(1.0, color="#24406e", lw=1.0, ls="--", zorder=1)
+        axis.set(xscale="log", yscale="log")
+        axis.set_title(scheme, loc="left", fontsize=11)
+        axis.set_xticks(multiples, [f"{x:g}" for x in multiples])
+        axis.set_yticks(ratios, [f"{x:.2g}" for x in ratios])
+        axis.minorticks_off()
+        axis.margins(0.12)
+        axis.grid(alpha=0.25)
     handles = [
         Line2D([], [], color=colour, marker=mark, ls="", ms=9, label=text)
         for name, (colour, mark, text) in SHOWN.items()
-        if any(spot.outcome == name for spot in spots)
+        if name in outcomes
     ]
     drawn.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     drawn.supxlabel("sync interval / largest safe one of the plain scheme", fontsize=10)
     drawn.supylabel("mass of the bed / of the panel", fontsize=10)
     save(drawn, file)
     return file
-
-
-def _draw_scheme(axis: Any, scheme: str, spots: Sequence[Spot]) -> None:
-    for name, (colour, mark, _) in SHOWN.items():
-        at = [(spot.multiple, spot.mass_ratio) for spot in spots if spot.outcome == name]
-        if at:
-            axis.scatter(*zip(*at, strict=True), c=colour, marker=mark, s=95, zorder=3)
-    axis.axvline(1.0, color="#24406e", lw=1.0, ls="--", zorder=1)
-    axis.set(xscale="log", yscale="log")
-    axis.set_title(scheme, loc="left", fontsize=11)
-    multiples = sorted({spot.multiple for spot in spots})
-    axis.set_xticks(multiples, [f"{x:g}" for x in multiples])
-    ratios = sorted({spot.mass_ratio for spot in spots})
-    axis.set_yticks(ratios, [f"{x:.2g}" for x in ratios])
-    axis.minorticks_off()
-    axis.margins(0.12)
-    axis.grid(alpha=0.25)

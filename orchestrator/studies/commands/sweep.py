@@ -14,7 +14,7 @@ from orchestrator.output.records import trust
 from orchestrator.output.report.drawing import save
 from orchestrator.output.results.harmonics import find_orbits, why_no_orbits
 from orchestrator.output.results.machine import LARGEST_DRIFT
-from orchestrator.studies.options import Told
+from orchestrator.studies.options import StudyOutput
 from orchestrator.studies.points import CaseStudy, Point, Vary, parse_vary, summary_of
 from orchestrator.studies.report import Cell, figure_parts, write_csv
 
@@ -43,7 +43,7 @@ def command(
     vary: Annotated[
         str, typer.Option(metavar="KEY=VALUES", help="values as a,b,c or first:last:step (both ends)")
     ],
-) -> Told:
+) -> StudyOutput:
     """Run a case over values of one key.
 
     Each value has a run of its own in a folder of its own.  Called again, only what is missing is
@@ -85,14 +85,14 @@ def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
     each other, with their half widths; and every single number of the run's results, with the half
     width of its interval.
     """
-    return [{vary.key: point.value, "status": point.status(), **_measured(point.folder)} for point in points]
-
-
-def _measured(run: Path) -> Row:
-    summary = summary_of(run)
-    if not trust.came_to_its_end(str(summary.get("status"))):
-        return {}
-    return _motion(summary) | dict(scalars(summary.get("results") or {}))
+    rows: list[Row] = []
+    for point in points:
+        summary = summary_of(point.folder)
+        row: Row = {vary.key: point.value, "status": point.status()}
+        if trust.came_to_its_end(str(summary.get("status"))):
+            row |= _motion(summary) | dict(_numbers(summary.get("results") or {}, ""))
+        rows.append(row)
+    return rows
 
 
 def _motion(summary: dict[str, Any]) -> Row:
@@ -114,33 +114,26 @@ def _motion(summary: dict[str, Any]) -> Row:
     return row
 
 
-def scalars(table: dict[str, Any], path: str = "") -> Iterator[tuple[str, float]]:
+def _numbers(value: Any, where: str) -> Iterator[tuple[str, float]]:
     """Yields every single number of a run's results by its keys with dots between.
 
     An estimate has its ``value`` under its own keys and its ``half_width``, where there is one,
     under one more; a vector has x, y and z, and a list of tables their ``exit`` or their numbers.
     Words, and what is known along the deck, by size or over time, are left out.
     """
-    for key, value in table.items():
-        where = f"{path}{key}"
-        if isinstance(value, dict) and set(value) == {"value", "half_width", "batches"}:
-            yield from _number(where, value["value"])
-            yield from _number(f"{where}.half_width", value["half_width"])
-        elif isinstance(value, dict):
-            yield from scalars(value, f"{where}.")
-        elif isinstance(value, list) and value and isinstance(value[0], dict):
-            for number, row in enumerate(value):
-                yield from scalars(row, f"{where}.{row.get('exit', number)}.")
-        elif isinstance(value, list) and len(value) == 3:
-            for axis, component in zip("xyz", value, strict=True):
-                yield from _number(f"{where}.{axis}", component)
-        else:
-            yield from _number(where, value)
-
-
-def _number(where: str, value: Any) -> Iterator[tuple[str, float]]:
+    parts: dict[str, Any] = {}
     if isinstance(value, int | float):
-        yield where, value
+        yield where.removeprefix("."), value
+    elif isinstance(value, dict) and set(value) == {"value", "half_width", "batches"}:
+        parts = {"": value["value"], ".half_width": value["half_width"]}
+    elif isinstance(value, dict):
+        parts = {f".{key}": part for key, part in value.items()}
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        parts = {f".{row.get('exit', number)}": row for number, row in enumerate(value)}
+    elif isinstance(value, list) and len(value) == 3:
+        parts = dict(zip((".x", ".y", ".z"), value, strict=True))
+    for key, part in parts.items():
+        yield from _numbers(part, where + key)
 
 
 def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
@@ -157,10 +150,21 @@ def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
 def _plot(
     rows: Sequence[Row], values: Sequence[float], parts: Sequence[Part], vary: Vary, file: Path
 ) -> Path:
+    """Draws columns over the swept value, with intervals.  A line joins good points that are
+    neighbours, and no others."""
     drawn, every = figure_parts(len(parts), 2, 5.5, 4.5)
     for axes, (label, names, scale) in zip(every, parts, strict=True):
         for number, (column, name) in enumerate(names):
-            _draw(axes, rows, values, column, name, scale, f"C{number}")
+            colour, line = f"C{number}", []
+            axes.plot([], [], "o-", ms=4, lw=1, color=colour, label=name)
+            for value, row in sorted(zip(values, rows, strict=True), key=lambda pair: pair[0]):
+                if column in row:
+                    keys = (column, f"{column}.half_width")
+                    height, width = (scale * float(row.get(key) or 0.0) for key in keys)
+                    kind = _kind(row, column)
+                    line.append((value, height if kind == "good" else math.nan))
+                    axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[kind])
+            axes.plot([x for x, _ in line], [y for _, y in line], lw=1, color=colour)
         axes.set(xlabel=vary.key, ylabel=label, ylim=(0, 1.05 * axes.get_ylim()[1]))
         if any(name for _, name in names):
             axes.legend(fontsize=8)
@@ -173,24 +177,6 @@ def _plot(
     )
     save(drawn, file)
     return file
-
-
-def _draw(
-    axes: Any, rows: Sequence[Row], values: Sequence[float], column: str, name: str, scale: float, colour: str
-) -> None:
-    """Draws one column over the swept value, with intervals.  A line joins good points that are
-    neighbours, and no others."""
-    axes.plot([], [], "o-", ms=4, lw=1, color=colour, label=name)
-    line: list[tuple[float, float]] = []
-    for value, row in sorted(zip(values, rows, strict=True), key=lambda pair: pair[0]):
-        if column not in row:
-            continue
-        height, width = (scale * float(row.get(key) or 0.0) for key in (column, f"{column}.half_width"))
-        kind = _kind(row, column)
-        line.append((value, height if kind == "good" else math.nan))
-        axes.errorbar(value, height, width, color=colour, capsize=2, ls="", **LOOKS[kind])
-    if line:
-        axes.plot(*zip(*line, strict=True), lw=1, color=colour)
 
 
 def _kind(row: Row, column: str) -> str:

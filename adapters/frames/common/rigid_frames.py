@@ -1,0 +1,124 @@
+"""What every solver of rigid frames that forces move is made of, whatever it makes of rotations."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import ClassVar
+
+import numpy as np
+
+from adapters.frames.common.drive import DrivenPoints
+from adapters.frames.common.exciter import Shaft, Unbalance
+from adapters.frames.common.ledger import FramesLedger
+from orchestrator.ports import Array, Indices, Known, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.linear_frames import driven, free, linearise, numbers
+from orchestrator.ports.plans import DrivePlan, ExciterPlan, FramesPlan
+from orchestrator.ports.state import SavedAttributes
+
+
+class RigidFrames(SavedAttributes):
+    """Frames of a plan, of which each body has some of six coordinates (``ports/linear_frames.py``).
+
+    ``_free`` are the numbers of the bodies that no drive moves, ``_held`` is the load on their
+    coordinates that the bushings hold at rest, and ``_sag`` the coordinates that it is held by: both
+    are zero unless the machine is drawn at rest.  Raises ValueError for unknown bodies, drives that
+    make no sense, and bushings that cannot hold the weight.
+    """
+
+    COORDINATES: ClassVar[tuple[int, ...]]
+    _ledger: FramesLedger
+
+    def __init__(self, plan: FramesPlan) -> None:
+        self._plan, self._driven_points = plan, DrivenPoints(plan)
+        self._carrier, self._free = numbers(plan, plan.carrier), free(plan)
+        self._drawn_m = np.array([body.center_of_mass_m for body in plan.bodies])
+        self._machine = linearise(plan, self.COORDINATES)
+        self._held = np.zeros(len(self._machine.mass))
+        if plan.drawn_at_rest:
+            self._held = _resting_load(plan, self._carrier)[self._free][:, self.COORDINATES].ravel()
+        weight_N = sum(body.mass_kg for body in plan.bodies) * np.linalg.norm(plan.gravity_m_per_s2)
+        in_play_N = float(weight_N + np.linalg.norm(plan.reaction_N, axis=1).sum())
+        self._sag = self._machine.sag(self._held, in_play_N)
+        self._shafts: Sequence[Shaft] = ()
+
+    def ahead(self, interval: Interval) -> Known | None:
+        return self._driven_points.ahead(interval)
+
+    def save(self) -> Saved:
+        shafts = {str(number): shaft.save() for number, shaft in enumerate(self._shafts)}
+        turning: Saved = {"shafts": shafts} if shafts else {}
+        return super().save() | {"ledger": self._ledger.save()} | turning
+
+    def restore(self, saved: Saved) -> None:
+        super().restore(saved)
+        self._ledger.restore(saved["ledger"])
+        for number, shaft in enumerate(self._shafts):
+            shaft.restore(saved["shafts"][str(number)])
+
+    def _largest_step_s(self, largest_rad: float) -> float:
+        """Return the step in which the fastest rate turns by ``largest_rad``, or the plan's if it is less.
+
+        Rates are the natural frequencies, the speeds of exciters and drives, and those of their run-ups.
+        """
+        plan = self._plan
+        shaking: list[ExciterPlan | DrivePlan] = [*plan.exciters, *plan.drives]
+        run_ups = [math.pi / source.run_up_s for source in shaking if source.run_up_s > 0]
+        speeds = [source.speed_rad_per_s for source in shaking]
+        fastest = max(self._machine.fastest_rad_per_s(), *speeds, *run_ups, 0.0)
+        limit_s = largest_rad / fastest if fastest > 0 else plan.sync_interval_s
+        return min(limit_s, plan.step_s) if plan.step_s > 0 else limit_s
+
+
+class BushingTable:
+    """Holds the bushings of a plan: places (n, 3), spring axes (n, 3, 3), stiffness and damping along
+    these (n, 3), and the numbers (n,) of their first and second bodies, -1 for the ground."""
+
+    def __init__(self, plan: FramesPlan) -> None:
+        every = plan.bushings
+        self.first, self.second = (numbers(plan, tuple(b.bodies[end] for b in every)) for end in (0, 1))
+        self.place_m = np.array([b.position_m for b in every]).reshape(-1, 3)
+        self.axes = np.array([b.axes for b in every]).reshape(-1, 3, 3)
+        self.stiffness_N_per_m = np.array([b.stiffness_N_per_m for b in every]).reshape(-1, 3)
+        self.damping_N_s_per_m = np.array([b.damping_N_s_per_m for b in every]).reshape(-1, 3)
+
+
+class Unbalances:
+    """Evaluates exciters of a plan at their given speeds: places (n, 3), and numbers (n,) of bodies."""
+
+    def __init__(self, plan: FramesPlan, exciters: Sequence[ExciterPlan]) -> None:
+        self.body = numbers(plan, tuple(exciter.body for exciter in exciters))
+        self.place_m = np.array([exciter.position_m for exciter in exciters]).reshape(-1, 3)
+        self._every = [Unbalance(exciter) for exciter in exciters]
+
+    def force_N(self, time_s: Array) -> Array:
+        """Return their forces (times, n, 3)."""
+        force_N = np.zeros((len(time_s), len(self._every), 3))
+        for number, unbalance in enumerate(self._every):
+            force_N[:, number] = unbalance.force_N(time_s)
+        return force_N
+
+
+def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:
+    """Return the matrix (bodies, points) that sums what acts on points over the bodies that carry them."""
+    carried = np.arange(len(plan.bodies))[:, None] == carrier
+    return np.asarray(carried, dtype=np.float64)
+
+
+def free_first(plan: FramesPlan) -> FramesPlan:
+    """Return the same machine with its driven bodies last, in the order of the drives."""
+    order = [*free(plan), *driven(plan)]
+    return replace(plan, bodies=tuple(plan.bodies[number] for number in order))
+
+
+def _resting_load(plan: FramesPlan, carrier: Indices) -> Array:
+    """Return weight and initial reaction as forces and moments about the centres of mass, (bodies, 6)."""
+    load = np.zeros((len(plan.bodies), 6))
+    for number, body in enumerate(plan.bodies):
+        points = carrier == number
+        arms_m, force_N = plan.points_m[points] - body.center_of_mass_m, plan.reaction_N[points]
+        load[number, :3] = body.mass_kg * plan.gravity_m_per_s2 + force_N.sum(axis=0)
+        load[number, 3:] = np.cross(arms_m, force_N).sum(axis=0)
+    return load

@@ -1,0 +1,91 @@
+"""A body whose explicit steps are compiled code (``kernel/``)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from adapters.panel.common.maxwell import checked
+from adapters.panel.common.panel import HeldForce
+from orchestrator.ports import Array, HermitePath, Indices, Saved
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import SolverMissing
+
+try:
+    from adapters.panel import _kernel as kernel
+except ImportError as missing:
+    raise SolverMissing(
+        "the panel solvers 'sheet' and 'strip' need their compiled part, which docker/setup.sh "
+        f"builds: {missing}"
+    ) from missing
+
+__all__ = ["CompiledBody", "kernel"]
+
+
+class CompiledBody:
+    """A ``Body`` in steps of at most ``step_s``, that an object of the compiled class ``compiled`` moves.
+
+    ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds what changes
+    beside position, velocity and internal force; the compiled code works on these very arrays.
+    """
+
+    def __init__(
+        self,
+        compiled: type[kernel.Sheet | kernel.Chain],
+        step_s: float,
+        mass_kg: Array,
+        held: Indices,
+        branches: tuple[tuple[float, float], ...],
+        constants: Mapping[str, Any],
+        memory: Mapping[str, Array],
+    ) -> None:
+        self.mass_kg, self.held, self._step_s = mass_kg, held, step_s
+        self.position_m, self.velocity_m_per_s, self.internal_N = np.zeros((3, len(mass_kg), 3))
+        self.memory = {
+            "position_m": self.position_m,
+            "velocity_m_per_s": self.velocity_m_per_s,
+            "internal_N": self.internal_N,
+            "lost_J": np.zeros(1),
+            **memory,
+        }
+        ratio, time_s = checked(branches)
+        self._kernel = compiled(
+            **constants, held=held.astype(np.int32), ratio=ratio, time_s=time_s, **self.memory
+        )
+
+    def rest(self, position_m: Array) -> None:
+        """Take ``position_m`` (nodes, 3) as the shape at rest, with relaxed branches."""
+        self.position_m[:] = position_m
+        self._kernel.rest()
+
+    def move(self, path: HermitePath, outside_N: Array, interval: Interval) -> HeldForce:
+        """Go on to the interval's end in equal steps under ``outside_N``, constant."""
+        impulse_N_s = np.zeros((len(self.held), 3))
+        work_J = self._kernel.advance(
+            start_m=path.start.position_m,
+            start_m_per_s=path.start.velocity_m_per_s,
+            end_m=path.end.position_m,
+            end_m_per_s=path.end.velocity_m_per_s,
+            outside_N=outside_N,
+            length_s=path.length_s,
+            steps=interval.steps(self._step_s),
+            impulse_N_s=impulse_N_s,
+        )
+        return HeldForce(impulse_N_s, work_J)
+
+    def lost_J(self) -> float:
+        """Return the energy that the Maxwell branches have dissipated since the start."""
+        return float(self.memory["lost_J"][0])
+
+    def save(self) -> Saved:
+        return {name: array.copy() for name, array in self.memory.items()}
+
+    def restore(self, saved: Saved) -> None:
+        """Restore into the arrays that are there: compiled code works on them."""
+        for name, array in self.memory.items():
+            array[:] = saved[name]
+
+    def close(self) -> None:
+        """Nothing is open."""

@@ -1,0 +1,109 @@
+"""A rectangular grid of quadratic cells in material coordinates (s, y).
+
+Nodes stand at the corners, edge middles and centres of the cells and are numbered with y running
+fastest; values between them follow the biquadratic Lagrange shape functions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from adapters.panel.common.bilinear import clamped_rows_m
+from orchestrator.ports import Array, Indices
+from orchestrator.ports.geometry import Rectangle
+
+
+def _with_middles(breaks_m: Array) -> Array:
+    nodes = np.empty(2 * len(breaks_m) - 1)
+    nodes[::2] = breaks_m
+    nodes[1::2] = 0.5 * (breaks_m[:-1] + breaks_m[1:])
+    return nodes
+
+
+def _breaks_m(length_m: float, cells: int, margin_m: float) -> Array:
+    """Return the borders of ``cells`` cells, two of them at ``margin_m`` from the ends if that is not near
+    an end or the middle."""
+    outside = round(cells * margin_m / length_m)
+    if outside == 0 or 2 * outside >= cells:
+        return np.linspace(0.0, length_m, cells + 1)
+    at = [0, outside, cells - outside, cells]
+    return np.interp(np.arange(cells + 1), at, [0.0, margin_m, length_m - margin_m, length_m])
+
+
+def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices, Array]:
+    """Return the first node (n,) and the three shape functions (n, 3) of the cell that holds each value."""
+    outside = (value_m < breaks_m[0] - slack_m) | (value_m > breaks_m[-1] + slack_m)
+    if outside.any() or not np.isfinite(value_m).all():
+        worst = value_m[outside | ~np.isfinite(value_m)][0]
+        raise ValueError(
+            f"material coordinate {worst} m lies outside the panel's {breaks_m[0]} ... {breaks_m[-1]} m"
+        )
+    cell = np.clip(np.searchsorted(breaks_m, value_m, side="right") - 1, 0, len(breaks_m) - 2)
+    t = (value_m - breaks_m[cell]) / (breaks_m[cell + 1] - breaks_m[cell])
+    shapes = np.stack(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)), axis=1)
+    return 2 * cell, shapes
+
+
+@dataclass(frozen=True)
+class ElementGrid:
+    """Cell borders along and across in m, both increasing."""
+
+    s_m: Array
+    y_m: Array
+
+    @staticmethod
+    def of(rectangle: Rectangle, cells: tuple[int, int], region_m: Array | None = None) -> ElementGrid:
+        """Make ``cells`` cells along the free length and across, and one more column under each clamp (none
+        where ``clamp_m`` is 0: such an edge is held at its points only, a hinge).
+
+        They are equal, or, with the lowest and highest (s, y) of a region in the middle, (2, 2),
+        equal inside and outside of it, unless its border is nearer than half a cell to the edge.
+        """
+        if min(cells) < 1:
+            raise ValueError(f"a panel needs at least one cell along and across, got {cells}")
+        margin_m = np.zeros(2) if region_m is None else region_m[0]
+        free = _breaks_m(rectangle.length_m, cells[0], margin_m[0])
+        return ElementGrid(
+            clamped_rows_m(rectangle, free), _breaks_m(rectangle.width_m, cells[1], margin_m[1])
+        )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of cells along and across."""
+        return len(self.s_m) - 1, len(self.y_m) - 1
+
+    def nodes_m(self) -> Array:
+        """Return the material coordinates (nodes, 2)."""
+        s, y = np.meshgrid(_with_middles(self.s_m), _with_middles(self.y_m), indexing="ij")
+        return np.column_stack((s.ravel(), y.ravel()))
+
+    def interpolation(self, coordinates_m: Array) -> csr_array:
+        """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2); ValueError outside the grid."""
+        slack = 1e-9 * (self.s_m[-1] - self.s_m[0])
+        row, along = _quadratic(self.s_m, coordinates_m[:, 0], slack)
+        column, across = _quadratic(self.y_m, coordinates_m[:, 1], slack)
+        per_row = 2 * len(self.y_m) - 1
+        nodes = (row[:, None, None] + np.arange(3)[:, None]) * per_row + (
+            column[:, None, None] + np.arange(3)
+        )
+        values = along[:, :, None] * across[:, None, :]
+        starts = np.arange(len(coordinates_m) + 1) * 9
+        size = (len(coordinates_m), (2 * len(self.s_m) - 1) * per_row)
+        return csr_array((values.ravel(), nodes.ravel(), starts), shape=size)
+
+    def numbers_of(self, coordinates_m: Array) -> Indices:
+        """Return (nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more) stands
+        there."""
+        return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
+
+
+def numbers_at_nodes(interpolation: csr_array) -> Indices:
+    """Return (nodes,): for each node the row of ``interpolation`` (nodes, nodes) that is at it."""
+    at = interpolation.tocoo()
+    there = at.data > 0.5
+    numbers = np.empty(interpolation.shape[1], dtype=np.int64)
+    numbers[at.col[there]] = at.row[there]
+    return numbers

@@ -1,1 +1,0 @@
-"""Panels with openings as if they were whole: unit cells and what they give."""

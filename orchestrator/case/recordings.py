@@ -1,0 +1,174 @@
+"""Recordings of panels: their file, with a group for each panel (docs/theory/panel_recorded.md), and
+what of it the recorded panels of a case play back, and when.
+
+The machine's angle is that of its slowest exciter once it has run up, or, in a machine without,
+the slowest drive's speed times time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from orchestrator.case.deck.panels import SinglePanel, single_panels
+from orchestrator.case.tables.case import Case
+from orchestrator.case.tables.quantities import unit_of
+from orchestrator.ports.recording import Playback, RecordedGrid, Recording
+
+FORMAT = 2
+"""Version of the file, as its attribute ``format_version``; files of older versions have none."""
+ALIKE = 1e-6  # relative difference of lengths that counts as none
+SERIES = ("shape_m", "rate_m", "rest_m", "pull_N", "rest_pull_N")
+
+
+class UnreadableRecording(Exception):
+    """There is no such file, or it is no recording; the message says what is wrong."""
+
+
+class NoMatch(Exception):
+    """A recording does not fit; the message says which panel, and why."""
+
+
+@dataclass(frozen=True)
+class RecordedShape:
+    """What is recorded of one panel, and its lengths in m by name."""
+
+    recording: Recording
+    shape: dict[str, float]
+
+
+@dataclass(frozen=True)
+class File:
+    """``speed_rad_per_s`` of the machine that was recorded, and its panels by name."""
+
+    speed_rad_per_s: float
+    panels: Mapping[str, RecordedShape]
+
+
+def write(path: Path, content: File) -> None:
+    """Write a recording, whole or not at all.  Raises OSError."""
+    import h5py  # here because checks of cases without recordings do not need it
+
+    aside = path.with_name(f".{path.name}")
+    with h5py.File(aside, "w") as file:
+        file.attrs["format_version"] = FORMAT
+        file.attrs["speed_rad_per_s"] = content.speed_rad_per_s
+        for name, panel in content.panels.items():
+            group, recording = file.create_group(name), panel.recording
+            group.attrs.update({**panel.shape, "cycles": recording.cycles})
+            arrays = {series: getattr(recording, series) for series in SERIES}
+            arrays |= {"rows_m": recording.grid.rows_m, "columns_m": recording.grid.columns_m}
+            for series, values in arrays.items():
+                dataset = group.create_dataset(series, data=values)
+                dataset.attrs["unit"] = "m/rad" if series == "rate_m" else unit_of(series)
+    aside.replace(path)
+
+
+def read(path: Path) -> File:
+    """Read a recording.  Raises UnreadableRecording."""
+    if not path.is_file():
+        raise UnreadableRecording(f"{path}: no such file; flipflow record makes one from a run's folder")
+    import h5py  # here because checks of cases without recordings do not need it
+
+    try:
+        with h5py.File(path) as file:
+            speed_rad_per_s = float(file.attrs["speed_rad_per_s"])
+            version = file.attrs.get("format_version")
+            if version != FORMAT:
+                has = "no version of its format, as older ones" if version is None else f"format {version}"
+                raise UnreadableRecording(
+                    f"{path}: has {has}; this flipflow reads {FORMAT}: record the run again"
+                )
+            return File(speed_rad_per_s, {name: _panel(group) for name, group in file.items()})
+    except (OSError, KeyError, ValueError, AttributeError) as error:
+        raise UnreadableRecording(f"{path}: is no recording ({error})") from None
+
+
+def _panel(group: Any) -> RecordedShape:
+    shape = {name: float(value) for name, value in group.attrs.items() if name.endswith("_m")}
+    grid = RecordedGrid(group["rows_m"][:], group["columns_m"][:])
+    series = {name: np.asarray(group[name][:]) for name in SERIES}
+    return RecordedShape(Recording(grid, int(group.attrs["cycles"]), **series), shape)
+
+
+@dataclass(frozen=True)
+class Turning:
+    """How a machine turns: its speed, when the angle of the running machine passes 0, when it
+    starts, and how long it runs up."""
+
+    speed_rad_per_s: float
+    zero_s: float
+    start_s: float
+    run_up_s: float
+
+
+def turning(case: Case) -> Turning | None:
+    """How the machine of a case turns; None where nothing turns it."""
+    exciters = [
+        Turning(
+            exciter.speed_rad_per_s,
+            exciter.start_s + exciter.run_up_s / 2 - exciter.phase_rad / exciter.speed_rad_per_s,
+            exciter.start_s,
+            exciter.run_up_s,
+        )
+        for exciter in case.screen.exciters.values()
+    ]
+    drives = [
+        Turning(frame.drive.speed_rad_per_s, 0.0, 0.0, frame.drive.run_up_s)
+        for frame in case.screen.frames.values()
+        if frame.drive
+    ]
+    return min(exciters or drives, key=lambda machine: machine.speed_rad_per_s, default=None)
+
+
+def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
+    """What the panels play back, by their names; empty unless they are recorded ones.  The motion
+    grows within the run-up, but not faster than in a cycle.
+
+    Raises NoMatch and UnreadableRecording.
+    """
+    if not case.panel.adapter.plays_back:
+        return {}
+    machine = turning(case)
+    if machine is None or case.panel.recording is None:
+        raise NoMatch("a recording is played back to the speed of an exciter or drive, and named")
+    recorded = read(folder / case.panel.recording).panels
+    speed_rad_per_s = machine.speed_rad_per_s
+    run_up_s = max(machine.run_up_s, 2 * math.pi / speed_rad_per_s)
+    return {
+        panel.name: Playback(
+            _find_recording(panel, recorded), speed_rad_per_s, machine.zero_s, machine.start_s, run_up_s
+        )
+        for panel in single_panels(case)
+    }
+
+
+def _find_recording(panel: SinglePanel, recorded: Mapping[str, RecordedShape]) -> Recording:
+    """The recording of the same name, or the only one there is.  Raises NoMatch."""
+    only = next(iter(recorded.values())) if len(recorded) == 1 else None
+    shape = recorded.get(panel.name, only)
+    if shape is None:
+        raise NoMatch(f'panel "{panel.name}" is not recorded; recorded are {", ".join(recorded)}')
+    for name, value in shape_of(panel).items():
+        if not np.isclose(shape.shape[name], value, rtol=ALIKE, atol=0):
+            raise NoMatch(
+                f'panel "{panel.name}" has {name} = {value:g}, the recorded one {shape.shape[name]:g}'
+            )
+    return shape.recording
+
+
+def shape_of(panel: SinglePanel) -> dict[str, float]:
+    """The lengths that a panel must share with its recording."""
+    at = panel.rectangle
+    return {
+        "length_m": at.length_m,
+        "span_m": at.span_m,
+        "width_m": at.width_m,
+        "clamp_m": at.clamp_m,
+        "thickness_m": panel.table.thickness_m,
+    }

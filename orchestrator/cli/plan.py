@@ -1,0 +1,90 @@
+"""What ``flipflow plan`` prints: the cheapest settings for a tolerance and a time."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+
+from orchestrator.cli.console import CONSOLE, refuse, reported_errors
+from orchestrator.preflight.cost import in_words
+from orchestrator.preflight.judge import JudgedCase
+from orchestrator.studies.accuracy.plan import Plan, find_study, predict_wall_s, time_by_study
+
+UNITS_S = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+
+
+def choose_settings(
+    loaded: JudgedCase,
+    case: Path,
+    level: str | None,
+    given: Path | None,
+    tolerance: float,
+    budget_s: float,
+    overrides: list[str],
+) -> Plan:
+    """Returns the plan that a stored study and a short run on this machine lead to."""
+    with reported_errors():
+        measured = find_study(loaded, given)
+        if measured is None:
+            longest_s = predict_wall_s(case, level, overrides, loaded.case)
+            refuse(
+                f"no study of {loaded.name}, level {loaded.level or 'none'}: its error is not "
+                f"known; as it is it would take about {in_words(longest_s)} here. First: flipflow "
+                f"study accuracy {case} --level {loaded.level}"
+            )
+        if measured.of_nothing:
+            refuse(
+                f"{measured.file}: nothing happened in that study that could be resolved: its errors "
+                "of 0 % promise nothing. Study the case for as long as it takes until something "
+                f"does: flipflow study accuracy {case} --set duration_s=..."
+            )
+        CONSOLE.print(f"by {measured.file}; a short run of the case on this machine ...")
+        timing = time_by_study(measured, case, level)
+    return Plan(loaded.case, measured, timing, tolerance, budget_s)
+
+
+def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:
+    """Prints the cheapest settings, and returns whether they fit into the budget."""
+    other = [word for word in plan.study.table["sets"] if word not in overrides]
+    if other := [word for word in other if not word.startswith("duration_s=")]:
+        CONSOLE.print(f"warning: the study was made with {' '.join(other)}")
+    chosen = plan.chosen
+    if chosen is None:
+        least = min((settings.error for settings in plan.study.measured()), default=None)
+        best = "" if least is None else f"; the best has {100 * least:.2g} %"
+        CONSOLE.print(f"no settings of the study are within {100 * plan.tolerance:g} %{best}")
+    else:
+        how = "measured" if chosen.measured else "predicted, not measured"
+        CONSOLE.print(f"{chosen.label}: error {100 * chosen.error:.2g} % ({how}), {in_words(plan.wall_s)}")
+        sets = [word for setting in (*overrides, *chosen.sets) for word in ("--set", setting)]
+        at_level = ["--level", loaded.level] if loaded.level else []
+        CONSOLE.print(shlex.join(["flipflow", "run", str(case), *at_level, *sets]))
+    if not plan.fits:
+        CONSOLE.print(f"that does not fit into {in_words(plan.budget_s)}; what would:")
+        for line in plan.remedies():
+            CONSOLE.print(f"  {line}")
+    return plan.fits
+
+
+def parse_share(text: str) -> float:
+    """Returns the number that ``text`` (5% or 0.05) stands for."""
+    try:
+        share = float(text.rstrip("%")) * (0.01 if text.endswith("%") else 1.0)
+    except ValueError:
+        share = 0.0
+    if not 0 < share < 1:
+        refuse(f"--tolerance {text}: is no share; for example 5% or 0.05")
+    return share
+
+
+def parse_time_s(text: str) -> float:
+    """Returns the time in s that ``text`` (90s, 30min, 1h, 2d) stands for."""
+    number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
+    unit = text[len(number) :].strip() or "s"
+    try:
+        time_s = float(number) * UNITS_S[unit]
+    except (ValueError, KeyError):
+        time_s = 0.0
+    if not 0 < time_s < float("inf"):
+        refuse(f"--budget {text}: is no time; for example 90s, 30min, 1h or 2d")
+    return time_s

@@ -1,0 +1,308 @@
+"""The bed: materials and their contacts, adhesion, sizes of particles, feeds, exits, and a slice."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import combinations, combinations_with_replacement, product
+from pathlib import Path
+
+import numpy as np
+
+from orchestrator.case.bed.adhesion import adhesion_law, sticky_contacts, surface_materials
+from orchestrator.case.bed.contact_times import smallest_diameters_m
+from orchestrator.case.bed.feed import RateFeed, apart
+from orchestrator.case.bed.size_distribution import classes, faults, finer_share
+from orchestrator.case.bed.sources import batch_s, inlets, largest_diameter_m
+from orchestrator.case.deck.panels import single_panels, to_world, walls
+from orchestrator.case.file.errors import CaseProblem, Key
+from orchestrator.case.file.slice import ENOUGH_DIAMETERS
+from orchestrator.case.solver_plans import material_numbers
+from orchestrator.case.tables.case import Case, has_particles
+from orchestrator.ports import Array
+from orchestrator.ports.particle_records import LARGEST_CARRIED_OVERLAP
+from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_volume_m3
+from orchestrator.preflight.checks.names import rows
+from orchestrator.preflight.scene.contacts import compute_softness
+from orchestrator.preflight.scene.scene import scene
+
+SOURCES = ("bed.blocks", "bed.feeds")
+LOWEST_FIRST = "give the lowest corner, then the highest"
+
+
+def complete_materials(case: Case) -> Iterator[CaseProblem]:
+    """Panels need a material law, and all that particles touch elastic constants."""
+    for name, panel in case.screen.panels.items():
+        material = case.materials.get(panel.material)
+        if material is not None and material.hyperelastic is None:
+            key: Key = ("materials", panel.material, "hyperelastic")
+            yield CaseProblem(key, f"missing: panel {name} is made of it")
+    for key, material in rows(case, "materials"):
+        if material.hyperelastic is None:
+            for field in ("youngs_modulus_Pa", "poisson_ratio"):
+                if getattr(material, field) is None:
+                    yield CaseProblem((*key, field), "missing")
+        elif material.hyperelastic.c10_Pa + material.hyperelastic.c01_Pa == 0:
+            what = "C10 and C01 are both zero: no stiffness"
+            yield CaseProblem((*key, "hyperelastic", "c10_Pa"), what)
+
+
+def _grains(case: Case) -> set[str]:
+    """Materials that particles are made of."""
+    return {row.material for row in (*case.bed.particles.values(), *case.bed.sources)}
+
+
+def complete_contacts(case: Case) -> Iterator[CaseProblem]:
+    """Every pair of materials that can meet needs one contact.  Specific wear needs a surface that is
+    worn, and particles that do it."""
+    given: set[frozenset[str]] = set()
+    grains, surfaces = _grains(case), surface_materials(case)
+    for key, contact in rows(case, "contacts"):
+        one, two = contact.between
+        if frozenset(contact.between) in given:
+            yield CaseProblem((*key, "between"), f"{one} and {two} are given twice")
+        given.add(frozenset(contact.between))
+        meets = (one in grains and two in surfaces) or (two in grains and one in surfaces)
+        if contact.specific_wear_m3_per_N_m and not meets:
+            what = f"particles of {one} or {two} never meet a panel or surface of the other"
+            hint = "it belongs to the contact of a particle's material with a surface's"
+            yield CaseProblem((*key, "specific_wear_m3_per_N_m"), what, hint)
+    pairs = [
+        *combinations_with_replacement(sorted(grains), 2),
+        *product(sorted(grains), sorted(surfaces - grains)),
+    ]
+    for one, two in pairs:
+        if frozenset((one, two)) not in given:
+            hint = f'give [[contacts]] with between = ["{one}", "{two}"]'
+            yield CaseProblem(("contacts",), f"{one} and {two} can meet but have no contact", hint)
+
+
+def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
+    """Corners and sizes stand in order, and shares add up to 1."""
+    boxes: list[tuple[Key, tuple[tuple[float, ...], tuple[float, ...]]]] = [(("domain_m",), case.domain_m)]
+    for key, source in (row for path in SOURCES for row in rows(case, path)):
+        boxes.append(((*key, "box_m"), source.box_m))
+        for number, size in enumerate(source.sizes):
+            if size.smallest_m > size.largest_m:
+                what = f"is larger than largest_m = {size.largest_m:g}"
+                yield CaseProblem((*key, "sizes", number, "smallest_m"), what)
+        for field, what, hint in faults(source):
+            yield CaseProblem((*key, field), what, hint)
+        total = sum(size.mass_fraction for size in source.sizes)
+        if source.sizes and abs(total - 1) > 1e-6:
+            yield CaseProblem((*key, "sizes"), f"the mass fractions add up to {total:g}, not to 1")
+    for key, (low, high) in boxes:
+        if not all(a < b for a, b in zip(low, high, strict=True)):
+            what = f"{list(low)} is not below {list(high)} in every direction"
+            yield CaseProblem(key, what, LOWEST_FIRST)
+
+
+def fines(case: Case) -> Iterator[str]:
+    """Warns with numbers of each source that does without its fines."""
+    for key, source in (row for path in SOURCES for row in rows(case, path)):
+        if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
+            fate = {"leave-out": "left out", "next-class": "made of the next class"}[source.finer]
+            yield (
+                f"{key[-1]}: {finer:.1%} of the mass is finer than smallest_fed_m = "
+                f"{source.smallest_fed_m:g} m and {fate}"
+            )
+
+
+FULLEST = 0.38  # share of a box that spheres at random places can fill (bed/packing.py)
+
+
+def crowded_boxes(case: Case) -> Iterator[CaseProblem]:
+    """Boxes of sources must be wider than their largest particles, and those of blocks must hold their
+    particles at least if all had the smallest size: found here before anybody tries to place them."""
+    for key, source in (row for path in SOURCES for row in rows(case, path)):
+        sides_m = [b - a for a, b in zip(*source.box_m, strict=True)]
+        largest_m = max(size.largest_m for size in classes(source))
+        if largest_m > min(sides_m):
+            what = f"particles of {largest_m:g} m do not fit in {min(sides_m):.4g} m"
+            yield CaseProblem((*key, "box_m"), what, "enlarge the box")
+        if key[1] == "blocks":
+            smallest_m = min(size.smallest_m for size in classes(source))
+            filled = source.count * sphere_volume_m3(smallest_m) / math.prod(sides_m)
+            if filled > FULLEST:
+                what = f"{source.count} particles fill {filled:.3g} times the box or more"
+                hint = f"random places end at {FULLEST:g}; enlarge the box"
+                yield CaseProblem((*key, "count"), what, hint)
+
+
+WIDEST_NECK = 0.5  # of the smaller radius; JKR's paraboloids have no flanks
+STRONGEST_PULL = 1e6  # weights of the smallest particle
+
+
+def works_of_adhesion(case: Case) -> Iterator[CaseProblem]:
+    """A law that is asked for needs work, and each law its own keys."""
+    asked = case.particles.adhesion
+    if asked not in (None, "none") and not any(row.work_of_adhesion_J_per_m2 for row in case.contacts):
+        what = f'"{asked}" is asked for, but every work of adhesion is zero'
+        hint = 'give contacts a work_of_adhesion_J_per_m2, or take "none"'
+        yield CaseProblem(("particles", "adhesion"), what, hint)
+    if case.particles.sjkr_diameter_m is not None and adhesion_law(case) != "sjkr":
+        what = 'has no meaning without particles.adhesion = "sjkr"'
+        yield CaseProblem(("particles", "sjkr_diameter_m"), what)
+
+
+def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
+    """Works of adhesion must not be absurd for the particles' size and stiffness; ``sjkr`` has one
+    strength for each pair of materials, which depends on the curvature."""
+    for pair in sticky_contacts(case):
+        key: Key = ("contacts", pair.contact, "work_of_adhesion_J_per_m2")
+        who = f"the smallest particles ({2e3 * pair.radius_m:.3g} mm)"
+        neck = pair.neck_m / pair.radius_m
+        if neck > WIDEST_NECK:
+            what = f"{who} would stick with a neck as wide as {neck:.2g} of their radius"
+            hint = f"up to {WIDEST_NECK:g} the law holds: less work, or stiffer contacts"
+            yield CaseProblem(key, what, hint)
+        pull = pair.pull_off_N / (pair.reduced_kg * STANDARD_GRAVITY_M_PER_S2)
+        if pull > STRONGEST_PULL:
+            what = f"{who} would stick with {pull:.2g} times their weight"
+            yield CaseProblem(key, what, "is the unit right? Surface energies are given in mJ/m2, too")
+    both = surface_materials(case) & set(smallest_diameters_m(case))
+    for name in sorted(both) if adhesion_law(case) == "sjkr" else ():
+        what = f"particles and surfaces are both made of {name}; sjkr cannot tell them apart"
+        hint = "give the surface a material of its own with the same values"
+        yield CaseProblem(("materials", name), what, hint)
+
+
+def too_soft(case: Case) -> Iterator[str]:
+    """Warns of contacts in which particles are expected to sink deeper than contact laws hold."""
+    if not has_particles(case):
+        return
+    soft = compute_softness(scene(case))
+    if soft.overlap > LARGEST_CARRIED_OVERLAP:
+        why = soft.in_words(LARGEST_CARRIED_OVERLAP)
+        yield (
+            f"particles are expected to sink into what they meet by {soft.overlap:.2g} of a "
+            f"radius ({why}): beyond {LARGEST_CARRIED_OVERLAP:g} no contact law holds, at 1 they "
+            "go through panels; raise particles.largest_youngs_modulus_Pa"
+        )
+
+
+SLACK_M = 1e-9  # rounding when boxes are turned
+
+
+def feeds(case: Case) -> Iterator[CaseProblem]:
+    """Feeds run within the run, from boxes apart within the domain, at rates that find room."""
+    low, high = np.array(case.domain_m)
+    every = inlets(case, material_numbers(case))
+    for name, inlet in every.items():
+        key: Key = ("bed", "feeds", name)
+        if inlet.start_s >= case.duration_s:
+            what = f"{inlet.start_s:g} s is not before the end, duration_s = {case.duration_s:g} s"
+            yield CaseProblem((*key, "start_s"), what)
+        if inlet.stop_s <= inlet.start_s:
+            what = f"{inlet.stop_s:g} s is not after start_s = {inlet.start_s:g} s"
+            yield CaseProblem((*key, "stop_s"), what)
+        if (inlet.corners_m < low - SLACK_M).any() or (inlet.corners_m > high + SLACK_M).any():
+            yield CaseProblem((*key, "box_m"), "is not inside domain_m")
+        if inlet.rate_kg_per_s > inlet.largest_rate_kg_per_s:
+            what = f"{inlet.rate_kg_per_s:g} kg/s find no room in the box"
+            largest = f"the largest rate is {inlet.largest_rate_kg_per_s:.3g} kg/s"
+            hint = f"{largest}; a larger box or velocity_m_per_s takes more"
+            yield CaseProblem((*key, "rate_kg_per_s"), what, hint)
+    for (one, first), (two, second) in combinations(every.items(), 2):
+        if not apart(first, second):
+            yield CaseProblem(("bed", "feeds", two, "box_m"), f'overlaps the box of feed "{one}"')
+
+
+ENOUGH = 0.8  # of what is due by the end
+ROUNDED = 0.01  # of the time between batches
+
+
+def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
+    """Warns of feeds of which nothing, or clearly less than is due by the end, comes before it:
+    particles come in batches, and the last batch may be long before the end; and of a time between
+    batches that is no whole number of sync intervals."""
+    for name, inlet in inlets(case, material_numbers(case)).items():
+        batches = math.ceil(case.duration_s / inlet.batch_s - 1e-9)
+        last_s = (batches - 1) * inlet.batch_s
+        comes_kg, due_kg = inlet.due_kg(last_s), inlet.due_kg(case.duration_s)
+        when = f"its batches come every {inlet.batch_s:g} s, the last at t = {last_s:g} s"
+        first_kg = RateFeed(inlet).next_kg
+        if comes_kg < first_kg / 2:
+            yield (
+                f'feed "{name}" feeds nothing in {case.duration_s:g} s: {when}, when '
+                f"{comes_kg:.3g} kg are due and its first particle has {first_kg:.3g} kg; a longer "
+                "run, a higher rate_kg_per_s, an earlier start_s or a shorter "
+                "particles.feed_interval_s helps"
+            )
+        elif comes_kg < ENOUGH * due_kg:
+            yield (
+                f'feed "{name}" feeds {comes_kg:.3g} of the {due_kg:.3g} kg that are due in '
+                f"{case.duration_s:g} s: {when}; shorten particles.feed_interval_s"
+            )
+    wanted_s, taken_s = case.particles.feed_interval_s, batch_s(case)
+    if case.bed.feeds and wanted_s > 0 and abs(taken_s - wanted_s) > ROUNDED * wanted_s:
+        yield (
+            f"particles.feed_interval_s = {wanted_s:g} s is taken as {taken_s:g} s, a whole number "
+            f"of sync intervals of {case.coupling.sync_interval_s:g} s"
+        )
+
+
+SAME_PLACE_M = 1e-6  # neighbouring exits may share a face
+
+
+def exits(case: Case) -> Iterator[CaseProblem]:
+    """Exits are boxes within the domain, apart from each other and from all panels."""
+    boxes_m = {name: np.array(row.box_m) for name, row in case.screen.exits.items()}
+    for name, box_m in boxes_m.items():
+        key: Key = ("screen", "exits", name, "box_m")
+        if not (box_m[0] < box_m[1]).all():
+            yield CaseProblem(key, "is empty", LOWEST_FIRST)
+            return
+        corners_m = to_world(case, np.array(list(product(*box_m.T))))
+        low, high = np.array(case.domain_m)
+        if ((corners_m < low).all(axis=0) | (corners_m > high).all(axis=0)).any():
+            yield CaseProblem(key, "is outside domain_m: no particle gets there")
+        for panel in single_panels(case):  # straight between its clamps, in deck axes
+            r = panel.rectangle
+            ends_m = r.mounted(np.array(list(product((0.0, r.length_m), (0.0, r.width_m)))))
+            in_deck_m = ends_m @ to_world(case, np.eye(3)).T
+            if _overlap(box_m, np.array([in_deck_m.min(axis=0), in_deck_m.max(axis=0)])):
+                yield CaseProblem(key, f"panel {panel.name} reaches into it")
+    for (one, first_m), (two, second_m) in combinations(boxes_m.items(), 2):
+        if _overlap(first_m, second_m):
+            yield CaseProblem(("screen", "exits", two, "box_m"), f'overlaps exit "{one}"')
+
+
+def _overlap(one_m: Array, two_m: Array) -> bool:
+    low, high = one_m[0] + SAME_PLACE_M, one_m[1] - SAME_PLACE_M
+    return bool((low <= two_m[1]).all() and (two_m[0] <= high).all())
+
+
+FEWEST_DIAMETERS = 3.0  # a particle must not meet itself, or a neighbour twice
+
+
+def narrow_slice(case: Case) -> Iterator[CaseProblem]:
+    """Periodic sides must not be so close that particles would touch each other on both sides."""
+    if case.slice is None or case.slice.sides == "walls" or not has_particles(case):
+        return
+    least_m = FEWEST_DIAMETERS * largest_diameter_m(case)
+    if case.slice.width_m < least_m:
+        what = f"{case.slice.width_m:g} m is less than {FEWEST_DIAMETERS:g} largest diameters"
+        yield CaseProblem(("slice", "width_m"), what, f"take {least_m:.3g} m or more")
+
+
+def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
+    """Warns of a slice that large particles may bridge, and of one whose sides are open: where no
+    triangle stands along a side of the panels, or outside of them."""
+    if case.slice is None or not has_particles(case):
+        return
+    width_m, diameter_m = case.slice.width_m, largest_diameter_m(case)
+    if width_m < ENOUGH_DIAMETERS * diameter_m:
+        yield (
+            f"slice.width_m = {width_m:g} m is {width_m / diameter_m:.2g} of the largest "
+            f"diameters, fewer than {ENOUGH_DIAMETERS:g}: large particles may bridge"
+        )
+    if case.slice.sides != "walls":
+        return
+    panels = case.screen.panels.values()
+    sides_m = [p.corner_m[1] + share * p.across[1] * p.width_m for p in panels for share in (0, 1)]
+    across_m = [wall.position_m[wall.triangles][:, :, 1] for wall in walls(case, folder)]
+    left = any((y_m <= min(sides_m) + 1e-6).all(axis=1).any() for y_m in across_m)
+    right = any((y_m >= max(sides_m) - 1e-6).all(axis=1).any() for y_m in across_m)
+    if not (left or right):
+        yield 'slice.sides = "walls", but no surface stands along the sides: particles can fall off'

@@ -1,0 +1,256 @@
+"""The open spheres: velocity Verlet with the contact forces at the half-step velocity, as LIGGGHTS
+does it.  Every MPI rank computes the same.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from orchestrator.ports import (
+    Account,
+    AngularAccount,
+    Array,
+    ContactTangent,
+    Crossings,
+    HermitePath,
+    Indices,
+    Load,
+    Motion,
+    Overlaps,
+    ParticleSnapshot,
+    Removed,
+    Saved,
+    check_point_count,
+    sort_removed,
+)
+from orchestrator.ports.clock import Interval
+from orchestrator.ports.plans import ParticlesPlan
+from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
+from tests.reference.spheres.contacts import Neighbours, find_near_surface
+from tests.reference.spheres.crossing import find_crossings
+from tests.reference.spheres.forces import SphereForces, compute_contact_tangent, compute_forces
+from tests.reference.spheres.laws import Laws
+from tests.reference.spheres.spheres import Spheres
+from tests.reference.spheres.triangle_spin import cross
+
+_BOOKS = ("_impulse_N_s", "_supplied_J", "_lost_J", "_received_J", "_came_kg_m2_per_s", "_given_kg_m2_per_s")
+_SUMS = ("_worn_m3", "_fed", "_deepest", "_crossings", "_mass_moment_time_kg_m_s", *_BOOKS)
+_STATE = ("_spheres", "_surface_m", "_near", "_now", *_SUMS)
+
+
+class SpheresSolver:
+    """``Particles`` in NumPy."""
+
+    def __init__(self, plan: ParticlesPlan) -> None:
+        self._plan = plan
+        self._laws = Laws.of(plan)
+        self._spheres = Spheres.of(plan.particles, 1)
+        self._surface_m = plan.surface.position_m.copy()
+        self._near = Neighbours.of(self._spheres, plan.surface, self._surface_m)
+        at_rest = Motion(self._surface_m, np.zeros_like(self._surface_m))
+        self._now = self._compute_forces(at_rest, None, 0.0)
+        self._worn_m3 = np.zeros(len(self._surface_m))
+        self._fed = 0  # particles, since t = 0
+        self._deepest, self._crossings = self._now.contacts.deepest(), Crossings.none()
+        self._removed: list[Removed] = []
+        self._impulse_N_s = np.zeros(3)
+        self._supplied_J = {"feed": 0.0, "removal": 0.0}
+        self._lost_J = self._received_J = 0.0
+        # angular momentum that came with particles and that went to the surface, and what gravity
+        # gives it by: the integral over time of mass times place
+        self._came_kg_m2_per_s, self._given_kg_m2_per_s, self._mass_moment_time_kg_m_s = np.zeros((3, 3))
+
+    def initial(self) -> Load:
+        return Load(self._now.on_points_N)
+
+    def advance(self, interval: Interval, path: HermitePath) -> Load:
+        check_point_count("particles' surface", path.end, len(self._surface_m))
+        self._feed(interval)
+        before_m, impulse_N_s = self._surface_m, np.zeros_like(self._surface_m)
+        steps = interval.steps(self._plan.step_s)
+        step_s = interval.length_s / steps
+        self._give(step_s / 2.0, impulse_N_s)
+        self._jump_to(path.start)
+        for step in range(1, steps + 1):
+            half_way_m_per_s = path.velocity_m_per_s((step - 0.5) / steps)
+            centers_m = self._spheres.position_m.copy()
+            self._step(step_s, path.at(step / steps), half_way_m_per_s)
+            self._give(step_s if step < steps else step_s / 2.0, impulse_N_s)
+            self._observe(centers_m, before_m, interval.start_s + step * step_s)
+            before_m = self._surface_m
+        self._remove(interval.end_s)
+        return Load(impulse_N_s / interval.length_s)
+
+    def snapshot(self) -> ParticleSnapshot:
+        return self._spheres.snapshot()
+
+    def removed(self) -> Removed:
+        since, self._removed = self._removed, []
+        return sort_removed(since)
+
+    def overlaps(self) -> Overlaps:
+        since, self._deepest = self._deepest, Overlaps()
+        return since
+
+    def crossings(self) -> Crossings:
+        return self._crossings
+
+    def contact_tangent(self, length_s: float) -> ContactTangent:
+        return compute_contact_tangent(self._spheres, self._now, self._plan.gravity_m_per_s2, length_s)
+
+    def worn_m3(self) -> Array:
+        assert self._plan.wear_m3_per_N_m is not None, "asked of a plan without wear"
+        return self._worn_m3.copy()
+
+    def account(self) -> Account:
+        stored_J = {
+            "kinetic": self._spheres.kinetic_J(),
+            "gravitational": self._spheres.gravitational_J(self._plan.gravity_m_per_s2),
+            "contact_elastic": float(self._now.acting.elastic_J.sum()),
+        }
+        if self._plan.adhesion is not None:
+            stored_J["adhesion"] = float(self._now.acting.adhesion_J.sum())
+        return Account(
+            self._spheres.momentum_kg_m_per_s(),
+            self._impulse_N_s.copy(),
+            stored_J,
+            lost_J={"contact_dissipation": self._lost_J},
+            supplied_J=dict(self._supplied_J),
+            received_J={"surface": self._received_J},
+            angular=AngularAccount(
+                self._spheres.angular_momentum_kg_m2_per_s(),
+                self._came_kg_m2_per_s + np.cross(self._mass_moment_time_kg_m_s, self._plan.gravity_m_per_s2),
+                {"surface": -self._given_kg_m2_per_s},
+            ),
+        )
+
+    def save(self) -> Saved:
+        return save_attributes(self, *_STATE) | {"removed": as_arrays(sort_removed(self._removed))}
+
+    def restore(self, saved: Saved) -> None:
+        restore_attributes(self, saved, *_STATE)
+        self._removed = [like(sort_removed([]), saved["removed"])]
+
+    def close(self) -> None:
+        pass
+
+    def _step(self, step_s: float, surface: Motion, half_way_m_per_s: Array) -> None:
+        """SphereForces at the step's end go by the velocities of its middle, the surface's too."""
+        now, before = self._spheres, self._now
+        self._kick(step_s / 2.0)
+        mass_moment_kg_m = now.mass_kg @ now.position_m
+        now.position_m += step_s * now.velocity_m_per_s
+        mass_moment_kg_m = mass_moment_kg_m + now.mass_kg @ now.position_m
+        self._mass_moment_time_kg_m_s = self._mass_moment_time_kg_m_s + step_s / 2.0 * mass_moment_kg_m
+        if self._near.outdated(now.position_m, surface.position_m):
+            self._near = Neighbours.of(now, self._plan.surface, surface.position_m)
+        self._now = self._compute_forces(Motion(surface.position_m, half_way_m_per_s), before, step_s)
+        self._wear()
+        self._kick(step_s / 2.0)
+        self._impulse_N_s += step_s * now.mass_kg.sum() * self._plan.gravity_m_per_s2
+        self._lost_J += self._now.lost_J
+        self._move_surface(surface, before)
+        self._lost_J += step_s / 2.0 * (before.damping_W + self._now.damping_W)
+
+    def _kick(self, step_s: float) -> None:
+        now, forces = self._spheres, self._now
+        acceleration_m_per_s2 = forces.force_N / now.mass_kg[:, None] + self._plan.gravity_m_per_s2
+        now.velocity_m_per_s += step_s * acceleration_m_per_s2
+        now.spin_rad_per_s += step_s * forces.torque_N_m / now.inertia_kg_m2[:, None]
+
+    def _compute_forces(self, surface: Motion, before: SphereForces | None, step_s: float) -> SphereForces:
+        return compute_forces(
+            self._laws, self._plan.surface, self._spheres, surface, self._near, before, step_s
+        )
+
+    def _jump_to(self, surface: Motion) -> None:
+        """Book the coupling's correction of the surface's place and velocity at a sync point."""
+        self._lost_J += self._now.compute_spent_J(surface.position_m - self._surface_m)
+        self._move_surface(surface, self._now)
+
+    def _move_surface(self, surface: Motion, before: SphereForces) -> None:
+        """Book the work of the surface's move by the trapezoidal rule, as Verlet does it."""
+        mean_N = (before.on_points_N + self._now.on_points_N) / 2.0
+        self._received_J -= float(np.vdot(mean_N, surface.position_m - self._surface_m))
+        self._surface_m = surface.position_m
+        self._now = self._now.at_velocities(self._spheres, surface.velocity_m_per_s)
+
+    def _give(self, length_s: float, impulse_N_s: Array) -> None:
+        """Add up the impulse on the surface points and its moment about the world's origin."""
+        force_N = self._now.on_points_N
+        impulse_N_s += length_s * force_N
+        moment_N_m = cross(self._surface_m, force_N).sum(axis=0)
+        self._given_kg_m2_per_s = self._given_kg_m2_per_s + length_s * moment_N_m
+
+    def _wear(self) -> None:
+        """Wear the surface where something slides on it: volume = rate * force * distance (Archard,
+        J. F., Journal of Applied Physics 24, 1953, 981-988, doi 10.1063/1.1721448;
+        docs/theory/wear.md)."""
+        if self._plan.wear_m3_per_N_m is None:
+            return
+        contacts = self._now.contacts
+        worn_m3 = self._plan.wear_m3_per_N_m[contacts.materials] * self._now.acting.rubbed_J
+        np.add.at(self._worn_m3, contacts.points, contacts.barycentric * worn_m3[:, None])
+
+    def _observe(self, centers_m: Array, before_m: Array, time_s: float) -> None:
+        """Keep how deep contacts are, and who went through the surface in the step that ends now;
+        centres and surface points were at ``centers_m`` and ``before_m``."""
+        now, contacts = self._spheres, self._now.contacts
+        self._deepest = self._deepest.deepest(contacts.deepest())
+        way_m = (before_m, self._surface_m)
+        rows = find_crossings(now, contacts, centers_m, self._plan.surface.triangles, way_m)
+        if len(rows):
+            some = Crossings(len(rows), int(now.id[rows[0]]), time_s, now.position_m[rows[0]].copy())
+            self._crossings = self._crossings.followed_by(some)
+
+    def _feed(self, interval: Interval) -> None:
+        """Take in the particles that are due and overlap neither present ones nor the surface."""
+        if self._plan.feed is None:
+            return
+        next_id = 1 + len(self._plan.particles) + self._fed
+        offered = Spheres.of(self._plan.feed.due(interval), next_id)
+        accepted = self._find_room(offered)
+        self._plan.feed.settle(accepted)
+        if not accepted.any():
+            return
+        new = offered.part(accepted)
+        new.id = next_id + np.arange(len(new))
+        self._fed += len(new)
+        self._supplied_J["feed"] += new.mechanical_J(self._plan.gravity_m_per_s2)
+        self._impulse_N_s += new.momentum_kg_m_per_s()
+        self._came_kg_m2_per_s = self._came_kg_m2_per_s + new.angular_momentum_kg_m2_per_s()
+        self._replace(self._spheres.followed_by(new), np.arange(len(self._spheres)))
+
+    def _find_room(self, offered: Spheres) -> npt.NDArray[np.bool_]:
+        from scipy.spatial.distance import cdist
+
+        now, triangles = self._spheres, self._plan.surface.triangles
+        reach_m = np.add.outer(offered.radius_m, now.radius_m)
+        free = np.all(cdist(offered.position_m, now.position_m) >= reach_m, axis=1)
+        free[find_near_surface(offered, 0.0, self._surface_m[triangles])[0]] = False
+        return np.asarray(free)
+
+    def _remove(self, time_s: float) -> None:
+        """Take out who is in an exit or has left the domain; contacts end with their energy."""
+        now, (lowest_m, highest_m) = self._spheres, self._plan.domain_m
+        exit_of = np.full(len(now), -1)
+        for number, box in reversed(list(enumerate(self._plan.exits))):
+            exit_of[box.holds(now.position_m)] = number
+        inside = np.all((now.position_m >= lowest_m) & (now.position_m <= highest_m), axis=1)
+        stays = inside & (exit_of < 0)
+        if stays.all():
+            return
+        left, stored_J = now.part(~stays), self._now.stored_J()
+        self._replace(now.part(stays), np.where(stays, np.cumsum(stays) - 1, -1))
+        self._removed.append(left.removed(time_s, exit_of[~stays]))
+        ended_J = stored_J - self._now.stored_J()
+        self._supplied_J["removal"] -= left.mechanical_J(self._plan.gravity_m_per_s2) + ended_J
+        self._impulse_N_s -= left.momentum_kg_m_per_s()
+        self._came_kg_m2_per_s = self._came_kg_m2_per_s - left.angular_momentum_kg_m2_per_s()
+
+    def _replace(self, new: Spheres, row: Indices) -> None:
+        """Go on with ``new`` spheres; the present ones are now in rows ``row`` (< 0: gone)."""
+        self._spheres = new
+        self._now = self._now.renumbered(row, len(new))
+        self._near = Neighbours.of(new, self._plan.surface, self._surface_m)
