@@ -22,6 +22,8 @@ Array = npt.NDArray[np.float64]
 FOR_CONFIRMING = 0.2  # of the hours
 NARROW = 0.02  # of a goal's range over all data: half an interval that is narrow enough
 REPEATS = (2, 6)  # runs of each setting that is confirmed: at least, at most
+FIRST_NEW_SEED, CONFIRMING = 1000, 2  # of runs that confirm; of the choice of what they confirm
+FEWEST_EXPLAINED = 0.5  # of a goal's variance, by leave-one-out
 NEAR_A_FAILURE = 0.1  # of the coded range: there nothing more is proposed
 
 
@@ -141,9 +143,96 @@ class Campaign:
         }
         return self._next(stage, setting, seed, role=role, predicted=predicted)
 
+    def _confirm(self) -> Iterator[Trial]:
+        """The recommended setting, the centre and the best simpler design, each with new seeds."""
+
+        def new(stored: int) -> Iterator[Trial]:
+            if not self.study.aim.goals or self.support():
+                return
+            settings = self.candidates()
+            for repeat in range(REPEATS[1]):
+                for role, setting in settings.items():
+                    done = [t for t in self._trials if t.stage == "confirm" and t.role == role]
+                    if len(done) > repeat:
+                        continue
+                    if not self._can_afford(1.0) or (repeat >= REPEATS[0] and self._is_narrow(settings)):
+                        return
+                    yield self._proposed("confirm", setting, self.fit(), FIRST_NEW_SEED + repeat, role)
+
+        return self._stage("confirm", new)
+
+    def candidates(self) -> dict[str, Array]:
+        """Choose the settings that are measured again, by their roles; those chosen before stay."""
+        chosen = {t.role: np.array(t.setting) for t in self._trials if t.stage == "confirm"}
+        if "winner" not in chosen:
+            fitted, done = self.fit(), np.array([trial.setting for trial in self._trials])
+            rng = np.random.default_rng([self.study.file.seed, CONFIRMING])
+            space, aim = self.study.space, self.study.aim
+            chosen = {"winner": recommend(fitted, aim, space, done, rng), "centre": done[0]}
+            if self.study.simpler:
+                chosen["simpler"] = recommend(fitted, aim, self.study.simpler_space(), done, rng)
+        return chosen
+
+    def support(self) -> str:
+        """Say why no optimum can be stated from the data; empty where one can.
+
+        That is so where the surrogate explains less than half of a goal's variance (Q2 < 0.5), where no setting
+        is expected to keep the limits, or where half of all runs failed.
+        """
+        file, data = self.study.file, self.data()
+        failed = sum(not each.is_data for each in self.outcomes)
+        if 2 * failed >= len(self.outcomes):
+            return f"{failed} of {len(self.outcomes)} runs gave no data"
+        try:
+            fitted = self.fit()
+        except TooFewPoints as error:
+            return str(error)
+        names = list(file.responses)
+        for goal in self.study.aim.goals:
+            if (q2 := explained(data.y[:, goal.response], fitted.left_out()[0][:, goal.response])) < FEWEST_EXPLAINED:
+                return f"the surrogate explains {100 * max(q2, 0):.0f} % of the variance of {names[goal.response]}"
+        mean, _ = predict_each(fitted, self.study.space.sample(2000, 1))
+        if not self.study.aim.kept(mean).any() and not self.study.aim.kept(data.y.T).any():
+            return "no setting is expected to keep all limits"
+        return ""
+
+    def _is_narrow(self, settings: Mapping[str, Array]) -> bool:
+        """Whether the mean of each setting's runs is known well enough."""
+        data = self.data()
+        for goal in self.study.aim.goals:
+            y = data.y[:, goal.response]
+            span = float(np.nanmax(y) - np.nanmin(y))
+            for setting in settings.values():
+                same = np.isfinite(y) & (np.abs(data.x - setting).max(axis=1) < 1e-9)
+                error = np.sqrt(data.variance[same, goal.response].sum()) / max(same.sum(), 1)
+                if not same.any() or 1.96 * error > NARROW * span:
+                    return False
+        return True
+
     def _can_afford(self, share: float) -> bool:
         """Tell whether one more run ends within a share of the hours, if it takes as long as those before."""
         if self.study.file.hours is None:
             return True
         wall_s = [outcome.wall_s for outcome in self.outcomes if outcome.wall_s > 0]
         return self.spent_s() + (statistics.fmean(wall_s) if wall_s else 0.0) <= 3600 * share * self.study.file.hours
+
+
+def explained(y: Array, left_out: Array) -> float:
+    """Compute the share of a response's variance, (n,), that its leave-one-out predictions explain (Q2)."""
+    known = np.isfinite(y) & np.isfinite(left_out)
+    total = ((y[known] - y[known].mean()) ** 2).sum() if known.any() else 0.0
+    return float(1.0 - ((y[known] - left_out[known]) ** 2).sum() / total) if total > 0 else 0.0
+
+
+def planned_settings(study: Study) -> Array:
+    """List the plan's settings, coded, (runs, factors), without the centre."""
+    plan, space = study.file.plan, study.space
+    runs = plan.runs or 4 * space.factors + 1
+    if plan.kind == "none":
+        return np.empty((0, space.factors))
+    if plan.kind == "box-behnken":
+        return plans.box_behnken(space.factors, centres=0)
+    if plan.kind == "factorial":
+        return plans.factorial(space, plan.levels)
+    make = plans.sobol if plan.kind == "sobol" else plans.latin_hypercube
+    return make(space, runs, study.file.seed)[plan.kind == "sobol" :]
