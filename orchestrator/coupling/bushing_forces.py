@@ -19,7 +19,7 @@ ARMS = 3
 
 @dataclass(frozen=True)
 class BushingForces:
-    """All bushings of a machine, n of them, with both ends among the carried points.
+    """All n bushings of a machine, with both ends among the carried points.
 
     ``first``, ``second`` (n, 4): numbers of a frame's centre of mass and arms, -1 for the ground;
     ``arm_m`` (2, n, 3) the ends' places from those centres (for the ground: from the origin).

@@ -20,7 +20,7 @@ from orchestrator.coupling.schemes.scheme import Pending
 from orchestrator.ports import Account, Array
 
 ROUNDED = 1e-6
-"""Of the impulse through all points, in sizes: beside it, rounding of their sum (1e-16 of it) is
+"""A share of the impulse through all points, in sizes: beside it, rounding of their sum (1e-16 of it) is
 1e-10 at most."""
 
 LOSING = {"particles-panel": ("particles",), "panel-frames": ("panel", "frames")}

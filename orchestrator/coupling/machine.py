@@ -15,7 +15,7 @@ from orchestrator.ports.penetration import Penetrations
 
 @dataclass(frozen=True)
 class PanelPoints:
-    """Where one panel lies in the concatenated surface and clamps; ``centre_line`` and ``shape``
+    """The place of one panel in the concatenated surface and clamps; ``centre_line`` and ``shape``
     (what is recorded of it for playing back) index the surface, ``first_clamp``,
     ``second_clamp`` and ``stops`` (points of beams below it) the clamps.  ``edges`` (n, 2) of its
     triangles index the surface, too; ``edge_length_m`` (n,) is their stress-free length."""

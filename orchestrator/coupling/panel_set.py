@@ -58,8 +58,11 @@ class PanelSet:
         return Known(motion, np.concatenate([part.which for part in parts]))
 
     def inertia(self) -> Inertia:
-        return concatenate_inertias(
-            self._exchanged({i: surface_inertia(panel) for i, panel in self._own.items()})
+        parts = self._exchanged({i: surface_inertia(panel) for i, panel in self._own.items()})
+        return Inertia(
+            csr_array(block_diag([part.shapes for part in parts])),
+            np.concatenate([part.mass_kg for part in parts]),
+            np.concatenate([part.held for part in parts]),
         )
 
     def account(self) -> Account:
@@ -82,15 +85,6 @@ class PanelSet:
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
-
-
-def concatenate_inertias(parts: Sequence[Inertia]) -> Inertia:
-    """Returns the points and masses of all parts, one after the other."""
-    return Inertia(
-        csr_array(block_diag([part.shapes for part in parts])),
-        np.concatenate([part.mass_kg for part in parts]),
-        np.concatenate([part.held for part in parts]),
-    )
 
 
 def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:

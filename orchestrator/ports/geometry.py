@@ -165,7 +165,7 @@ class TriangleSurface:
 
 @dataclass(frozen=True)
 class Foot:
-    """Where perpendiculars from points meet the planes of triangles.
+    """The feet of perpendiculars from points onto the planes of triangles.
 
     Parameters
     ----------

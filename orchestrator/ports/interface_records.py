@@ -42,7 +42,7 @@ def _checked(record: str, field_name: str, value: Array) -> None:
 
 @dataclass(frozen=True)
 class Motion:
-    """Where points are, and how fast they move.
+    """The places and velocities of points.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class Known:
-    """Where some of the points will be at the end of an interval, whatever pushes them.
+    """The motion of some of the points at the end of an interval, whatever pushes them.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import numpy as np
 from orchestrator.ports.interface_records import Array, Indices
 
 LARGEST_CARRIED_OVERLAP = 0.5
-"""Of a radius.  Contact laws are for contacts that are small against the bodies; the area of one
+"""A share of a radius.  Contact laws are for contacts that are small against the bodies; the area of one
 that is half a radius deep has 0.7 of the particle's own radius (Hertz: sqrt(r overlap)), and at one
 radius the centre is through the surface."""
 

@@ -18,7 +18,7 @@ from orchestrator.ports.geometry import Rectangle
 
 @dataclass(frozen=True)
 class RecordedGrid:
-    """``rows_m`` (a,) and ``columns_m`` (b,), both increasing, from clamp's outer edge to clamp's
+    """A grid of ``rows_m`` (a,) and ``columns_m`` (b,), both increasing, from clamp's outer edge to clamp's
     outer edge and from side to side; points are numbered with y running fastest."""
 
     rows_m: Array

@@ -18,26 +18,25 @@ FEED, UNDER, OVER, HELD = "#4a5560", "#0f8a8a", "#d9822b", "#3b5ba5"
 LINES = ("#3b5ba5", "#d9822b", "#0f8a8a", "#a23b72", "#6b7f1f", "#7a5195", "#4a5560", "#c1443c")
 WIDE, HALF, TALL = 10.7, 5.4, 3.4  # inches
 
-STYLE = {
-    "font.size": 9.5,
-    "font.family": "DejaVu Sans",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.titlesize": 10,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.prop_cycle": cycler(color=LINES),
-    "grid.alpha": 0.3,
-    "legend.frameon": False,
-    "lines.linewidth": 1.4,
-    "svg.hashsalt": "flipflow",
-    "figure.constrained_layout.use": True,
-}
-
-
-plt.rcParams.update(STYLE)
+plt.rcParams.update(
+    {
+        "font.size": 9.5,
+        "font.family": "DejaVu Sans",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "axes.axisbelow": True,
+        "axes.titlesize": 10,
+        "axes.titleweight": "bold",
+        "axes.titlelocation": "left",
+        "axes.prop_cycle": cycler(color=LINES),
+        "grid.alpha": 0.3,
+        "legend.frameon": False,
+        "lines.linewidth": 1.4,
+        "svg.hashsalt": "flipflow",
+        "figure.constrained_layout.use": True,
+    }
+)
 
 
 def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float = TALL, **more: Any) -> Any:

@@ -86,7 +86,7 @@ class Touch:
 
 
 def touches(scene: Scene, surface_material: str) -> list[Touch]:
-    """The smallest and the largest spheres of each material, on surfaces of a material."""
+    """Returns the smallest and the largest spheres of each material, on surfaces of a material."""
     smallest_m, largest_m = smallest_diameters_m(scene.case), largest_diameters_m(scene.case)
     return [
         _touch(scene, name, diameter_m, surface_material)
@@ -137,47 +137,29 @@ class Seat(NamedTuple):
 
     panel: str
     touch: Touch
+    sphere_kg: float
     mass_kg: float
     mode_rad_per_s: float
 
 
-Limit = Callable[[Seat, float, float], float]
-"""The longest interval of a seat whose contact has a stiffness k and a damping g."""
-
-CONTACT_LIMITS: dict[str, dict[str, tuple[Literal["deepest", "resting"], Limit]]] = {
+MODE, POINT, PAIR = ("mode_rad_per_s",), ("mass_kg", "mode_rad_per_s"), ("sphere_kg", "mass_kg")
+CONTACT_LIMITS: dict[str, dict[str, tuple[str, Callable[..., float], tuple[str, ...]]]] = {
     "particles-first": {
-        "light points": ("deepest", lambda s, k, g: limits.light_point_s(k, g, s.mass_kg, s.mode_rad_per_s)),
-        "lasting contacts, panels' modes": (
-            "resting",
-            lambda s, k, g: limits.resting_mode_s(k, g, s.mode_rad_per_s),
-        ),
-        "lasting contacts, light points": (
-            "resting",
-            lambda s, k, g: limits.rocking_s(k, g, s.touch.mass_kg, s.mass_kg),
-        ),
+        "light points": ("deepest", limits.light_point_s, POINT),
+        "lasting contacts, panels' modes": ("resting", limits.resting_mode_s, MODE),
+        "lasting contacts, light points": ("resting", limits.rocking_s, PAIR),
     },
     "robin": {
-        "foreseen contacts, panels' modes": (
-            "deepest",
-            lambda s, k, g: limits.foreseen_mode_s(k, g, s.mass_kg, s.mode_rad_per_s),
-        ),
-        "foreseen contacts, spheres": (
-            "deepest",
-            lambda s, k, g: limits.foreseen_sphere_s(k, g, s.touch.mass_kg, s.mass_kg),
-        ),
+        "foreseen contacts, panels' modes": ("deepest", limits.foreseen_mode_s, POINT),
+        "foreseen contacts, spheres": ("deepest", limits.foreseen_sphere_s, PAIR),
     },
     "serial-staggered": {
-        "late contacts": (
-            "deepest",
-            lambda s, k, g: limits.late_contact_s(k, g, s.mass_kg, s.mode_rad_per_s),
-        ),
-        "late contacts, light points": (
-            "deepest",
-            lambda s, k, g: limits.late_rocking_s(k, g, s.touch.mass_kg, s.mass_kg),
-        ),
+        "late contacts": ("deepest", limits.late_contact_s, POINT),
+        "late contacts, light points": ("deepest", limits.late_rocking_s, PAIR),
     },
 }
-"""Scheme -> name of each bound -> which contact of a seat it takes, and its limit."""
+"""Scheme -> name of each bound -> which contact of a seat it takes, its limit, and what that takes of
+the seat besides the contact's stiffness and damping."""
 
 
 def contact_bounds(
@@ -190,10 +172,13 @@ def contact_bounds(
     if scheme == "robin" and not scene.case.panel.adapter.yields:
         scheme = "particles-first"  # that is what it does on them
     seats = list(_seats(scene, modes_rad_per_s, frames))
-    for name, (kind, limit_s) in CONTACT_LIMITS.get(scheme, {}).items() if seats else ():
-        rows = [(limit_s(seat, *getattr(seat.touch, kind)), seat) for seat in seats]
+    for name, (contact, limit_s, wanted) in CONTACT_LIMITS.get(scheme, {}).items() if seats else ():
+        rows = [
+            (limit_s(*getattr(seat.touch, contact), *(getattr(seat, each) for each in wanted)), seat)
+            for seat in seats
+        ]
         shortest_s, seat = min(rows, key=lambda row: row[0])
-        k, g = getattr(seat.touch, kind)
+        k, g = getattr(seat.touch, contact)
         where = f"{seat.touch} on {seat.panel}"
         why = f"{where}: {k:.3g} N/m and {g:.3g} N s/m on {1e3 * seat.mass_kg:.3g} g"
         yield Bound(name, shortest_s, why, where=where)
@@ -218,7 +203,7 @@ def _seats(
                 mass_kg = frames.lightest_kg * touch.area_m2 / area_m2
             else:
                 continue
-            yield Seat(name, touch, mass_kg, modes_rad_per_s.get(name, 0.0))
+            yield Seat(name, touch, touch.mass_kg, mass_kg, modes_rad_per_s.get(name, 0.0))
 
 
 def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
@@ -265,7 +250,7 @@ class MetSurface:
 
 
 def met_surfaces(scene: Scene) -> list[MetSurface]:
-    """Every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
+    """Returns every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
     middles or as the frames, whichever is more."""
     case, moves = scene.case, scene.case.exchange.frame_motion
     panel_solver, gravity_m_per_s2 = case.panel.adapter, scene.gravity_m_per_s2
@@ -322,7 +307,7 @@ def surface_bounds(scene: Scene) -> Iterator[Bound]:
 
 
 def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
-    """The interval in which a surface that is free is off by ``SHARE_OF_OVERLAP``.  robin drifts on
+    """Returns the interval in which a surface that is free is off by ``SHARE_OF_OVERLAP``.  robin drifts on
     what it does not foresee; serial-staggered shows the particles the way that the surface has gone."""
     scheme = scene.case.coupling.scheme
     if surface.known or surface.acceleration_m_per_s2 == 0.0 or scheme == "serial-staggered":
@@ -333,7 +318,7 @@ def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
 
 
 def _smoothed_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
-    """The interval in which the smooth path of a driven surface, H^4 a w^2, is off by
+    """Returns the interval in which the smooth path of a driven surface, H^4 a w^2, is off by
     ``SHARE_OF_OVERLAP``."""
     if not surface.known or surface.acceleration_m_per_s2 == 0.0:
         return math.inf

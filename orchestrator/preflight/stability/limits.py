@@ -21,18 +21,16 @@ from orchestrator.ports import Array
 HELD = 0.8
 """Share of the mass that counts: a sphere as heavy as the point it rests on makes the interval up
 to a tenth shorter than a held one does (scan of 288 linear pairs: docs/measured/stability.md)."""
-
-
-FORETOLD = 0.5
-"""Of the estimate for a free sphere: the real limit over it was 0.57 to 1.06 from m/M = 1 to 10^4
-(restitution 0.13 to 0.99)."""
+FORESEEN = 0.5
+"""Share of the estimate for a free sphere under robin: the real limit over it was 0.57 to 1.06 from
+m/M = 1 to 10^4 (restitution 0.13 to 0.99)."""
 
 
 def light_point_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
-    """particles-first: the surface drifts through the interval H, so the contact pushes it back
-    too late.  The point swings from side to side, interval by interval, from
+    """Returns the limit of particles-first: the surface drifts through the interval H, so that the
+    contact pushes it back too late.  The point swings from side to side, interval by interval, from
 
         (g + k H / 2) tan(w H / 2) = M w,
 
@@ -48,40 +46,51 @@ def light_point_s(
         h = share * end
         return (g + k * h / 2) * math.sin(w * h / 2) - mass * w * math.cos(w * h / 2)
 
-    return end * _root(excess)
+    return end * float(brentq(excess, 0.0, 1.0))
 
 
 def resting_mode_s(stiffness_N_per_m: float, damping_N_s_per_m: float, mode_rad_per_s: float) -> float:
-    """particles-first, a contact that lasts on a vibrating surface: within the interval its damper
-    sees an old velocity and its spring an old place, and together they drive the mode unless
+    """Returns the limit of particles-first for a contact that lasts on a vibrating surface: within the
+    interval its damper sees an old velocity and its spring an old place, and together they drive
+    the mode unless
 
-        tan(w H / 2) - w H / 2 < g w / k.
+        tan(x) - x < g w / k,    x = w H / 2.
 
     Infinite without a damper: such a contact does not last.
     """
     k, g, w = stiffness_N_per_m, damping_N_s_per_m, mode_rad_per_s
     if g == 0 or w == 0:
         return math.inf
-    return 2 / w * _phase(g * w / k if k > 0 else math.inf)
+    if k == 0:
+        return math.pi / w
+
+    def excess(share: float) -> float:
+        x = share * math.pi / 2
+        return math.sin(x) - (x + g * w / k) * math.cos(x)
+
+    return math.pi / w * float(brentq(excess, 0.0, 1.0))
 
 
 def rocking_s(stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float) -> float:
-    """particles-first, a free sphere m that stays on a free point: like ``resting_mode_s`` with the
-    frequency of the pair, w^2 = k / m + k / M, and the point's share in it, m / (m + M)."""
-    k, g = stiffness_N_per_m, damping_N_s_per_m
-    if g == 0 or k == 0:
-        return math.inf
-    w = math.sqrt(k / sphere_kg + k / mass_kg)
-    share = sphere_kg / (sphere_kg + mass_kg)
-    return 2 / w * _phase(g * w / k / share)
+    """Returns the limit of particles-first for a free sphere m that stays on a free point: that of
+    ``resting_mode_s`` with the frequency of the pair, and the damper over the point's share in it."""
+    w, share = _pair(stiffness_N_per_m, sphere_kg, mass_kg)
+    return resting_mode_s(stiffness_N_per_m, damping_N_s_per_m / share, w)
+
+
+def _pair(stiffness_N_per_m: float, sphere_kg: float, mass_kg: float) -> tuple[float, float]:
+    """Returns the frequency of a free sphere m on a free point, w^2 = k / m + k / M, and the point's
+    share in it, m / (m + M)."""
+    w = math.sqrt(stiffness_N_per_m / sphere_kg + stiffness_N_per_m / mass_kg)
+    return w, sphere_kg / (sphere_kg + mass_kg)
 
 
 def foreseen_mode_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float
 ) -> float:
-    """robin: the chord of a mode is foreseen as if a change of the load moved a free mass.  It
-    moves less by b = H^2 / (2 M) (1 - sin^2(w H / 2) / (w H / 2)^2), which is told an interval
-    later.  A held sphere cannot drive the mode while
+    """Returns the limit of robin for a mode, whose chord is foreseen as if a change of the load moved
+    a free mass.  It moves less by b = H^2 / (2 M) (1 - sin^2(w H / 2) / (w H / 2)^2), which is told
+    an interval later.  A held sphere cannot drive the mode while
 
         2 b max_u u (k^2 H / (4 g) (1 + u) + g / H (1 - u)) < 1,    0 < u < 1.
 
@@ -104,9 +113,9 @@ def foreseen_mode_s(
 def foreseen_sphere_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
-    """robin: a free sphere m on a free point M; the midpoint rule that foretells its load is off by
-    k H^2 / (12 m) and (g H / m)^2 / 12 of it, and H / (2 M) times the impedance, k H / 2 + g twice,
-    is what that does to the point.  Stable below ``FORETOLD`` times the H from
+    """Returns the limit of robin for a free sphere m on a free point M; the midpoint rule that predicts
+    its load is off by k H^2 / (12 m) and (g H / m)^2 / 12 of it, and H / (2 M) times the impedance,
+    k H / 2 + g twice, is what that does to the point.  Stable below ``FORESEEN`` times the H from
 
         (k H^2 / (2 M)) (k H^2 / (12 m)) + (g H / (2 M)) (g H / m)^2 / 12 = 1.
 
@@ -122,14 +131,14 @@ def foreseen_sphere_s(
         spring = k * h * h / (2 * mass_kg) * (k * h * h / (12 * m))
         return spring + g * h / (2 * mass_kg) * (g * h / m) ** 2 / 12 - 1
 
-    return FORETOLD * math.exp(_crossing(excess)) * unit_s
+    return FORESEEN * math.exp(_crossing(excess)) * unit_s
 
 
 def late_contact_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
-    """serial-staggered: the force comes an interval late, which is the damping -k H; and a damper
-    that comes late overshoots.  Stable below
+    """Returns the limit of serial-staggered: the force comes an interval late, which is the damping
+    -k H; and a damper that comes late overshoots.  Stable below
 
         1 / H = w / arctan(g w / k) + g / (2 M),    k / g + g / (2 M) for w = 0;
 
@@ -147,43 +156,25 @@ def late_contact_s(
 def late_rocking_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
-    """serial-staggered, a free sphere m on a free point; as ``late_contact_s`` with the frequency
-    of the pair, and the damper over the point's share m / (m + M)."""
+    """Returns the limit of serial-staggered for a free sphere m on a free point: as ``late_contact_s``
+    with the frequency of the pair, and the damper over the point's share."""
     k, g = stiffness_N_per_m, damping_N_s_per_m
     if g == 0:
         return 0.0 if k > 0 else math.inf
-    w = math.sqrt(k / sphere_kg + k / mass_kg)
-    share = sphere_kg / (sphere_kg + mass_kg)
+    w, share = _pair(k, sphere_kg, mass_kg)
     late = w / math.atan2(g * w, k * share)
     return 1 / (late + g / (2 * mass_kg))
 
 
-def _phase(ratio: float) -> float:
-    """x in (0, pi/2) with tan(x) - x = ratio."""
-    if math.isinf(ratio):
-        return math.pi / 2
-
-    def excess(share: float) -> float:
-        x = share * math.pi / 2
-        return math.sin(x) - (x + ratio) * math.cos(x)
-
-    return math.pi / 2 * _root(excess)
-
-
-def _root(excess: Callable[[float], float]) -> float:
-    """The share in [0, 1] where ``excess``, negative before and positive after, is zero."""
-    return float(brentq(excess, 0.0, 1.0))
-
-
 def _largest(one: float, other: float) -> float:
-    """Of u (one (1 + u) + other (1 - u)) for u from 0 to 1."""
+    """Returns the largest value of u (one (1 + u) + other (1 - u)) for u from 0 to 1."""
     if other <= 3 * one:  # it grows up to u = 1
         return 2 * one
     return (one + other) ** 2 / (4 * (other - one))
 
 
 def _crossing(excess: Callable[[float], float]) -> float:
-    """Where ``excess`` of an exponent, negative far below and positive far above, is first zero."""
+    """Returns the exponent at which ``excess``, negative far below and positive far above, is first zero."""
     before, step = -20.0, 0.05
     while excess(before + step) < 0:
         before += step
@@ -201,15 +192,15 @@ Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied Mechanics and Enginee
 
 
 def extrapolated_clamps_s(mass: Array, panels_N_per_m: Array) -> float:
-    """``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs.  Stable for
-    w H < 1, w the highest frequency of the frames on the panels alone; damped below."""
+    """Returns the limit of ``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs,
+    are stable for w H < 1, w the highest frequency of the frames on the panels alone; damped below."""
     highest = float(eigh(panels_N_per_m, mass, eigvals_only=True)[-1])
     return 1 / math.sqrt(highest) if highest > 0 else math.inf
 
 
 def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Array) -> float:
-    """serial-staggered: the panels' force comes an interval late, which is the damping -K H.  Of
-    every mode X (a column), the machine's own damping must be larger: H < X C X / X K X."""
+    """Returns the limit of serial-staggered: the panels' force comes an interval late, which is the
+    damping -K H.  Of every mode X (a column), the machine's own must be larger: H < X C X / X K X."""
     driven = np.einsum("im,ij,jm->m", shapes, panels_N_per_m, shapes)
     damped = np.einsum("im,ij,jm->m", shapes, damping_N_s_per_m, shapes)
     felt = driven > 1e-9 * driven.max(initial=0.0)
@@ -217,5 +208,5 @@ def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Arr
 
 
 def carried_share(mass: Array, carried: Array) -> float:
-    """The largest ratio of carried mass to the frames' own, over all their motions."""
+    """Returns the largest ratio of carried mass to the frames' own, over all their motions."""
     return float(eigh(carried, mass, eigvals_only=True)[-1])

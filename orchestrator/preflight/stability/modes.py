@@ -21,7 +21,7 @@ from orchestrator.preflight.scene.shaking import free_frames
 
 @dataclass(frozen=True)
 class FrameMatrices:
-    """Square, over all coordinates of the free frames (3 each, or 6 with rotations):
+    """Square matrices over all coordinates of the free frames (3 each, or 6 with rotations):
     ``mass`` of the frames alone, ``carried`` of the panels whose ends are on them, ``panels_N_per_m``
     taut and at their stiffest, ``bushings_N_per_m`` and their ``damping_N_s_per_m``."""
 
@@ -38,13 +38,13 @@ class FrameMatrices:
         return float(np.min(np.diag(self.mass)[:: self.freedoms]))
 
     def modes(self) -> tuple[Array, Array]:
-        """Angular frequencies, and shapes as columns, of frames with panels on them."""
+        """Returns the angular frequencies, and shapes as columns, of frames with panels on them."""
         square, shapes = eigh(self.panels_N_per_m + self.bushings_N_per_m, self.mass + self.carried)
         return np.sqrt(np.maximum(square, 0.0)), shapes
 
 
 def frame_matrices(scene: Scene) -> FrameMatrices | None:
-    """None where no frame is free to be pushed."""
+    """Returns the matrices of a scene, or None where no frame is free to be pushed."""
     case, plan = scene.case, scene.plan
     solver = case.frames.adapter
     if not (solver.moved_by_forces and free_frames(plan)):
@@ -79,19 +79,18 @@ period.  Steps of h turn w into (2 / h) arcsin(w h / 2)."""
 
 
 def largest_steps_s(case: Case) -> dict[str, float]:
-    """Name of each row of panels -> largest step of its solver; empty where that is not limited by
-    stability.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
+    """Returns the largest step of the solver for each row of panels; none where stability does not limit
+    it.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
     limit = case.panel.adapter.largest_step_s
     if limit is None or case.panel.integrator != "explicit":
         return {}
-    rows = {
-        single.table_name: plan for single, plan in zip(single_panels(case), panel_plans(case), strict=True)
-    }
+    plans = zip(single_panels(case), panel_plans(case), strict=True)
+    rows = {panel.table_name: plan for panel, plan in plans}
     return {name: float(limit(plan)) for name, plan in rows.items()}
 
 
 def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
-    """Name of each row of panels -> highest frequency that its steps make; and why not, if none.
+    """Returns the highest frequency that its steps make for each row of panels; and why not, if none.
 
     Implicit steps longer than the mesh's periods have none that matters here: their phase
     stays below half a turn."""
@@ -103,17 +102,17 @@ def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
 
 
 def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
-    """Mass of the perforated part per area."""
+    """Returns the mass of the perforated part per area."""
     solid = AperturePattern(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
     return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
 
 
 def lightest_point_kg(case: Case, name: str) -> float:
-    """Effective mass of the lightest point of the surface of the panels ``name``, as their solver
-    tells; else the mass under one of the surface's cells."""
+    """Returns the effective mass of the lightest point of the surface of the panels ``name``, as their
+    solver tells; else the mass under one of the surface's cells."""
     panel, lightest_kg = case.screen.panels[name], case.panel.adapter.lightest_kg
     if lightest_kg is None:
         cell_m2 = panel.width_m * panel.length_m / math.prod(case.panel.surface_cells)
         return areal_kg_per_m2(case, panel) * cell_m2
     plans = zip(single_panels(case), panel_plans(case), strict=True)
-    return min(lightest_kg(p, case.panel.surface_cells) for one, p in plans if one.table_name == name)
+    return min(lightest_kg(plan, case.panel.surface_cells) for p, plan in plans if p.table_name == name)
