@@ -1,0 +1,78 @@
+"""Trials made as runs of the case, each in a process and a folder of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+
+from orchestrator.case.file.errors import CaseError, CaseProblem
+from orchestrator.case.scalars import value_at
+from orchestrator.output.records import trust
+from orchestrator.studies.design.formulas import BadFormula
+from orchestrator.studies.design.study_file import Study
+from orchestrator.studies.design.trials import Measured, Outcome, Trial
+from orchestrator.studies.points import CaseStudy, Point, run_point, seeded, summary_of
+
+HALF_WIDTH = 1.96  # of a 95 % interval, in standard deviations
+
+
+class Runs:
+    """The evaluator of a study of a case."""
+
+    def __init__(self, study: Study, runs: CaseStudy) -> None:
+        self._study, self._runs = study, runs
+        self.side_by_side = runs.crew.workers
+
+    def check(self) -> None:
+        """Check the centre and the corners of the ranges as cases.
+
+        Raises
+        ------
+        CaseError : with the settings that no case can have, and why.
+        """
+        problems: list[CaseProblem] = []
+        for corner in self._study.corners():
+            try:
+                self._runs.check(self._study.overlays(corner))
+            except BadFormula as error:
+                problems.append(CaseProblem(("set",), f"{self._named(corner)}: {error}"))
+            except CaseError as error:
+                first = error.problems[0]
+                problems.append(CaseProblem(first.key, f"{self._named(corner)}: {first.what}", first.hint))
+        if problems:
+            raise CaseError(problems)
+
+    def outcomes(self, wanted: Iterable[Trial]) -> Iterator[Outcome]:
+        """Make the trials that are not done, and yield what came of each."""
+        yield from self._runs.crew.each(partial(self._made, trial) for trial in wanted)
+
+    def _made(self, trial: Trial) -> Outcome:
+        point = self._point(trial)
+        if not point.done():
+            run_point(point, self.side_by_side)
+        return self._outcome(trial, point)
+
+    def _point(self, trial: Trial) -> Point:
+        overlays = self._study.overlays(trial.setting)
+        case = self._runs.check(overlays).case
+        return self._runs.point(trial.name, [*overlays, *seeded(case, trial.seed)])
+
+    def _outcome(self, trial: Trial, point: Point) -> Outcome:
+        summary = summary_of(point.folder)
+        status = str(summary.get("status", "missing"))
+        wall_s = float(summary.get("wall_s", 0.0) or 0.0)
+        if status != trust.DONE:
+            why = str(summary.get("reason") or "; ".join(summary.get("doubts", ())) or status)
+            return Outcome(trial, status, why, wall_s=wall_s)
+        responses = {}
+        for name, table in self._study.file.responses.items():
+            if (found := value_at(summary, table.result)) is not None:
+                width = found.half_width
+                responses[name] = Measured(found.value, width / HALF_WIDTH if width else table.noise)
+        missing = [name for name in self._study.file.responses if name not in responses]
+        why = f"the run does not tell {', '.join(missing)}" if len(missing) == len(self._study.file.responses) else ""
+        return Outcome(trial, status, why, responses, wall_s)
+
+    def _named(self, corner: Iterable[float]) -> str:
+        values = self._study.space.actual(corner)
+        return ", ".join(f"{name} = {value:g}" for name, value in zip(self._study.file.factors, values, strict=True))
