@@ -127,14 +127,14 @@ def driven(plan: FramesPlan) -> Indices:
     Raises ValueError for a body unknown, driven twice, or driven and excited.
     """
     names = tuple(drive.body for drive in plan.drives)
-    found = numbers(plan, names)
-    if (found < 0).any():
+    bodies = numbers(plan, names)
+    if (bodies < 0).any():
         raise ValueError("the ground cannot be driven")
     if len(set(names)) < len(names):
         raise ValueError(f"one drive per body, got drives for {names}")
     if both := set(names) & {exciter.body for exciter in plan.exciters}:
         raise ValueError(f"driven and excited: {sorted(both)}; a drive leaves no choice")
-    return found
+    return bodies
 
 
 def free(plan: FramesPlan) -> Indices:
