@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adapters.panel.common.carried import CarriedSurface
+from adapters.panel.common.grid import locate
 from orchestrator.ports import Account, Array, HermitePath, Motion, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
@@ -142,26 +143,22 @@ def interpolation_matrix(grid: RecordedGrid, edges_m: tuple[float, float], coord
     """Return H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
     s, y = coordinates_m.T
     rows, columns = grid.rows_m, grid.columns_m
-    slack = 1e-9 * (rows[-1] - rows[0])
-    inside = (s >= rows[0] - slack) & (s <= rows[-1] + slack)
-    inside &= (y >= columns[0] - slack) & (y <= columns[-1] + slack)
-    if not inside.all():
-        worst = coordinates_m[~inside][0].tolist()
-        raise ValueError(f"material coordinates {worst} m are off the panel")
+    slack_m = 1e-9 * (rows[-1] - rows[0])
+    locate(rows, s, slack_m)
     along = hats(s, rows)
     free_rows = (rows >= edges_m[0]) & (rows <= edges_m[1])
     free = (s > edges_m[0]) & (s < edges_m[1])
-    along[np.ix_(free, free_rows)] = cubic_shapes(s[free], rows[free_rows])
-    return both_ways(along, cubic_shapes(y, columns))
+    along[np.ix_(free, free_rows)] = cubic_shapes(s[free], rows[free_rows], slack_m)
+    return both_ways(along, cubic_shapes(y, columns, slack_m))
 
 
-def cubic_shapes(places: Array, nodes: Array) -> Array:
+def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> Array:
     """Return (places, nodes): cubic Hermite shape functions with slopes by central differences through
-    the nodes (at the ends one-sided).  They are C1, and exact for parabolas."""
+    the nodes (at the ends one-sided).  They are C1, and exact for parabolas.  ValueError for places
+    that are outside by more than ``slack_m``."""
     slopes = np.gradient(np.eye(len(nodes)), nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
-    cell = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
-    length = (nodes[cell + 1] - nodes[cell])[:, None]
-    t = np.clip((places - nodes[cell])[:, None] / length, 0.0, 1.0)
+    cell, share = locate(nodes, places, slack_m)
+    t, length = np.clip(share, 0.0, 1.0)[:, None], (nodes[cell + 1] - nodes[cell])[:, None]
     first, second = np.eye(len(nodes))[cell], np.eye(len(nodes))[cell + 1]
     value = (1 + 2 * t) * (1 - t) ** 2 * first + t**2 * (3 - 2 * t) * second
     value += length * (t * (1 - t) ** 2 * slopes[cell] + t**2 * (t - 1) * slopes[cell + 1])

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.common.bilinear import clamped_rows_m
-from adapters.panel.common.grid import ElementGrid, numbers_at_nodes
+from adapters.panel.common.grid import ElementGrid, clamped_rows_m, numbers_at_nodes
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan

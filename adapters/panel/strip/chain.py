@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.panel.common import bilinear
+from adapters.panel.common.grid import clamped_rows_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
@@ -110,7 +111,7 @@ def chain(plan: PanelPlan) -> Chain:
     if cells < 2:
         raise ValueError(f"panel {plan.name}: a strip needs at least two cells, got {cells}")
     free_m = np.linspace(0.0, rectangle.length_m, cells + 1)
-    rows_m = bilinear.clamped_rows_m(rectangle, free_m)
+    rows_m = clamped_rows_m(rectangle, free_m)
     first = (len(rows_m) - len(free_m)) // 2
     last = first + cells
     held = np.full(len(rows_m), -1)
