@@ -112,9 +112,9 @@ def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_pa
         case "cut":
             arrays.write_bytes(arrays.read_bytes()[:-100])
         case "changed":
-            half = len(arrays.read_bytes()) // 2
-            # as many bytes as may lie between two arrays, where nothing would be lost
-            arrays.write_bytes(arrays.read_bytes()[:half] + 64 * b"?" + arrays.read_bytes()[half + 64 :])
+            changed = bytearray(arrays.read_bytes())
+            changed[len(changed) // 2] ^= 1  # a single bit
+            arrays.write_bytes(changed)
         case "half":
             about.write_text(about.read_text()[:-20])
     assert resume(folder, []) == launch.DONE
