@@ -13,7 +13,7 @@ import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
-from orchestrator.case.bed.sources import combined_feed, initial_particles, largest_diameter_m
+from orchestrator.case.bed.sources import combine_feeds, initial_particles, largest_diameter_m
 from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
@@ -242,6 +242,7 @@ def particles_plan(
     if not has_particles(case):
         return None
     numbers = material_numbers(case)
+    particles = initial_particles(case, numbers)
     cap = case.particles.largest_youngs_modulus_Pa
     return ParticlesPlan(
         surface=surface,
@@ -253,13 +254,13 @@ def particles_plan(
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
         predicts_load=case.coupling.scheme == "robin",
-        particles=initial_particles(case, numbers),
+        particles=particles,
         largest_diameter_m=largest_diameter_m(case),
         domain_m=np.array(case.domain_m),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         step_s=particle_step_s(case),
         sync_interval_s=case.coupling.sync_interval_s,
-        feed=combined_feed(case, numbers),
+        feed=combine_feeds(case, numbers, particles),
         exits=exits(case),
         periodic_y=case.slice is not None and case.slice.sides == "periodic",
         communicator=communicator,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.feed import Feeds
-from orchestrator.case.bed.material_book import CountedFeed, MaterialBook, MaterialWatch
+from orchestrator.case.bed.material_book import MaterialBook, MaterialWatch
 from orchestrator.case.bed.packing import no_particles
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
@@ -122,9 +121,7 @@ def _particles(
 ) -> tuple[MaterialBook | None, MeteredParticles | None, Wearing | None]:
     if plan is None:
         return None, None, None
-    feed = CountedFeed(plan.particles, cast(Feeds | None, plan.feed))
-    if plan.feed is not None:
-        plan = replace(plan, feed=feed)
+    feed = cast(Feeds, plan.feed or Feeds([], first=plan.particles))
     solver = case.particles.solver
     opened = solvers.opened("particles", solver, plan)
     metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)

@@ -9,18 +9,16 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from orchestrator.case.bed.feed import Feeds, RateFeed
+from orchestrator.case.bed.feed import Fed, Feeds, RateFeed
 from orchestrator.case.tables.numerics import MonitorSettings
-from orchestrator.ports import Array, Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
-from orchestrator.ports.clock import Interval
+from orchestrator.ports import Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.ports.plans import ExitPlan, ParticleList, SolverFailed
+from orchestrator.ports.plans import ExitPlan, SolverFailed
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 LOG = logging.getLogger("flipflow")
@@ -106,81 +104,6 @@ class MaterialWatch:
             self._said.add(key)
 
 
-@dataclass(frozen=True)
-class Fed:
-    """Particles that came in, in the order of their ids.  Arrays of n rows."""
-
-    id: Indices
-    time_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
-    material: Indices
-
-
-class CountedFeed:
-    """A feed (or none) that remembers who came in, and when; the particles of t = 0 did so then.
-
-    Solvers give ids in order, so that ids need not cross the port.
-    """
-
-    def __init__(self, particles: ParticleList, feed: Feeds | None) -> None:
-        self._feed = feed
-        self._offered, self._time_s = particles, 0.0
-        self._count = 0
-        self._since: list[Fed] = []
-        self._note(np.ones(len(particles), dtype=bool))
-
-    def due(self, interval: Interval) -> ParticleList:
-        assert self._feed is not None
-        self._offered, self._time_s = self._feed.due(interval), interval.start_s
-        return self._offered
-
-    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        assert self._feed is not None
-        self._feed.settle(accepted)
-        self._note(accepted)
-
-    @property
-    def feeds(self) -> list[RateFeed]:
-        """The feeds that it is made of."""
-        return self._feed.feeds if self._feed is not None else []
-
-    def taken(self) -> Fed:
-        """Who came in since this was last asked."""
-        since, self._since = self._noted(), []
-        return since
-
-    def save(self) -> Saved:
-        feeds = self._feed.save() if self._feed is not None else {}
-        return save_attributes(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_count")
-        self._since = [like(self._noted(), saved["since"])]
-        if self._feed is not None:
-            self._feed.restore(saved["feeds"])
-
-    def _noted(self) -> Fed:
-        since = self._since or [_rows(self._offered, np.empty(0, dtype=np.int64), 1, 0.0)]
-        return Fed(*(np.concatenate([getattr(one, f.name) for one in since]) for f in fields(Fed)))
-
-    def _note(self, accepted: npt.NDArray[np.bool_]) -> None:
-        rows = np.flatnonzero(accepted)
-        if len(rows):
-            self._since.append(_rows(self._offered, rows, self._count + 1, self._time_s))
-            self._count += len(rows)
-
-
-def _rows(some: ParticleList, rows: Indices, first_id: int, time_s: float) -> Fed:
-    return Fed(
-        first_id + np.arange(len(rows)),
-        np.full(len(rows), time_s),
-        some.diameter_m[rows],
-        some.density_kg_per_m3[rows],
-        some.material[rows],
-    )
-
-
 @dataclass
 class Amount:
     """How many particles, and their mass."""
@@ -204,7 +127,7 @@ class MaterialBook:
     """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
     particles that it feeds."""
 
-    def __init__(self, feed: CountedFeed, exits: tuple[ExitPlan, ...], watch: MaterialWatch) -> None:
+    def __init__(self, feed: Feeds, exits: tuple[ExitPlan, ...], watch: MaterialWatch) -> None:
         self.feed, self.exits, self._watch = feed, exits, watch
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
         self.escaped = Amount()  # of those through exits

@@ -15,7 +15,7 @@ from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.plans import ParticleFeed, ParticleList
+from orchestrator.ports.plans import ParticleList
 
 
 class NoRoom(Exception):
@@ -96,12 +96,12 @@ def batch_s(case: Case) -> float:
     return interval_s * max(1, round(case.particles.feed_interval_s / interval_s))
 
 
-def combined_feed(case: Case, numbers: dict[str, int]) -> ParticleFeed | None:
-    """All feeds as one; None without any."""
+def combine_feeds(case: Case, numbers: dict[str, int], first: ParticleList) -> Feeds | None:
+    """All feeds as one, beside the particles of t = 0; None without any."""
     if not case.bed.feeds:
         return None
     every = round(batch_s(case) / case.coupling.sync_interval_s)
-    return Feeds(list(inlets(case, numbers).values()), every)
+    return Feeds(list(inlets(case, numbers).values()), every, first)
 
 
 def largest_diameter_m(case: Case) -> float:

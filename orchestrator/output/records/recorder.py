@@ -141,7 +141,7 @@ class Recorder:
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is None or book is None:
             return None
-        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.take_fed()
         overlaps = particles.overlaps()
         book.look_at_contacts(overlaps, particles.crossings())
         if self._writes:
