@@ -178,7 +178,7 @@ def part_of(name: str, case: Case) -> str:
 
 
 def scalar(name: str) -> Scalar:
-    """By its short name, or by a path of keys with dots.  Raises KeyError with what is near."""
+    """The result of a short name, or of a path of keys with dots.  Raises KeyError with what is near."""
     if name in SCALARS:
         return SCALARS[name]
     if re.fullmatch(r"probes\..*\.amplitude_m\..*", name):

@@ -37,7 +37,7 @@ from orchestrator.ports.recording import Playback
 
 
 def hyperelastic(material: Material) -> HyperelasticPlan:
-    """A panel's material."""
+    """The plan of a panel's material."""
     law = material.hyperelastic
     assert law is not None, "checks.references refuses panels of other materials"
     return HyperelasticPlan(
@@ -49,17 +49,12 @@ def hyperelastic(material: Material) -> HyperelasticPlan:
     )
 
 
-def touching_materials(case: Case) -> tuple[str, ...]:
-    """Materials of particles, panels and surfaces, in the case's order."""
+def material_numbers(case: Case) -> dict[str, int]:
+    """The number of each material of particles, panels and surfaces, in the case's order."""
     bed, screen = case.bed, case.screen
     rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
     used = {row.material for table in rows for row in table.values()}
-    return tuple(name for name in case.materials if name in used)
-
-
-def material_numbers(case: Case) -> dict[str, int]:
-    """The number of each material that touches another."""
-    return {name: number for number, name in enumerate(touching_materials(case))}
+    return {name: number for number, name in enumerate(name for name in case.materials if name in used)}
 
 
 def by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 0.0) -> Array:
@@ -84,7 +79,7 @@ def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
         bushings=tuple(bushings(case)) if forces else (),
         exciters=tuple(_exciters(case)) if forces else (),
-        drives=tuple(_drives(case)),
+        drives=tuple(_drive(case, name, row.drive) for name, row in frames.items() if row.drive),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         points_m=points_m,
         carrier=carrier,
@@ -110,7 +105,7 @@ def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
 
 
 def bushings(case: Case) -> list[BushingPlan]:
-    """One by one, in world axes."""
+    """The plans of all bushings, one by one, in world axes."""
     from scipy.spatial.transform import Rotation
 
     return [
@@ -128,7 +123,7 @@ def bushings(case: Case) -> list[BushingPlan]:
 
 
 def _exciters(case: Case) -> list[ExciterPlan]:
-    """One by one, in world axes; solvers that know no motors turn their shafts at full speed."""
+    """The plans of the exciters, in world axes; without motors, shafts turn at full speed."""
     motors = case.frames.adapter.motors
     return [
         ExciterPlan(
@@ -159,10 +154,6 @@ def _motor(motor: tables.Motor | None) -> MotorPlan | None:
         inertia_kg_m2=motor.moment_of_inertia_kg_m2,
         bearing_N_m_s=motor.bearing_loss_N_m_s,
     )
-
-
-def _drives(case: Case) -> list[DrivePlan]:
-    return [_drive(case, name, f.drive) for name, f in case.screen.frames.items() if f.drive]
 
 
 def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
@@ -212,14 +203,14 @@ UNKNOWNS = 3  # of a node
 
 
 def mesh_sizes(case: Case) -> dict[str, MeshSize]:
-    """By panel; empty for solvers whose meshes are small.  ValueError for openings that the solver
-    cannot resolve."""
+    """The size of each panel's mesh, by name; empty for solvers whose meshes are small.  Raises
+    ValueError for openings that the solver cannot resolve."""
     size = case.panel.adapter.mesh_size
     return {} if size is None else {plan.name: size(plan) for plan in panel_plans(case)}
 
 
 def memory_GiB(case: Case) -> float:
-    """What the meshes of all panels need together, good to a factor of two."""
+    """The memory that the meshes of all panels need together, good to a factor of two."""
     each_GiB = case.panel.adapter.memory_GiB
     return 0.0 if each_GiB is None else sum(each_GiB(plan) for plan in panel_plans(case))
 
@@ -249,7 +240,7 @@ def particles_plan(
         materials=tuple(GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers),
         restitution=by_pair(case, numbers, "restitution", 1.0),
         sliding_friction=by_pair(case, numbers, "sliding_friction"),
-        rolling_friction=_rolling_friction(case, numbers),
+        rolling_friction=by_pair(case, numbers, "rolling_friction") * (case.particles.rolling != "none"),
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
@@ -276,12 +267,6 @@ def exits(case: Case) -> tuple[ExitPlan, ...]:
         center_m = to_world(case, (low + high) / 2.0)
         found.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
     return tuple(found)
-
-
-def _rolling_friction(case: Case, numbers: dict[str, int]) -> Array:
-    """(k, k)"""
-    given = by_pair(case, numbers, "rolling_friction")
-    return np.zeros_like(given) if case.particles.rolling == "none" else given
 
 
 def _wear(case: Case, numbers: dict[str, int]) -> Array | None:

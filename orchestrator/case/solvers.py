@@ -38,7 +38,7 @@ class SolverName:
 
     @property
     def allowed(self) -> tuple[str, ...]:
-        """What the value may be."""
+        """The values that a case may give."""
         return (NONE, *names(self.port)) if self.port == "particles" else names(self.port)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

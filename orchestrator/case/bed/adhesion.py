@@ -57,7 +57,7 @@ class StickyContact:
 
     @property
     def half_period_s(self) -> float:
-        """Of a small oscillation about the place without load, where the stiffness is
+        """Half a period of a small oscillation about the place without load, where the stiffness is
         0.3 * 6^(2/3) pull-off forces per gap at separation."""
         stiffness_N_per_m = 0.3 * math.pow(6.0, 2 / 3) * self.pull_off_N / self.separation_m
         return math.pi * math.sqrt(self.reduced_kg / stiffness_N_per_m)
@@ -97,7 +97,7 @@ def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]
 
 
 def surface_materials(case: Case) -> set[str]:
-    """Of all that particles can touch but particles."""
+    """The materials of all that particles can touch but particles."""
     panels = {panel.material for panel in case.screen.panels.values()}
     return panels | {surface.material for surface in case.screen.surfaces.values()}
 

@@ -87,7 +87,7 @@ def _diameters_m(case: Case) -> dict[str, list[float]]:
 
 
 def shortest_rayleigh_s(case: Case) -> float:
-    """Of all particles; infinite without any."""
+    """The shortest Rayleigh time of all particles; infinite without any."""
     cap = case.particles.largest_youngs_modulus_Pa
     found = [math.inf]
     for name, diameter_m in smallest_diameters_m(case).items():

@@ -23,14 +23,14 @@ def classes(source: Filling) -> tuple[SizeClass, ...]:
 
 
 def share_left_out(source: Filling) -> float:
-    """Of the mass, because it is finer than ``smallest_fed_m`` and not moved to the next class."""
+    """The share of the mass that is left out, because it is finer than ``smallest_fed_m``."""
     if source.smallest_fed_m is None or source.finer == "next-class":
         return 0.0
     return max(0.0, 1.0 - sum(row.mass_fraction for row in _kept(source)))
 
 
 def finer_share(source: Filling) -> float:
-    """Of the mass, finer than ``smallest_fed_m``."""
+    """The share of the mass that is finer than ``smallest_fed_m``."""
     limit_m = source.smallest_fed_m or 0.0
     return sum(row.mass_fraction * (1.0 - _coarser(row, limit_m)) for row in _given(source))
 
@@ -148,6 +148,6 @@ def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Gen
 
 
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:
-    """Of a particle: a class with mass share p has p / (its mean mass) of the number."""
+    """The mean mass of a particle: a class with mass share p has p / (its mean mass) of the number."""
     each_kg = density_kg_per_m3 * sphere_volume_m3(1.0) * mean_cube_m3(sizes)
     return float(1.0 / np.sum(shares(sizes) / each_kg))

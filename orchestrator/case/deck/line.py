@@ -38,7 +38,7 @@ class DeckLine:
 
 
 def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
-    """From the panels' centre lines (points, 3) at t = 0.
+    """The line of a deck, from the panels' centre lines (points, 3) at t = 0.
 
     None where panels do not follow one another when seen from above: decks above each other,
     a panel that stands upright, no panel at all.

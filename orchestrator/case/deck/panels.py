@@ -127,7 +127,7 @@ def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
 
 
 def plate_corners_m(surface: Surface) -> Array:
-    """(4, 3) of a plate, in deck axes."""
+    """The corners of a plate (4, 3), in deck axes."""
     corner, (one, two) = np.array(surface.corner_m), np.array(surface.edges_m)
     return np.array([corner, corner + one, corner + one + two, corner + two])
 
@@ -137,12 +137,12 @@ USUAL, MOST = 0.1, 1.0
 
 
 def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
-    """Of one panel, in the order of the case."""
+    """The stops of one panel, in the order of the case."""
     return tuple(_stop(case, panel, name, row) for name, row in panel.table.stops.items())
 
 
 def stiffest_Pa_per_m(case: Case, panel: SinglePanel) -> float:
-    """What the sync interval allows."""
+    """The stiffest layer of a stop that the sync interval allows."""
     return MOST * areal_mass_kg_per_m2(case, panel) / case.coupling.sync_interval_s**2
 
 

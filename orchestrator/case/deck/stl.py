@@ -37,7 +37,7 @@ class Facets:
 
 
 def read(folder: Path, name: str) -> Facets:
-    """The file of this name in the case's ``folder``.  Raises Unreadable."""
+    """The file of this name in the case's ``folder``.  Raises UnreadableStl."""
     file = found(folder, name)
     try:
         if _is_binary(file):
@@ -62,7 +62,7 @@ def _binary(file: Path) -> tuple[Array, Array]:
 
 
 def _text(file: Path) -> tuple[Array, Array]:
-    """The same of a text.  Raises Unreadable with the first line that has no place in an STL."""
+    """The same of a text.  Raises UnreadableStl with the first line that has no place in an STL."""
     normal, corner_m = array("d"), array("d")
     inside = False  # a solid
     with file.open("rb") as lines:
@@ -89,7 +89,7 @@ def _text(file: Path) -> tuple[Array, Array]:
 
 
 def _three_numbers(words: list[bytes]) -> list[float]:
-    """Raises ValueError."""
+    """The numbers that three words stand for.  Raises ValueError."""
     x, y, z = words
     return [float(x), float(y), float(z)]
 
@@ -102,7 +102,7 @@ def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
 
 
 def found(folder: Path, name: str) -> Path:
-    """A file that is really in ``folder``.  Raises Unreadable."""
+    """A file that is really in ``folder``.  Raises UnreadableStl."""
     file = folder / name
     try:
         if not file.is_file():

@@ -27,7 +27,7 @@ Filled = TypeVar("Filled", bound=Filling)
 
 
 def coarsened(case: Case) -> Case:
-    """Itself for k = 1.  Raises CaseError where coarse particles make no sense."""
+    """The case with coarse particles, itself for k = 1.  Raises CaseError where they make no sense."""
     k = case.particles.coarse_graining
     if k == 1.0:
         return case

@@ -94,7 +94,7 @@ def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
 
 
 def tensions(deck: Deck) -> tuple[float, ...]:
-    """One for each panel."""
+    """The tension of each panel."""
     return deck.tension_m if len(deck.tension_m) == deck.panels else deck.tension_m * deck.panels
 
 
@@ -134,7 +134,7 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
 def surfaces_of(
     name: str, deck: Deck, beams_m: Array, inclination_deg: float
 ) -> Iterator[tuple[str, Surface]]:
-    """Side plates, tops of the cross beams, chute."""
+    """The side plates, tops of the cross beams and chute of a deck."""
     if deck.side_plates is not None:
         yield from _side_plates(name, deck, beams_m)
     if deck.cross_beams is not None:

@@ -72,14 +72,14 @@ def dotted(key: Key) -> str:
 
 
 def visible(text: str) -> str:
-    """On one line, and nothing in it that a terminal would obey: characters without a shape are
-    escaped, and a line that is too long is cut."""
+    """A text on one line, with nothing in it that a terminal would obey: characters without a shape
+    are escaped, and a line that is too long is cut."""
     text = text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
-    return "".join(one if one.isprintable() else one.encode("unicode_escape").decode() for one in text)
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def shortened(text: str) -> str:
-    """Cut to a readable length."""
+    """A text cut to a readable length."""
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -155,15 +155,15 @@ def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
     place: Any = model
     for part in table:
         place = _inside(place, part)
-    found = _table_in(place)
-    return list(found.model_fields) if found else []
+    table_type = _table_in(place)
+    return list(table_type.model_fields) if table_type else []
 
 
 def _inside(place: Any, part: str | int) -> Any:
     """The type one step further in: a field of a table, an element of a dict or tuple."""
-    found = _table_in(place)
-    if found is not None:
-        field = found.model_fields.get(str(part))
+    table_type = _table_in(place)
+    if table_type is not None:
+        field = table_type.model_fields.get(str(part))
         return field.annotation if field else None
     arguments = get_args(place)
     if get_origin(place) is dict:

@@ -65,7 +65,7 @@ def is_outside(file: Path, folder: Path) -> bool:
 
 
 class Layers:
-    """``merged`` is what all layers so far amount to."""
+    """Tables laid over each other; ``merged`` is what all layers so far amount to."""
 
     def __init__(self, given: Mapping[str, Any], source: str) -> None:
         self._first = source
@@ -79,8 +79,8 @@ class Layers:
         return twin
 
     def lay(self, overlay: Mapping[str, Any], source: str) -> None:
-        """None takes a key away.  Raises CaseError when it reaches for an element that a list does
-        not have."""
+        """Lay a table over the others; None takes a key away.  Raises CaseError when it reaches for
+        an element that a list does not have."""
         self.merged = self._over(self.merged, overlay, (), source)
 
     def source(self, key: Key) -> str:
@@ -126,7 +126,7 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
 
 
 def parsed(override: str) -> dict[str, Any]:
-    """'panel.solver=rigid' as an overlay: {"panel": {"solver": "rigid"}}.
+    """An override, 'panel.solver=rigid', as an overlay: {"panel": {"solver": "rigid"}}.
 
     The value is TOML; what is no TOML is taken as a bare string.
     """

@@ -77,6 +77,7 @@ def damped(case: Case) -> Case:
 
 
 def rows(law: Hyperelastic) -> tuple[Point, ...]:
+    """The points of a material's loss curve."""
     return tuple((p.frequency_Hz, p.loss_factor, p.storage_ratio) for p in law.loss_curve)
 
 

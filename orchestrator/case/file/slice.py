@@ -27,7 +27,7 @@ ENOUGH_DIAMETERS = 5.0  # of the largest particles in a slice, so that none brid
 
 
 def share(case: Case) -> float:
-    """Of the full width that the slice of a whole machine has; 1 without one."""
+    """The share of the full width that the slice of a whole machine has; 1 without one."""
     if case.slice is None:
         return 1.0
     low, high = full_width_m(case)
