@@ -13,8 +13,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from orchestrator.case.file.coarse import coarsened
-from orchestrator.case.file.deck_layout import laid_out
+from orchestrator.case.file.coarse import coarsen
+from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import (
     CaseError,
     CaseProblem,
@@ -23,9 +23,9 @@ from orchestrator.case.file.errors import (
     shown,
     visible,
 )
-from orchestrator.case.file.layers import Layers, Origin, parsed, read_toml
-from orchestrator.case.file.loss_curve import damped
-from orchestrator.case.file.slice import sliced
+from orchestrator.case.file.layers import Layers, Origin, parse_override, read_toml
+from orchestrator.case.file.loss_curve import fit_loss_curves
+from orchestrator.case.file.slice import cut_to_slice
 from orchestrator.case.tables.case import Case
 
 EFFECTS = ("effects", "effects_for")
@@ -89,15 +89,15 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     folder = file.resolve().parent
     given = read_toml(file.resolve())
     layers = Layers(given, file.name)
-    level_name = chosen_level(folder, given, level)
+    level_name = choose_level(folder, given, level)
     at_level = _lay_level(layers, folder, level_name) if level_name else None
     for override in overrides:
-        layers.lay(parsed(override), "--set")
+        layers.lay(parse_override(override), "--set")
     effects, results = (layers.merged.get(key) for key in EFFECTS)
     asked = AskedEffects(effects, results or (), layers.source(EFFECTS[:1]))
     layers.lay(dict.fromkeys(EFFECTS), asked.file)
     try:
-        case = validated(layers)
+        case = validate(layers)
     except CaseError as error:
         raise InvalidTables(error.problems, asked) from error
     return LoadedCase(
@@ -116,7 +116,7 @@ def level_names(folder: Path) -> list[str]:
     return sorted(file.stem for file in (folder / "levels").glob("*.toml"))
 
 
-def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
+def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
     """The level asked for; else the case's default, else the only one, else none ("")."""
     known = level_names(folder)
     wanted = level if level is not None else given.get("default_level", "")
@@ -130,7 +130,7 @@ def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
     return str(wanted)
 
 
-def validated(layers: Layers) -> Case:
+def validate(layers: Layers) -> Case:
     """The case of all layers, complete.  Raises CaseError with every problem found."""
     try:
         return complete(Case.model_validate(layers.merged))
@@ -144,7 +144,7 @@ def validated(layers: Layers) -> Case:
 def complete(bare: Case) -> Case:
     """The case with branches fitted, decks laid out, particles as coarse as wanted, and cut to its
     slice.  Raises CaseError."""
-    return sliced(coarsened(laid_out(damped(bare))))
+    return cut_to_slice(coarsen(lay_out_decks(fit_loss_curves(bare))))
 
 
 def _lay_level(layers: Layers, folder: Path, name: str) -> Level:

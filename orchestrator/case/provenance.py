@@ -41,12 +41,12 @@ def distributions() -> dict[str, Distribution]:
     imports."""
     found: dict[str, Distribution] = {}
     for one in metadata.distributions():
-        name = normalised(one.metadata["Name"] or "")
+        name = normalise(one.metadata["Name"] or "")
         found.setdefault(name, Distribution(name, one.version, *_origin(one)))
     return dict(sorted(found.items()))
 
 
-def normalised(name: str) -> str:
+def normalise(name: str) -> str:
     """Python's packaging rules: letters' case, dots, dashes and underscores make no difference."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
@@ -82,7 +82,7 @@ def _debian_versions() -> dict[str, str]:
 def pins() -> dict[tuple[str, str], str]:
     """The versions that are meant, by origin and name; empty where no checkout says them."""
     return {
-        (origin, normalised(name)): version
+        (origin, normalise(name)): version
         for origin, file in ((DEBIAN, PINS / "debian.txt"), (PYPI, PINS / "constraints.txt"))
         if file.is_file()
         for name, version in re.findall(r"^([\w.-]+)==(\S+)", file.read_text(), re.MULTILINE)

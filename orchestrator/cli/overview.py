@@ -11,7 +11,7 @@ from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
-from orchestrator.case.file.loss_curve import compared, moduli, rows
+from orchestrator.case.file.loss_curve import compare_with_curve, curve_points, moduli
 from orchestrator.case.solver_plans import material_numbers, meshes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
@@ -82,7 +82,7 @@ def _damping(case: Case) -> Iterator[str]:
         if law is None or not law.loss_curve:
             continue
         branches = tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell)
-        off = compared(branches, rows(law))
+        off = compare_with_curve(branches, curve_points(law))
         _, fitted = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
         pairs = zip(fitted, law.loss_curve, strict=True)
         factors = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)

@@ -111,7 +111,7 @@ def _plan_frames(case: Case, panel_set: PanelSet) -> FramesPlan:
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
     def opened() -> Frames:
-        return cast(Frames, solvers.opened("frames", case.frames.solver, plan))
+        return cast(Frames, solvers.open_solver("frames", case.frames.solver, plan))
 
     return opened() if world is None else FramesOnFirstRank(world, opened)
 
@@ -123,7 +123,7 @@ def _particles(
         return None, None, None
     feed = cast(Feeds, plan.feed or Feeds([], first=plan.particles))
     solver = case.particles.solver
-    opened = solvers.opened("particles", solver, plan)
+    opened = solvers.open_solver("particles", solver, plan)
     metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
     book = MaterialBook(feed, plan.exits, MaterialWatch(case.monitor, widest_m))

@@ -86,7 +86,7 @@ def _panel(
     solvers.adapter("panel", solver).load()
 
     def opened() -> Panel:
-        own = cast(MeshedPanel, solvers.opened("panel", solver, plan))
+        own = cast(MeshedPanel, solvers.open_solver("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
         panel = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)

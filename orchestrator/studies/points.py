@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.layers import changed
+from orchestrator.case.file.layers import find_changes
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import (
@@ -145,7 +145,7 @@ class Point:
             there = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
-        keys = list(changed(there, resolved_case(self.loaded)))
+        keys = list(find_changes(there, resolved_case(self.loaded)))
         return ", ".join(".".join(key) for key in keys[:3])
 
     def status(self) -> str:

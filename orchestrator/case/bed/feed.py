@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import concatenated, equal_particles, no_particles, places
+from orchestrator.case.bed.packing import concatenate, equal_particles, find_places, no_particles
 from orchestrator.case.bed.size_distribution import shares
 from orchestrator.case.tables.bed import SizeClass
 from orchestrator.ports import Array, Indices, Saved
@@ -110,7 +110,7 @@ class RateFeed:
         self.due_kg = self.inlet.due_kg(interval.start_s)
         self._draw()
         self._waiting_m = np.sort(self._waiting_m)[::-1]
-        center_m, placed = places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
+        center_m, placed = find_places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
         self._offered = np.flatnonzero(placed)
         inlet = self.inlet
         return equal_particles(
@@ -193,7 +193,7 @@ class Feeds:
             self._offers = []
             return no_particles()
         self._offers = [feed.due(interval) for feed in self.feeds]
-        return concatenated(self._offers)
+        return concatenate(self._offers)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
         if not len(accepted):
@@ -201,7 +201,7 @@ class Feeds:
         sizes = [len(offer) for offer in self._offers]
         for feed, part in zip(self.feeds, np.split(accepted, np.cumsum(sizes)[:-1]), strict=True):
             feed.settle(part)
-        self._note(concatenated(self._offers).part(accepted), self._time_s)
+        self._note(concatenate(self._offers).part(accepted), self._time_s)
 
     def take_fed(self) -> Fed:
         """Who came in since this was last asked."""

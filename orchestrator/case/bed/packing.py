@@ -32,7 +32,7 @@ def place_block(block: Block, density_kg_per_m3: float, material: int) -> Partic
     generator = np.random.default_rng(block.seed)
     box_m = np.array(block.box_m)
     diameter_m = np.sort(diameters_m(classes(block), block.count, generator))[::-1].copy()
-    position_m, placed = places(diameter_m / 2.0, box_m, generator, ROUNDS)
+    position_m, placed = find_places(diameter_m / 2.0, box_m, generator, ROUNDS)
     if not placed.all():
         share = np.sum(sphere_volume_m3(diameter_m)) / np.prod(box_m[1] - box_m[0])
         raise ValueError(
@@ -44,7 +44,7 @@ def place_block(block: Block, density_kg_per_m3: float, material: int) -> Partic
     )
 
 
-def places(
+def find_places(
     radius_m: Array, box_m: Array, generator: np.random.Generator, rounds: int
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Centres (n, 3) of spheres inside the box, and which of them found a place, (n,).
@@ -126,7 +126,7 @@ def no_particles() -> ParticleList:
     return equal_particles(np.empty((0, 3)), np.zeros(3), np.empty(0), 0.0, 0)
 
 
-def concatenated(lists: Sequence[ParticleList]) -> ParticleList:
+def concatenate(lists: Sequence[ParticleList]) -> ParticleList:
     """The particles of one or more lists as one list, in order."""
     columns = (field.name for field in fields(ParticleList))
     return ParticleList(*(np.concatenate([getattr(one, name) for one in lists]) for name in columns))

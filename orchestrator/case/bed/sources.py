@@ -9,7 +9,7 @@ import numpy as np
 
 from orchestrator.case.bed.contact_times import largest_diameters_m
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.packing import concatenated, place_block
+from orchestrator.case.bed.packing import concatenate, place_block
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
@@ -29,7 +29,7 @@ class NoRoom(Exception):
 def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
     """Single particles, then blocks; ``numbers`` are the materials'.  Raises NoRoom."""
     blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
-    return concatenated([_single_particles(case, numbers), *blocks])
+    return concatenate([_single_particles(case, numbers), *blocks])
 
 
 def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
-from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels
+from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle
@@ -51,7 +51,7 @@ def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
 def openings(case: Case) -> Iterator[str]:
     """Lines about panels with openings, equal ones together, and what these let through."""
     limits_m = [*smallest_diameters_m(case).values(), *largest_diameters_m(case).values()]
-    for panel, *others in perforated(case):
+    for panel, *others in perforated_panels(case):
         pattern = panel.apertures
         assert pattern is not None, "only panels with apertures are perforated"
         who = f"{panel.name} and {len(others)} more" if others else panel.name

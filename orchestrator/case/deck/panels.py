@@ -60,7 +60,7 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
     )
 
 
-def perforated(case: Case) -> list[tuple[SinglePanel, ...]]:
+def perforated_panels(case: Case) -> list[tuple[SinglePanel, ...]]:
     """The panels that have openings, equal ones together, in the order of the case."""
     alike: dict[object, list[SinglePanel]] = {}
     for panel in single_panels(case):

@@ -1,6 +1,6 @@
 """From a deck's parameters to its panels and surfaces, in deck axes.
 
-``laid_out`` replaces every deck of a case; nothing downstream knows that there were any.
+``lay_out_decks`` replaces every deck of a case; nothing downstream knows that there were any.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LARGEST_STRAIN = 0.1  # tension_m over length_m: a panel at work is stretched by
 ACROSS, UP = np.eye(3)[1:]
 
 
-def laid_out(case: Case) -> Case:
+def lay_out_decks(case: Case) -> Case:
     """The case with its decks' panels and surfaces in the place of the decks.
 
     Raises CaseError with every problem in the decks, and with every size out of all proportion in

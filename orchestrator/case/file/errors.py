@@ -68,7 +68,7 @@ class CaseError(Exception):
 
 def dotted(key: Key) -> str:
     """('bed', 'sizes', 0, 'diameter_m') -> bed.sizes.0.diameter_m, as --set takes it."""
-    return ".".join(shortened(str(part)) for part in key)
+    return ".".join(shorten(str(part)) for part in key)
 
 
 def visible(text: str) -> str:
@@ -78,7 +78,7 @@ def visible(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-def shortened(text: str) -> str:
+def shorten(text: str) -> str:
     """A text cut to a readable length."""
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -95,7 +95,7 @@ def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
 def shown(value: Any) -> str:
     """A value as a user knows it, cut to a readable length."""
     try:
-        return shortened(repr(value) if not isinstance(value, bool) else str(value).lower())
+        return shorten(repr(value) if not isinstance(value, bool) else str(value).lower())
     except ValueError:  # Python does not write whole numbers of more than 4300 digits
         return "a number of thousands of digits"
 

@@ -125,7 +125,7 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
     raise CaseError([CaseProblem((*key, word), what, hint, source)])
 
 
-def parsed(override: str) -> dict[str, Any]:
+def parse_override(override: str) -> dict[str, Any]:
     """An override, 'panel.solver=rigid', as an overlay: {"panel": {"solver": "rigid"}}.
 
     The value is TOML; what is no TOML is taken as a bare string.
@@ -151,11 +151,11 @@ def _value(text: str) -> Any:
     return found["value"] if list(found) == ["value"] else text
 
 
-def changed(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+def find_changes(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
     """The keys whose values differ."""
     if isinstance(before, Mapping) and isinstance(after, Mapping):
         for word in dict.fromkeys((*before, *after)):
-            yield from changed(before.get(word), after.get(word), (*key, word))
+            yield from find_changes(before.get(word), after.get(word), (*key, word))
     elif before != after:
         yield key
 

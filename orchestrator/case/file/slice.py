@@ -66,7 +66,7 @@ def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Arra
     return cut_triangles(position_m, triangles, bounds_m(case.whole), move_in_m)
 
 
-def sliced(case: Case) -> Case:
+def cut_to_slice(case: Case) -> Case:
     """The case of the slice, or the case itself where it has none.  Raises CaseError where a slice
     makes no sense."""
     if case.slice is None:
@@ -139,7 +139,7 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
     found = []
     particles = case.particles.adapter
     if particles is not None and not particles.periodic and (case.bed.particles or case.bed.sources):
-        others = solvers.those("particles", lambda able: able.periodic)
+        others = solvers.names_able_to("particles", lambda able: able.periodic)
         what = f"particles.solver {case.particles.solver} has no periodic sides"
         hint = f'take "walls", or particles.solver = {others}'
         found.append(CaseProblem(("slice", "sides"), what, hint))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-from orchestrator.case.deck.line import DeckLine, Over, joined, over
+from orchestrator.case.deck.line import DeckLine, Over, join_lines, over
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.state import SavedAttributes
@@ -141,7 +141,7 @@ class DeckRecord:
         openings' centres in the world at t = 0."""
         across = np.array([-deck.along[1], deck.along[0], 0.0])
         station_m = np.interp(openings_m @ deck.along, deck.over_m, deck.station_m)
-        self._deck, self._points = deck, joined(deck.panels, centre_lines)
+        self._deck, self._points = deck, join_lines(deck.panels, centre_lines)
         self.held = RetainedParticles(cycle_s, across, np.column_stack([station_m, openings_m @ across]))
 
     def at(

@@ -23,7 +23,7 @@ def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
     solver, able = case.frames.solver, case.frames.adapter
     if not able.moved_by_forces:
         return
-    driving = solvers.those("frames", lambda frames: frames.drives and frames.moved_by_forces)
+    driving = solvers.names_able_to("frames", lambda frames: frames.drives and frames.moved_by_forces)
     for key, frame in rows(case, "screen.frames"):
         if frame.drive is not None:
             if not able.drives:

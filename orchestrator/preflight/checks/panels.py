@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from orchestrator.case import recordings, solvers
-from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels, stiffest_Pa_per_m
+from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import is_outside
 from orchestrator.case.recordings import NoMatch, playbacks, turning
@@ -61,7 +61,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
     """The panels' solver must have the integrator."""
     asked, able = case.panel.integrator, case.panel.adapter.integrators
     if asked not in able:
-        others = solvers.those("panel", lambda panel: asked in panel.integrators)
+        others = solvers.names_able_to("panel", lambda panel: asked in panel.integrators)
         hint = f'take "{able[0]}", or panel.solver = {others}'
         what = f"the {case.panel.solver} is {' or '.join(able)} only"
         yield CaseProblem(("panel", "integrator"), what, hint)
@@ -69,7 +69,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
 
 def openings(case: Case) -> Iterator[CaseProblem]:
     """Openings must leave enough land, fit into the panel, and be far enough apart that it is a plate."""
-    for panel, *_ in perforated(case):
+    for panel, *_ in perforated_panels(case):
         key: Key = ("screen", "panels", panel.table_name)
         pattern, thickness_m = panel.apertures, panel.table.thickness_m
         assert pattern is not None, "only panels with apertures are perforated"
@@ -118,7 +118,7 @@ def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[Ca
 def triangles(case: Case) -> Iterator[CaseProblem]:
     """The mesh generator must make triangles of the openings.  One that is not installed is not asked:
     missing_solvers says so."""
-    if not perforated(case):
+    if not perforated_panels(case):
         return
     from orchestrator.case.deck.triangle_grid import BadMesh, surface_grids
 

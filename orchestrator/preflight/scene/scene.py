@@ -199,7 +199,7 @@ def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
 
 def elastic_solvers() -> str:
     """Return the panel solvers whose panels deform, as words about a cost."""
-    return f"none with panel.solver {solvers.those('panel', lambda adapter: adapter.deforms)}"
+    return f"none with panel.solver {solvers.names_able_to('panel', lambda adapter: adapter.deforms)}"
 
 
 def deck_m2(case: Case) -> float:
