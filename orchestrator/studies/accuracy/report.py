@@ -216,8 +216,10 @@ def _words(name: str) -> str:
 def _scales(axis: Any, across: str, upward: str) -> None:
     """Makes both scales logarithmic, errors upward in per cent."""
     axis.set(xscale="log", yscale="log", xlabel=across, ylabel=upward)
-    axis.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
-    axis.xaxis.set_minor_formatter(NullFormatter())
+    for part, show in ((axis.xaxis, "{:g}".format), (axis.yaxis, lambda share: f"{100 * share:g} %")):
+        part.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+        part.set_major_formatter(lambda value, _, show=show: show(value))
+        part.set_minor_formatter(NullFormatter())
 
 
 Line = tuple[str, list[float], list[float], str]
@@ -340,8 +342,6 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
     for tolerance in RECOMMENDED:
         axis.axhline(tolerance, color=GREEN, lw=0.8, ls="--", zorder=0)
     axis.set_ylim(bottom=LEAST / 2 if axis.get_ylim()[0] < LEAST else None)
-    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-    axis.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     axis.margins(x=0.12, y=0.12)
     axis.set_title(f"What accuracy costs: {study.loaded.name}, down and left is better")
     axis.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), fontsize=8.5)
