@@ -216,9 +216,11 @@ def _words(name: str) -> str:
 def _scales(axis: Any, across: str, upward: str) -> None:
     """Makes both scales logarithmic, errors upward in per cent."""
     axis.set(xscale="log", yscale="log", xlabel=across, ylabel=upward)
-    for part, show in ((axis.xaxis, "{:g}".format), (axis.yaxis, lambda share: f"{100 * share:g} %")):
-        part.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
-        part.set_major_formatter(lambda value, _, show=show: show(value))
+    axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
+    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+    axis.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axis.yaxis.set_major_formatter(lambda value, _: f"{100 * value:g} %")
+    for part in (axis.xaxis, axis.yaxis):
         part.set_minor_formatter(NullFormatter())
 
 

@@ -302,7 +302,8 @@ def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
     points = afford([*study.points, *_made_points(study, runs[0])], asked.budget_s)
     study = yield from study.with_points(points).run(points[2:])
     proposed, there = _proposals(study), {one.name for one in study.points}
-    study = yield from study.run([one for one, _ in proposed if one.name not in there])
+    new = {one.name: one for one, _ in proposed if one.name not in there}  # several may propose the same
+    study = yield from study.run([*new.values()])
     reference = next((one.name for one, _ in proposed if one.name in study.measured), BASE)
     return replace(study, proposals={one.name: each for one, each in proposed}, reference=reference)
 
