@@ -123,7 +123,7 @@ def test_the_bending_matrix_is_stable_where_the_pattern_begins():
     """No negative eigenvalue, and just the three zero ones of motions without curvature."""
     from adapters.panel.finite_element.sheet_forms import sheet
 
-    structure, _ = sheet(small(ACROSS))
+    structure, _, _ = sheet(small(ACROSS))
     values = np.linalg.eigvalsh(structure.bending.matrix.toarray())
     assert values[0] > -1e-10 * values[-1]
     assert np.sum(values < 1e-9 * values[-1]) == 3
