@@ -73,7 +73,7 @@ class Compared:
 
 
 def compared(name: str) -> Compared:
-    """Runs one of ``CASES``."""
+    """Run one of ``CASES``."""
     folder, level, sets = CASES[name]
     sets = [*sets, "output.pictures=false"]
     path = ROOT / "cases" / folder

@@ -20,7 +20,7 @@ from orchestrator.case.file.errors import (
     CaseProblem,
     did_you_mean,
     from_validation,
-    shown,
+    show_value,
     visible,
 )
 from orchestrator.case.file.layers import Layers, Origin, parse_override, read_toml
@@ -126,7 +126,7 @@ def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
         hint = did_you_mean(str(wanted), known, say="levels")
         file = "case.toml" if level is None else "--level"
         key = ("default_level",) if level is None else ()
-        raise CaseError([CaseProblem(key, f"no level {shown(wanted)}", hint, file=file)])
+        raise CaseError([CaseProblem(key, f"no level {show_value(wanted)}", hint, file=file)])
     return str(wanted)
 
 
@@ -156,6 +156,6 @@ def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
     overlay.pop("about", None)
     layers.lay(overlay, source)
     if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
-        what = f"{shown(without)} is wrong, a list of names is wanted"
+        what = f"{show_value(without)} is wrong, a list of names is wanted"
         raise CaseError([CaseProblem(("without",), what, file=source)])
     return Level(name, tuple(without), before, dict(layers.merged))

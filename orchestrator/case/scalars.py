@@ -147,7 +147,7 @@ SCALARS = {name: Scalar(*row, part) for part, rows in _ROWS.items() for name, ro
 
 
 def value_at(summary: Summary, name: str) -> Value | None:
-    """Returns a number of a run's summary by a short name, or by keys with dots; None where the run
+    """Return a number of a run's summary by a short name, or by keys with dots; None where the run
     does not have it."""
     return (SCALARS[name].of if name in SCALARS else _at(name))(summary)
 

@@ -82,6 +82,6 @@ class ParticlesOnStillSurface(ParticlesWrapper):
         return super().advance(interval, HermitePath(self._still, self._still, path.length_s))
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
-        """Predicts a load that does not depend on the surface's motion."""
+        """Predict a load that does not depend on the surface's motion."""
         tangent = super().contact_tangent(length_s)
         return replace(tangent, impedance_N_s_per_m=0.0 * tangent.impedance_N_s_per_m)

@@ -131,7 +131,7 @@ def _particles(
 
 
 def _ablated(case: Case, members: MeteredSolvers) -> Solvers:
-    """Returns the solvers as the coupling sees them: with the hand-overs that the case wants."""
+    """Return the solvers as the coupling sees them: with the hand-overs that the case wants."""
     wanted = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel

@@ -35,7 +35,7 @@ class BushingForces:
 
     @staticmethod
     def of(bushings: Sequence[BushingPlan], centres: Mapping[str, int], position_m: Array) -> BushingForces:
-        """Returns the bushings of a plan.
+        """Return the bushings of a plan.
 
         ``centres``: each frame's centre of mass among the carried points, followed by its
         arms; ``position_m`` those points at t = 0."""
@@ -59,7 +59,7 @@ class BushingForces:
         )
 
     def at(self, carried: Motion) -> tuple[Array, Array]:
-        """Returns deformation in m and force in N of every bushing, (n, 3) each, along its own axes, which
+        """Return deformation in m and force in N of every bushing, (n, 3) each, along its own axes, which
         turn with the first body: second end against the first, and what it takes to hold it there.
         Both count from t = 0: the preload that carries weight is not in them."""
         (from_m, from_m_per_s, turn), (to_m, to_m_per_s, _) = (
@@ -72,7 +72,7 @@ class BushingForces:
         return (deformation_m, self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s)
 
     def _end(self, carried: Motion, points: Indices, arm_m: Array) -> tuple[Array, Array, Array]:
-        """Returns place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
+        """Return place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
         ground = np.vstack([np.zeros(3), np.eye(3)])
         still = points[:, :1, None] < 0
         place_m = np.where(still, ground, carried.position_m[points])

@@ -29,7 +29,7 @@ panels gave them, panels and frames what drives the machine."""
 
 
 def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float]) -> dict[str, float]:
-    """Returns the energy created at each interface of ``exchanged_J``, over all that was exchanged there
+    """Return the energy created at each interface of ``exchanged_J``, over all that was exchanged there
     and lost by those that exchanged it, since t = 0.
 
     ``terms_J``: as ``Ledger.energy_J`` has them; ``exchanged_J``: as the monitor's ``ExchangedEnergy``.
@@ -44,7 +44,7 @@ def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float
 
 
 def share_created(summary: Mapping[str, Any]) -> float:
-    """Returns the share of a run's ``summary.json`` at the interface where most was created.  Runs of
+    """Return the share of a run's ``summary.json`` at the interface where most was created.  Runs of
     older versions do not say what was exchanged; theirs is told by what was lost alone."""
     nothing = dict.fromkeys(LOSING, 0.0)
     exchanged_J = summary.get("energy_exchanged_J", nothing)
@@ -53,7 +53,7 @@ def share_created(summary: Mapping[str, Any]) -> float:
 
 
 def defect_shares(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Returns by member the energy that its own time steps made in a run of this ``summary.json``
+    """Return by member the energy that its own time steps made in a run of this ``summary.json``
     (negative: destroyed), over what went through its interfaces, was lost by it, supplied to it, or is
     stored otherwise than at t = 0: particles that fall turn their height into speed, and nobody else
     knows."""
@@ -68,7 +68,7 @@ def defect_shares(summary: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _size_J(terms_J: Mapping[str, float], *beginnings: str) -> float:
-    """Returns the sum of the sizes of all terms whose names begin so."""
+    """Return the sum of the sizes of all terms whose names begin so."""
     return sum(abs(value) for name, value in terms_J.items() if name.startswith(beginnings))
 
 
@@ -87,7 +87,7 @@ class Ledger:
         return {name: member.account() for name, member in self._members.by_name().items()}
 
     def energy_J(self) -> dict[str, float]:
-        """Returns every term by name: ``stored.<member>.<kind>`` as change since t = 0, ``lost.…``,
+        """Return every term by name: ``stored.<member>.<kind>`` as change since t = 0, ``lost.…``,
         ``supplied.…``, ``created.<interface>``, ``defect.<member>``."""
         terms: dict[str, float] = {}
         received: dict[str, dict[str, float]] = {}
@@ -110,7 +110,7 @@ class Ledger:
         return terms
 
     def momentum_residual(self, pending: Pending) -> dict[str, float]:
-        """Returns the relative residual by member and interface: |defect| over the sum of the sizes of the
+        """Return the relative residual by member and interface: |defect| over the sum of the sizes of the
         terms that should balance.  ``pending`` is what the scheme still holds back.
 
         The two clamps of a taut panel pull against each other; where nothing else happens, the
@@ -135,7 +135,7 @@ class Ledger:
         return residual
 
     def angular_momentum_residual(self, pending: Pending) -> dict[str, float]:
-        """Returns the same about the world's origin: of members that tell their angular momentum, to
+        """Return the same about the world's origin: of members that tell their angular momentum, to
         rounding; of interfaces what mean loads on mean places leave (docs/theory/coupling.md)."""
         frames, panel = self._members.frames, self._members.panel
         held = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
@@ -158,7 +158,7 @@ class Ledger:
         return residual
 
     def figures(self, pending: Pending) -> dict[str, Any]:
-        """Returns the entries of ``summary.json``."""
+        """Return the entries of ``summary.json``."""
         residuals = self.momentum_residual(pending)
         return {
             "momentum_residual_relative": max(residuals.values()),
@@ -173,6 +173,6 @@ def _change(now: Mapping[str, float], opening: Mapping[str, float]) -> dict[str,
 
 
 def _relative(terms: list[Array], least_size: float = 0.0) -> float:
-    """Returns the size of the sum over the sum of the sizes, ``least_size`` among them."""
+    """Return the size of the sum over the sum of the sizes, ``least_size`` among them."""
     size = least_size + sum(float(np.linalg.norm(term)) for term in terms)
     return float(np.linalg.norm(np.sum(terms, axis=0))) / size if size > 0 else 0.0

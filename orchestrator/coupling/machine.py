@@ -75,7 +75,7 @@ class Machine:
         return self.members.particles.runs if self.members.particles is not None else 0
 
     def close(self) -> None:
-        """Closes every solver."""
+        """Close every solver."""
         if self.solvers.particles is not None:
             self.solvers.particles.close()
         self.solvers.panel.close()

@@ -33,7 +33,7 @@ class MappedPanel(PanelWrapper):
         return self._state(super().advance(interval, clamps, Load(self._HT @ load.force_N)))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Returns what is known of the points that hang on nothing that is not known."""
+        """Return what is known of the points that hang on nothing that is not known."""
         own = super().ahead(interval, clamps)
         return Known(self._motion(own.motion), self._sizes @ np.where(own.which, 0.0, 1.0) == 0.0)
 

@@ -60,18 +60,18 @@ class Stopwatch:
 
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
-    """Returns the impulse (3,) that a mean load hands over in the interval."""
+    """Return the impulse (3,) that a mean load hands over in the interval."""
     return np.asarray(interval.length_s * load.force_N.sum(axis=0))
 
 
 def size_N_s(load: Load, interval: Interval) -> float:
-    """Returns the sum of the sizes of all components of the impulse at all points, so that loads
+    """Return the sum of the sizes of all components of the impulse at all points, so that loads
     that cancel count."""
     return float(interval.length_s * np.abs(load.force_N).sum())
 
 
 def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
-    """Returns the angular impulse (3,) about the world's origin that a mean load hands over.
+    """Return the angular impulse (3,) about the world's origin that a mean load hands over.
 
     The points move smoothly (cubic Hermite) from ``start`` to ``end``; the mean of their places
     counts.
@@ -256,7 +256,7 @@ class MeteredSolvers:
     particles: MeteredParticles | None
 
     def by_name(self) -> dict[str, Member]:
-        """Returns the members that there are."""
+        """Return the members that there are."""
         members: dict[str, Member | None] = {
             "frames": self.frames,
             "panel": self.panel,

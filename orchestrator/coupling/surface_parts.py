@@ -61,7 +61,7 @@ class SurfacePart:
 
 
 def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[SurfacePart]:
-    """Returns one part per panel, in the order of the case, alike on every rank of ``world``."""
+    """Return one part per panel, in the order of the case, alike on every rank of ``world``."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
@@ -118,7 +118,7 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
-    """Returns one part per rigid surface."""
+    """Return one part per rigid surface."""
 
     def part(wall: Wall) -> SurfacePart:
         opened = carried(wall.position_m, wall.frame)
@@ -129,7 +129,7 @@ def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
 
 
 def _looked_at(case: Case, frame: str) -> SurfacePart:
-    """Returns what is looked at of a frame: its centre of mass (under the frame's name), the ends of three
+    """Return what is looked at of a frame: its centre of mass (under the frame's name), the ends of three
     arms of 1 m from there along the world's axes, which tell its rotation, and its probes."""
     probes = {
         name: probe.point_m
@@ -144,7 +144,7 @@ def _looked_at(case: Case, frame: str) -> SurfacePart:
 
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
-    """Returns a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
+    """Return a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
     module = "adapters.panel.common.carried"
     return lambda: cast(Panel, import_module(module).build(position_m, frame))
 
@@ -163,7 +163,7 @@ class OpenSurface:
 
     @staticmethod
     def of(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any) -> OpenSurface:
-        """Opens the surface of a case, on every rank of ``world``."""
+        """Open the surface of a case, on every rank of ``world``."""
         parts = [
             *panel_parts(case, case_folder, stopwatch, world),
             *wall_parts(case, case_folder),
@@ -172,14 +172,14 @@ class OpenSurface:
         return OpenSurface(case, parts, PanelSet(len(parts), lambda i: parts[i].open(), world))
 
     def bodies(self) -> list[SurfaceBody]:
-        """Returns the triangles of every part, in points of the whole surface."""
+        """Return the triangles of every part, in points of the whole surface."""
         return [
             SurfaceBody(part.name, part.triangles + points.start)
             for part, points in zip(self.parts, self.together.surface, strict=True)
         ]
 
     def triangle_surface(self) -> TriangleSurface:
-        """Returns all that particles touch, as it rests."""
+        """Return all that particles touch, as it rests."""
         number = material_numbers(self.case)
         touched = [part for part in self.parts if part.material]
         return TriangleSurface(
@@ -191,13 +191,13 @@ class OpenSurface:
         )
 
     def panel_of_triangle(self) -> Indices:
-        """Returns the number of each triangle's panel; -1 for walls."""
+        """Return the number of each triangle's panel; -1 for walls."""
         panels = len(single_panels(self.case))
         numbers = [number if number < panels else -1 for number in range(len(self.parts))]
         return np.repeat(np.array(numbers, dtype=np.int64), [len(part.triangles) for part in self.parts])
 
     def panel_points(self) -> tuple[PanelPoints, ...]:
-        """Returns where the panels' points lie; a clamp is the first up to the middle of the span."""
+        """Return where the panels' points lie; a clamp is the first up to the middle of the span."""
         return tuple(
             self._points_of(part, single, surface, clamps)
             for part, single, surface, clamps in zip(
@@ -229,7 +229,7 @@ class OpenSurface:
         )
 
     def penetrations(self) -> Penetrations:
-        """Returns the search for penetrations: of panels, where no clamp and no stop holds them, through
+        """Return the search for penetrations: of panels, where no clamp and no stop holds them, through
         everything that has triangles."""
         singles = zip(single_panels(self.case), self.parts, self.together.surface, strict=False)
         probed = [
@@ -239,13 +239,13 @@ class OpenSurface:
         return Penetrations(np.concatenate([part.drawn_m for part in self.parts]), self.bodies(), probed)
 
     def centres(self) -> dict[str, int]:
-        """Returns the number of each frame's centre of mass among the carried points."""
+        """Return the number of each frame's centre of mass among the carried points."""
         frames = self.case.screen.frames
         places = zip(self.parts, self.together.clamps, strict=True)
         return {part.name: clamps.start for part, clamps in places if part.name in frames}
 
     def probes(self) -> tuple[PlacedProbe, ...]:
-        """Returns the case's probes; points of frames are read from the clamps, which are exact."""
+        """Return the case's probes; points of frames are read from the clamps, which are exact."""
         placed = []
         for number, part in enumerate(self.parts):
             on_frame = part.name in self.case.screen.frames
@@ -263,7 +263,7 @@ class OpenSurface:
 
 
 def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
-    """Returns pairs (k, 2) of points: those of a panel's triangles, as pairs of equal ones, and its edges
+    """Return pairs (k, 2) of points: those of a panel's triangles, as pairs of equal ones, and its edges
     that are longer than it is thick, where neither a clamp nor a stop holds their middles."""
     at, points = single.rectangle, np.unique(part.triangles)
     long = part.edges.points[part.edges.length_m > single.table.thickness_m]

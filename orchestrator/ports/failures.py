@@ -24,7 +24,7 @@ class NamedSolverFailed(SolverFailed):
 
 @contextmanager
 def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
-    """Makes failures inside the context say which solver failed, and when.
+    """Make failures inside the context say which solver failed, and when.
 
     ``interval`` is the one that was running, None at t = 0.  NamedSolverFailed takes the place of
     SolverFailed, BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words
@@ -57,7 +57,7 @@ def _when(interval: Interval | None) -> str:
 
 @contextmanager
 def write_failure_context(what: str, time_s: float) -> Iterator[None]:
-    """Makes an error of the disk, or of memory, say what could not be written, and at which time."""
+    """Make an error of the disk, or of memory, say what could not be written, and at which time."""
     try:
         yield
     except MemoryError as error:

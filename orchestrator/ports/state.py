@@ -28,7 +28,7 @@ class Restorable(Protocol):
     """
 
     def save(self) -> Saved:
-        """Returns copies of all that decides how the solver goes on.  The call changes nothing.
+        """Return copies of all that decides how the solver goes on.  The call changes nothing.
 
         Returns
         -------
@@ -38,7 +38,7 @@ class Restorable(Protocol):
         ...
 
     def restore(self, saved: Saved) -> None:
-        """Takes this solver to the sync point at which ``saved`` was made.
+        """Take this solver to the sync point at which ``saved`` was made.
 
         Parameters
         ----------
@@ -52,7 +52,7 @@ class Solver(Restorable, Protocol):
     """What the members of every port answer."""
 
     def account(self) -> Account:
-        """Returns what the solver owns now, and what went through it since t = 0."""
+        """Return what the solver owns now, and what went through it since t = 0."""
         ...
 
     def close(self) -> None:
@@ -61,7 +61,7 @@ class Solver(Restorable, Protocol):
 
 
 def save_attributes(owner: object, *names: str) -> Saved:
-    """Returns copies of some attributes of ``owner`` as arrays, or dictionaries of these, by name.
+    """Return copies of some attributes of ``owner`` as arrays, or dictionaries of these, by name.
 
     The keys lack the underscore that marks attributes as private.
 
@@ -79,7 +79,7 @@ def save_attributes(owner: object, *names: str) -> Saved:
 
 
 def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
-    """Sets attributes to what ``save_attributes`` returned; raises KeyError where ``saved`` lacks one.
+    """Set attributes to what ``save_attributes`` returned; raise KeyError where ``saved`` lacks one.
 
     The present values tell of which kind the restored ones must be.
     """
@@ -88,7 +88,7 @@ def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
 
 
 def as_arrays(value: Any) -> Any:
-    """Returns copies of all that a value holds, in arrays."""
+    """Return copies of all that a value holds, in arrays."""
     if is_dataclass(value):
         return {field.name: as_arrays(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
@@ -97,7 +97,7 @@ def as_arrays(value: Any) -> Any:
 
 
 def like(present: Any, saved: Any) -> Any:
-    """Returns a value of the kind of ``present`` with the saved arrays in it."""
+    """Return a value of the kind of ``present`` with the saved arrays in it."""
     if is_dataclass(present) and not isinstance(present, type):
         names = [field.name for field in fields(present)]
         return replace(present, **{n: like(getattr(present, n), saved[n]) for n in names})
@@ -114,11 +114,11 @@ class SavedAttributes:
     STATE: ClassVar[tuple[str, ...]] = ()
 
     def save(self) -> Saved:
-        """Returns copies of the attributes."""
+        """Return copies of the attributes."""
         return save_attributes(self, *self.STATE)
 
     def restore(self, saved: Saved) -> None:
-        """Takes the solver back to what was saved."""
+        """Take the solver back to what was saved."""
         restore_attributes(self, saved, *self.STATE)
 
     def close(self) -> None:

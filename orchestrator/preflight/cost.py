@@ -68,7 +68,7 @@ class BedCost:
 
 
 def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
-    """Returns the cost of a bed with ``at_start`` particles at t = 0, which leave as others do where
+    """Return the cost of a bed with ``at_start`` particles at t = 0, which leave as others do where
     there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
     stays_s = stay_s(case, transport_m_per_s)
@@ -101,7 +101,7 @@ load that was found."""
 
 
 def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THICK) -> dict[str, float]:
-    """Returns the processor time by part, "start" first (importing, which no wall time counts), of a
+    """Return the processor time by part, "start" first (importing, which no wall time counts), of a
     run with ``at_start`` particles at t = 0.  Pictures and the report are made apart."""
     case = case_with_scheme(case)
     intervals = case.duration_s / case.coupling.sync_interval_s
@@ -131,17 +131,17 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
 
 
 def predicted_s(case: Case, at_start: int) -> float:
-    """Returns the processor time of the whole run, with a thick bed."""
+    """Return the processor time of the whole run, with a thick bed."""
     return sum(predicted_parts_s(case, at_start).values())
 
 
 def particles_at_start(case: Case) -> int:
-    """Returns how many there are at t = 0."""
+    """Return how many there are at t = 0."""
     return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
 
 
 def in_words(time_s: float) -> str:
-    """Returns a time to be read: in seconds below two minutes, in minutes below two hours, in hours
+    """Return a time to be read: in seconds below two minutes, in minutes below two hours, in hours
     below two days, else in days."""
     for unit, unit_s, end_s in (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 172_800)):
         if time_s < end_s:
@@ -182,7 +182,7 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
 
 
 def _triangles(case: Case) -> int:
-    """Returns how many triangles of panels particles may touch; as many as without openings where no
+    """Return how many triangles of panels particles may touch; as many as without openings where no
     mesher is there."""
     try:
         return sum(len(grid.triangles) for grid in surface_grids(case).values())

@@ -45,7 +45,7 @@ Scheduler = Annotated[
 
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
-    """Returns the workers that were asked for; by default as many as the machine bears."""
+    """Return the workers that were asked for; by default as many as the machine bears."""
     from orchestrator.studies.points import Crew, workers_that_fit
 
     return Crew(workers or workers_that_fit(), scheduler)
@@ -59,14 +59,14 @@ def case_study(
     scheduler: Scheduler = "",
     overrides: Overrides = None,
 ) -> CaseStudy:
-    """Returns the study that was asked for."""
+    """Return the study that was asked for."""
     from orchestrator.studies.points import CaseStudy
 
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
 
 
 def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
-    """Returns a study's command as a function of single options, as Typer wants it; ``name`` is that
+    """Return a study's command as a function of single options, as Typer wants it; ``name`` is that
     of the study."""
     from orchestrator.studies.points import CaseStudy, Crew
 

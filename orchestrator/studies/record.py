@@ -66,7 +66,7 @@ class Recorded:
 
 
 def record(run: Path, cycles: int | None) -> Recorded:
-    """Returns a recording of all panels; without ``cycles`` of as many as it takes them to repeat
+    """Return a recording of all panels; without ``cycles`` of as many as it takes them to repeat
     themselves, or to come nearest to it.  Raises CaseError for a run that does not hold what is
     needed."""
     case = load_judged(run).case
@@ -148,7 +148,7 @@ def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
 
 
 def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:
-    """Returns shape and velocity (samples, points, 3), and how much was faded over."""
+    """Return shape and velocity (samples, points, 3), and how much was faded over."""
     velocity, before_s = spline.derivative(), np.maximum(window.earlier_s, spline.x[0])
     share, rate_per_s = window.share[:, None, None], window.rate_per_s[:, None, None]
     now_m = spline(window.sampled_s)
@@ -163,7 +163,7 @@ def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, fl
 def _pull(
     history: Any, case: Case, panel: SinglePanel, shapes: dict[str, Array], grid: RecordedGrid
 ) -> tuple[Array, Array, Array]:
-    """Returns times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
+    """Return times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
     the clamps' forces, less what weight and inertia give by the lever rule."""
     at, time_s = panel.rectangle, shapes["time_s"]
     share = panel.apertures.material_share(at) if panel.apertures else 1.0
@@ -191,7 +191,7 @@ def _refusal(run: Path, why: str) -> CaseError:
 
 
 def drives(folder: Path) -> list[str]:
-    """Returns ``--set`` overlays of drives that move frames alike, one for each frame: the first
+    """Return ``--set`` overlays of drives that move frames alike, one for each frame: the first
     harmonics of a run in deck axes.  Raises CaseError for a run too short."""
     overlays = []
     with RunReader(folder) as run:

@@ -41,8 +41,8 @@ def driving(drive: DrivePlan, time_s: float) -> Driving:
     from scipy.spatial.transform import Rotation
 
     when_s = np.array([time_s])
-    shift_m, shift_m_per_s = shifted(drive, when_s)
-    turn_rad, turn_rad_per_s = turned(drive, when_s)
+    shift_m, shift_m_per_s = displacement(drive, when_s)
+    turn_rad, turn_rad_per_s = rotation(drive, when_s)
     return Driving(
         drive.center_m + shift_m[0],
         shift_m_per_s[0],
@@ -51,7 +51,7 @@ def driving(drive: DrivePlan, time_s: float) -> Driving:
     )
 
 
-def moved(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
+def carried_motion(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
     """Return position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
 
@@ -69,7 +69,9 @@ class DrivenPoints:
         position_m = self._points_m.copy()
         velocity_m_per_s = np.zeros_like(position_m)
         for drive, points in self._driven:
-            position_m[points], velocity_m_per_s[points] = moved(drive, self._points_m[points], time_s)
+            position_m[points], velocity_m_per_s[points] = carried_motion(
+                drive, self._points_m[points], time_s
+            )
         return Motion(position_m, velocity_m_per_s)
 
     def ahead(self, interval: Interval) -> Known | None:
@@ -81,12 +83,12 @@ class DrivenPoints:
         return Known(self.at(interval.end_s), self.still_or_driven)
 
 
-def shifted(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
+def displacement(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
     """Return displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
 
 
-def turned(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
+def rotation(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
     """Return the rotation vector and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
 

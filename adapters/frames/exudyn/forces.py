@@ -14,7 +14,7 @@ import numpy as np
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
 from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
-from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
+from adapters.frames.exudyn.poses import Attached, Poses, cross, turn
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
 
@@ -65,10 +65,10 @@ class SpatialForces:
         """Evaluate all forces on bodies in these poses."""
         (from_m, from_m_per_s), (to_m, to_m_per_s) = (end.motion(poses) for end in self._ends)
         axes = self._table.axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
-        stretch_m = turned(axes, to_m - from_m) + self._sag_m
-        stretch_m_per_s = turned(axes, to_m_per_s - from_m_per_s)
+        stretch_m = turn(axes, to_m - from_m) + self._sag_m
+        stretch_m_per_s = turn(axes, to_m_per_s - from_m_per_s)
         pull_N = self._table.stiffness_N_per_m * stretch_m + self._table.damping_N_s_per_m * stretch_m_per_s
-        pull_N = turned(axes.transpose(0, 2, 1), pull_N)
+        pull_N = turn(axes.transpose(0, 2, 1), pull_N)
         couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
             poses,
@@ -186,8 +186,8 @@ class SpatialLedger(FramesLedger):
     def bodies(self, poses: Poses) -> BodyMotion:
         """Return how bodies in these poses move."""
         velocity_m_per_s, spin_rad_per_s = poses.velocity_m_per_s[:-1], poses.spin_rad_per_s[:-1]
-        body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
-        turning_J = np.sum(body_spin * turned(self._inertia_kg_m2, body_spin), axis=1) / 2
+        body_spin = turn(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
+        turning_J = np.sum(body_spin * turn(self._inertia_kg_m2, body_spin), axis=1) / 2
         return BodyMotion(velocity_m_per_s, poses.center_m[:-1] - self._drawn_m, turning_J)
 
     def step(self, before: Instant, after: Instant, step_s: float) -> None:

@@ -31,7 +31,7 @@ class Poses:
         center_m[:-1] = drawn_m + coordinates[:, :3]
         velocity_m_per_s[:-1] = rates[:, :3]
         rotation, spin_per_rate = turning(coordinates[:, 3:])
-        spin_rad_per_s[:-1] = turned(spin_per_rate, rates[:, 3:])
+        spin_rad_per_s[:-1] = turn(spin_per_rate, rates[:, 3:])
         rotation = np.concatenate([rotation, np.eye(3)[None]])
         return Poses(center_m, rotation, velocity_m_per_s, spin_rad_per_s, spin_per_rate)
 
@@ -64,13 +64,13 @@ class Attached:
 
     def motion(self, poses: Poses) -> tuple[Array, Array]:
         """Return positions and velocities (n, 3)."""
-        arm_m = turned(poses.rotation[self.body], self.arm_m)
+        arm_m = turn(poses.rotation[self.body], self.arm_m)
         position_m = poses.center_m[self.body] + arm_m
         velocity_m_per_s = poses.velocity_m_per_s[self.body] + cross(poses.spin_rad_per_s[self.body], arm_m)
         return position_m, velocity_m_per_s
 
 
-def turned(rotation: Array, vector: Array) -> Array:
+def turn(rotation: Array, vector: Array) -> Array:
     """Turn each vector (n, 3) by its matrix (n, 3, 3)."""
     return np.asarray((rotation @ vector[:, :, None])[:, :, 0])
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adapters.frames.common.drive import shifted, turned
+from adapters.frames.common.drive import displacement, rotation
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import BodyPlan, DrivePlan
 
@@ -81,10 +81,10 @@ class PlanarPoses:
     def of(place: Array, rate: Array) -> PlanarPoses:
         """Make the poses from displacement up and along, and angle, and their rates, (times, bodies, 3)
         each."""
-        turned, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
-        turn = 1 + turned
+        rotation, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
+        turn = 1 + rotation
         return PlanarPoses(
-            np.concatenate([place[..., 0] + 1j * place[..., 1], turned], axis=1),
+            np.concatenate([place[..., 0] + 1j * place[..., 1], rotation], axis=1),
             np.concatenate([rate[..., 0] + 1j * rate[..., 1], 1j * spin_rad_per_s * turn], axis=1),
             turn,
             spin_rad_per_s,
@@ -134,8 +134,8 @@ class PlanarDrive:
     def coordinates(self, time_s: Array) -> tuple[Array, Array]:
         """Return displacement of the centre of mass up and along, and angle; and their rates: (times,
         3) each."""
-        shift_m, shift_m_per_s = (in_plane(one) for one in shifted(self._drive, time_s))
-        angle_rad, spin_rad_per_s = (one[:, 1] for one in turned(self._drive, time_s))
+        shift_m, shift_m_per_s = (in_plane(one) for one in displacement(self._drive, time_s))
+        angle_rad, spin_rad_per_s = (one[:, 1] for one in rotation(self._drive, time_s))
         moved_m = shift_m + np.expm1(1j * angle_rad) * self._arm_m
         velocity_m_per_s = shift_m_per_s + 1j * spin_rad_per_s * np.exp(1j * angle_rad) * self._arm_m
         place = np.stack([moved_m.real, moved_m.imag, angle_rad], axis=1)

@@ -53,7 +53,7 @@ def half(points: Array) -> Array:
     return np.asarray((points[1::2] - points[::2]) / 2)
 
 
-def joined(middle: Array, half: Array) -> Array:
+def join_halves(middle: Array, half: Array) -> Array:
     """Return the points (2 rows, 3) of given middles and halves."""
     points = np.empty((len(middle), 2, 3))
     np.subtract(middle, half, out=points[:, 0])

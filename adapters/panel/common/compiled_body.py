@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from adapters.panel.common.maxwell import checked
+from adapters.panel.common.maxwell import check_branches
 from adapters.panel.common.panel import HeldForce
 from orchestrator.ports import Array, HermitePath, Indices, Saved
 from orchestrator.ports.clock import Interval
@@ -50,7 +50,7 @@ class CompiledBody:
             "lost_J": np.zeros(1),
             **memory,
         }
-        ratio, time_s = checked(branches)
+        ratio, time_s = check_branches(branches)
         self._kernel = compiled(
             **constants, held=held.astype(np.int32), ratio=ratio, time_s=time_s, **self.memory
         )

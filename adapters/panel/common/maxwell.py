@@ -17,7 +17,7 @@ from orchestrator.ports.state import restore_attributes, save_attributes
 _STATE = ("_stress", "energy_J", "lost_J")
 
 
-def checked(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
+def check_branches(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
     """Return ratios and relaxation times in s, (branches,) each; ValueError if one is not positive."""
     if any(ratio <= 0.0 or time_s <= 0.0 for ratio, time_s in branches):
         raise ValueError(f"Maxwell branches need positive pairs (ratio, s), got {branches}")
@@ -34,7 +34,7 @@ class Branches:
     """
 
     def __init__(self, branches: tuple[tuple[float, float], ...], size: int) -> None:
-        self.ratio, self.time_s = checked(branches)
+        self.ratio, self.time_s = check_branches(branches)
         self.history = np.zeros(size)
         self.share = 0.0
         self.energy_J = np.zeros(len(branches))

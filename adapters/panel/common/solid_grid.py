@@ -110,7 +110,7 @@ class _Way:
     def sides_m(self) -> Array:
         """(openings, 2): first and second side of each, exactly at the stops."""
         sides_m = self.centre_m[:, None] + np.array([-0.5, 0.5]) * self.opening_m
-        return snapped(self.stops_m, sides_m, SAME_PLACE_M)
+        return snap(self.stops_m, sides_m, SAME_PLACE_M)
 
     def borders_m(self, cells: int) -> Array:
         """Of the cells, at most 1 / ``cells`` of the panel and half a land long."""
@@ -127,7 +127,7 @@ class _Way:
         return np.interp(np.arange(last[-1] + 1), last, stops_m)
 
 
-def snapped(breaks_m: Array, value_m: Array, slack_m: float) -> Array:
+def snap(breaks_m: Array, value_m: Array, slack_m: float) -> Array:
     """Move values within ``slack_m`` of a cell border onto it: shape functions are then exactly 0 or 1."""
     after = np.clip(np.searchsorted(breaks_m, value_m), 1, len(breaks_m) - 1)
     low, high = breaks_m[after - 1], breaks_m[after]
@@ -197,7 +197,7 @@ class PiercedGrid:
         the second.  Both are its own unless it is in a hole."""
         breaks_m = (self.whole.s_m, self.whole.y_m)
         slack_m = 1e-9 * float(np.ptp(self.whole.s_m))
-        at = [snapped(x, v, slack_m) for x, v in zip(breaks_m, coordinates_m.T, strict=True)]
+        at = [snap(x, v, slack_m) for x, v in zip(breaks_m, coordinates_m.T, strict=True)]
         cell = tuple(_cell(x, v) for x, v in zip(breaks_m, at, strict=True))
         hole_m = np.concatenate([self.holes_m, NOWHERE])[self.hole_of_cell()[cell]]
         point, low, high = np.column_stack(at), hole_m[:, 0], hole_m[:, 1]

@@ -90,7 +90,7 @@ class Perforated:
         return np.asarray((1.0 - share) * SOLID + share * self.cell.membrane)
 
 
-def perforated(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
+def perforate(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
     """Return the perforation on the mesh ``flat`` in material coordinates."""
     space = function_space(flat, ufl.FiniteElement("DG", flat.ufl_cell(), 0))
     share = fem.Function(space)

@@ -90,9 +90,9 @@ def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
     """Return the openings of ``plan`` on its mesh."""
     if plan.apertures is None:
         return None
-    from adapters.panel.finite_element.perforation import perforated
+    from adapters.panel.finite_element.perforation import perforate
 
-    return perforated(plan, plan.apertures, flat)
+    return perforate(plan, plan.apertures, flat)
 
 
 def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:

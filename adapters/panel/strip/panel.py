@@ -110,15 +110,15 @@ class Strip(BodyPanel):
         middle_N = on_held.impulse_N_s / interval.length_s
         turned_m = bilinear.half(clamps.position_m - self._clamps.position_m)
         clamps_J = -on_held.work_J - float(np.vdot(turning_N, turned_m))
-        reaction_N = bilinear.joined(middle_N / 2, turning_N / 2)
+        reaction_N = bilinear.join_halves(middle_N / 2, turning_N / 2)
         return self._surface_between(clamps), reaction_N, clamps_J
 
     def _surface_between(self, clamps: Motion) -> Motion:
         """Return the rows' points: their middles now, and the halves that follow ``clamps``."""
         motion, share = self._body, self._body.share
         return Motion(
-            bilinear.joined(motion.position_m, share @ bilinear.half(clamps.position_m)),
-            bilinear.joined(motion.velocity_m_per_s, share @ bilinear.half(clamps.velocity_m_per_s)),
+            bilinear.join_halves(motion.position_m, share @ bilinear.half(clamps.position_m)),
+            bilinear.join_halves(motion.velocity_m_per_s, share @ bilinear.half(clamps.velocity_m_per_s)),
         )
 
 

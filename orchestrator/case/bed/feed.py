@@ -122,7 +122,7 @@ class RateFeed:
         )
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        """Raises ValueError if ``accepted`` has not one entry for each particle offered."""
+        """Raise ValueError if ``accepted`` has not one entry for each particle offered."""
         if len(accepted) != len(self._offered):
             raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
         fed = self._offered[accepted]
@@ -253,7 +253,7 @@ def apart(one: Inlet, two: Inlet) -> bool:
 
 
 def _generator_state(generator: np.random.Generator) -> npt.NDArray[np.uint64]:
-    """Returns the state of a PCG64 generator: its two 128-bit numbers in halves, and what is left over of
+    """Return the state of a PCG64 generator: its two 128-bit numbers in halves, and what is left over of
     its last 64 bits."""
     state: Any = generator.bit_generator.state
     halves = [half for key in ("state", "inc") for half in divmod(state["state"][key], 2**64)]

@@ -112,7 +112,7 @@ class Amount:
     mass_kg: float = 0.0
 
     def figures(self) -> dict[str, Any]:
-        """Returns the table in ``summary.json``."""
+        """Return the table in ``summary.json``."""
         return {"number": self.number, "mass_kg": self.mass_kg}
 
     def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:

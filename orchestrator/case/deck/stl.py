@@ -38,7 +38,7 @@ class Facets:
 
 def read(folder: Path, name: str) -> Facets:
     """The file of this name in the case's ``folder``.  Raises UnreadableStl."""
-    file = found(folder, name)
+    file = find_file(folder, name)
     try:
         if _is_binary(file):
             normal, corner_m = _binary(file)
@@ -101,7 +101,7 @@ def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
     return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3).astype(np.int64)
 
 
-def found(folder: Path, name: str) -> Path:
+def find_file(folder: Path, name: str) -> Path:
     """A file that is really in ``folder``.  Raises UnreadableStl."""
     file = folder / name
     try:

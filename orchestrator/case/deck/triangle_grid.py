@@ -172,7 +172,7 @@ def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
 
 
 def _with_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tuple[Array, Indices]:
-    """Adds the strip under each clamp: two triangles for each piece of the clamp's edge."""
+    """Add the strip under each clamp: two triangles for each piece of the clamp's edge."""
     if rectangle.clamp_m == 0.0:
         return points, triangles
     slack = 1e-9 * rectangle.length_m

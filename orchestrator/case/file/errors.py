@@ -49,7 +49,7 @@ class CaseProblem:
     file: str = ""
 
     def __str__(self) -> str:
-        place = " ".join(part for part in (self.file, dotted(self.key)) if part)
+        place = " ".join(part for part in (self.file, dotted_key(self.key)) if part)
         return visible(f"{place}: {self.what}" + (f"; {self.hint}" if self.hint else ""))
 
 
@@ -66,7 +66,7 @@ class CaseError(Exception):
         super().__init__("\n".join(lines))
 
 
-def dotted(key: Key) -> str:
+def dotted_key(key: Key) -> str:
     """('bed', 'sizes', 0, 'diameter_m') -> bed.sizes.0.diameter_m, as --set takes it."""
     return ".".join(shorten(str(part)) for part in key)
 
@@ -92,7 +92,7 @@ def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
     return f"{say}: {', '.join(names)}" if names else f"{say}: none"
 
 
-def shown(value: Any) -> str:
+def show_value(value: Any) -> str:
     """A value as a user knows it, cut to a readable length."""
     try:
         return shorten(repr(value) if not isinstance(value, bool) else str(value).lower())
@@ -118,7 +118,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
                 continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
-            what = f"unknown key (its value: {shown(detail['input'])})"
+            what = f"unknown key (its value: {show_value(detail['input'])})"
             problems.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
@@ -129,7 +129,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
-    kind, key, value = detail["type"], detail["loc"], shown(detail["input"])
+    kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
             return CaseProblem(key[:-1], f"{value} has too few values")

@@ -84,11 +84,11 @@ class LeastSquares(SavedAttributes):
 
 
 def secant_share(tried_N: Array, residual_N: Array) -> float:
-    """Returns the share w for which  |tried + w residual|  would have been least."""
+    """Return the share w for which  |tried + w residual|  would have been least."""
     square = float(np.vdot(residual_N, residual_N))
     return -float(np.vdot(tried_N, residual_N)) / square if square > 0 else FIRST_SHARE
 
 
 def first_share(share: float) -> float:
-    """Returns the first share of an interval after one that ended with ``share``."""
+    """Return the first share of an interval after one that ended with ``share``."""
     return share if 0 < share <= 1 else FIRST_SHARE

@@ -43,7 +43,7 @@ class Effort:
 
 
 def case_effort(case: Case) -> Effort:
-    """Returns what a case asks for; the floor is the tolerance of the lightest particle's weight."""
+    """Return what a case asks for; the floor is the tolerance of the lightest particle's weight."""
     masses_kg = [
         sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
         for name, diameter_m in smallest_diameters_m(case).items()
@@ -59,7 +59,7 @@ class Acceleration(Restorable, Protocol):
     def begin(self) -> None: ...
 
     def next(self, tried_N: Array, answer_N: Array) -> Array:
-        """Returns the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
+        """Return the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
         ...
 
 
@@ -106,7 +106,7 @@ class Iterated:
         return moved, load
 
     def figures(self) -> dict[str, Any]:
-        """Returns the entry of ``summary.json``: numbers of runs, and what stayed unsolved."""
+        """Return the entry of ``summary.json``: numbers of runs, and what stayed unsolved."""
         mean = self._runs / self._intervals if self._intervals else 0.0
         return {"mean": mean, "most": self._longest, "unsolved": self._unsolved, "worst": self._worst}
 
@@ -137,5 +137,5 @@ class Iterated:
 
 
 def norm_N(force_N: Array) -> float:
-    """Returns the Euclidean norm of all components."""
+    """Return the Euclidean norm of all components."""
     return float(np.linalg.norm(force_N))

@@ -64,7 +64,7 @@ class SurfaceCompliance:
 
     @staticmethod
     def of(panel: Panel) -> SurfaceCompliance:
-        """Returns the compliance of a panel's surface."""
+        """Return the compliance of a panel's surface."""
         inertia = surface_inertia(panel)
         shapes, sizes = inertia.shapes, abs(inertia.shapes)
         spread = sizes.multiply(np.asarray(sizes.sum(axis=1))[:, None])
@@ -72,7 +72,7 @@ class SurfaceCompliance:
         return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
 
     def to(self, excess_N: Array, response: ContactTangent, length_s: float, share: Array) -> Array:
-        """Returns the mean velocity (points, 3) by which the points give way to ``excess_N`` (points, 3) over
+        """Return the mean velocity (points, 3) by which the points give way to ``excess_N`` (points, 3) over
         an interval: shapes u, where the masses' velocity u solves
 
             (2 M / (s H) + shapes' Z shapes) u = shapes' excess,
@@ -104,7 +104,7 @@ class SurfaceCompliance:
         return np.asarray(shapes @ u.reshape(wanted.shape))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
-        """Returns which share of free masses' motion the surface showed, (3,) by direction.
+        """Return which share of free masses' motion the surface showed, (3,) by direction.
 
         It is the work of the load ``more`` on the mean velocity ``gave_m_per_s`` (points, 3) that it
         really caused, over its work on free masses: 1 for a free mass, less where the panel's
@@ -118,12 +118,12 @@ class SurfaceCompliance:
         return np.clip(share, LEAST_SHARE, 1.0)
 
     def _on_masses(self, points_N: Array) -> Array:
-        """Returns the part of the points' load to which the masses yield."""
+        """Return the part of the points' load to which the masses yield."""
         return self.inertia.yielding(self.transposed @ points_N)
 
 
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
-    """Returns by how much less the particles push a surface that moves, (points, 3)."""
+    """Return by how much less the particles push a surface that moves, (points, 3)."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
@@ -162,7 +162,7 @@ class Robin:
         interval: Interval,
         now: State,
     ) -> HermitePath:
-        """Returns the chord along which the surface will go: the formula at the head of this file."""
+        """Return the chord along which the surface will go: the formula at the head of this file."""
         length_s, surface, known = interval.length_s, now.panel.surface, compliance.known[:, None]
         start_m = surface.position_m
         if self._seen_m is not None:
@@ -175,7 +175,7 @@ class Robin:
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
     def figures(self) -> dict[str, Any]:
-        """Returns nothing for ``summary.json``, since no interval is ever repeated."""
+        """Return nothing for ``summary.json``, since no interval is ever repeated."""
         return {}
 
     def save(self) -> Saved:
@@ -188,7 +188,7 @@ class Robin:
 
 
 def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
-    """Returns the surface at the interval's end under the last load; the panel is restored."""
+    """Return the surface at the interval's end under the last load; the panel is restored."""
     panel = solvers.panel
     before = panel.save()
     moved = solvers.panel.advance(interval, known.clamps, now.load)

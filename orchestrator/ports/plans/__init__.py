@@ -247,7 +247,7 @@ class ParticleList:
         return len(self.diameter_m)
 
     def part(self, rows: npt.NDArray[np.bool_]) -> ParticleList:
-        """Returns the particles of some rows."""
+        """Return the particles of some rows."""
         return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
@@ -255,11 +255,11 @@ class ParticleFeed(Protocol):
     """A source of new particles for each interval, alike on every rank."""
 
     def due(self, interval: Interval) -> ParticleList:
-        """Returns the particles wanted at the interval's start; they do not overlap each other."""
+        """Return the particles wanted at the interval's start; they do not overlap each other."""
         ...
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        """Takes note of which of those just offered (bool per particle) had room; the rest is tried again."""
+        """Take note of which of those just offered (bool per particle) had room; the rest is tried again."""
         ...
 
 
@@ -278,7 +278,7 @@ class ExitPlan:
     half_m: Array
 
     def holds(self, position_m: Array) -> npt.NDArray[np.bool_]:
-        """Tells which of the positions (n, 3) are in the box, (n,)."""
+        """Tell which of the positions (n, 3) are in the box, (n,)."""
         along_edges_m = (position_m - self.center_m) @ self.axes.T
         return np.asarray(np.all(np.abs(along_edges_m) <= self.half_m, axis=1))
 

@@ -149,7 +149,7 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
 
 
 def sudden_drives(case: Case) -> Iterator[str]:
-    """Warns of drives without run-up that move panels' clamps at full speed from t = 0, while the
+    """Warn of drives without run-up that move panels' clamps at full speed from t = 0, while the
     panels are at rest."""
     for name, frame in case.screen.frames.items():
         drive = frame.drive

@@ -33,7 +33,7 @@ REFERENCES = {
 
 
 def rows(case: Case, path: str) -> Iterator[tuple[Key, Any]]:
-    """Yields each row or value at a dotted path of a case with its key: ``screen.panels.stops`` are all
+    """Yield each row or value at a dotted path of a case with its key: ``screen.panels.stops`` are all
     stops of all panels.  What is not given is left out."""
     reached: list[tuple[Key, Any]] = [((), case)]
     for part in path.split("."):

@@ -150,7 +150,7 @@ def too_large(case: Case) -> Iterator[CaseProblem]:
 
 
 def beyond_this_machine(case: Case) -> Iterator[str]:
-    """Warns where a run would be ended by the system, without a word, when its memory is used up."""
+    """Warn where a run would be ended by the system, without a word, when its memory is used up."""
     there_GiB = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / GIB
     needed_GiB = memory_GiB(case)
     if needed_GiB > there_GiB:
@@ -161,7 +161,7 @@ def beyond_this_machine(case: Case) -> Iterator[str]:
 
 
 def stops(case: Case) -> Iterator[CaseProblem]:
-    """Stops lie between the clamps, and are no stiffer than the sync interval allows; each row of
+    """Stop lie between the clamps, and are no stiffer than the sync interval allows; each row of
     panels is looked at once."""
     first = {panel.table_name: panel for panel in reversed(single_panels(case))}
     for key, stop in rows(case, "screen.panels.stops"):
@@ -211,7 +211,7 @@ def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
 
 
 def other_speed(case: Case, folder: Path) -> Iterator[str]:
-    """Warns of a recording made at another speed than it is played back at."""
+    """Warn of a recording made at another speed than it is played back at."""
     machine = turning(case)
     if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
         return

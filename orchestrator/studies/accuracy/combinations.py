@@ -72,17 +72,17 @@ class Combination:
         return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
 
     def with_metrics(self) -> Combination:
-        """Returns the point with the metrics of its runs, if all are done."""
+        """Return the point with the metrics of its runs, if all are done."""
         if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
             return self
         return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
 
     def values(self, name: str) -> list[float]:
-        """Returns a quantity by seed, as far as it is defined."""
+        """Return a quantity by seed, as far as it is defined."""
         return [of_run.values[name] for of_run in self.metrics if name in of_run.values]
 
     def mean(self, name: str) -> float | None:
-        """Returns the mean of a quantity over the seeds."""
+        """Return the mean of a quantity over the seeds."""
         values = self.values(name)
         return float(np.mean(values)) if values else None
 
@@ -111,7 +111,7 @@ class Combination:
 
 
 def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Returns the processor time of a run by part: "start" is before its wall time counts, the rest
+    """Return the processor time of a run by part: "start" is before its wall time counts, the rest
     is divided as that is."""
     before_s = summary.get("processor_before_s", 0.0)  # runs of older versions do not tell
     rate = (summary["processor_s"] - before_s) / summary["wall_s"]
@@ -119,7 +119,7 @@ def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
 
 
 def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
-    """Returns ``--set`` overlays of all points alike: written at the same times by all sync intervals
+    """Return ``--set`` overlays of all points alike: written at the same times by all sync intervals
     down from ``coarsest_s``, and lasting for whole samples.  A monitor that shortens intervals only
     warns: an interval is what its label says."""
     every = sample_s(coarsest_s)
@@ -138,7 +138,7 @@ def _whole(time_s: Fraction, every: Fraction) -> float:
 
 
 def folder_name(kind: str, settings: dict[str, Setting]) -> str:
-    """Returns a folder's name; what is taken together goes by a checksum of what it is."""
+    """Return a folder's name; what is taken together goes by a checksum of what it is."""
     if kind == ALONE:
         ((axis, setting),) = settings.items()
         return re.sub(r"[^\w.+-]+", "-", f"{axis}-{setting.label}").strip("-")
@@ -148,7 +148,7 @@ def folder_name(kind: str, settings: dict[str, Setting]) -> str:
 
 
 def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
-    """Returns points with their predicted times as this machine takes them, by those that were
+    """Return points with their predicted times as this machine takes them, by those that were
     measured; what takes more than the budget is left out, if it has not been run."""
     factor = median([one.processor_s / one.predicted_s for one in points if one.metrics] or [1.0])
     affordable = []
@@ -163,7 +163,7 @@ def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
 
 
 def part_s(case: Case, parts: int) -> float:
-    """Returns how long a short run lasts: one of ``parts`` of the time in which all feeds run.  A
+    """Return how long a short run lasts: one of ``parts`` of the time in which all feeds run.  A
     case in which a feed does not begin is refused."""
     begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
     return begun_s + (case.duration_s - begun_s) / parts
@@ -198,7 +198,7 @@ class Scatter:
     freedom: int
 
     def half_width(self, name: str, seeds: Sequence[int]) -> float | None:
-        """Returns that of the difference of means over so many seeds each."""
+        """Return that of the difference of means over so many seeds each."""
         if not self.random:
             return 0.0
         if self.freedom == 0 or name not in self.deviation:
@@ -212,7 +212,7 @@ EXACT = Scatter(False, {}, 0)
 
 
 def scatter(every: Iterable[Combination], random: bool) -> Scatter:
-    """Returns how points scatter.
+    """Return how points scatter.
 
     Every point has the same random numbers, so that what a seed does to all of them alike is no
     scatter between them: the residual of points and seeds (randomised blocks).  Points are taken to
@@ -235,7 +235,7 @@ def scatter(every: Iterable[Combination], random: bool) -> Scatter:
 
 
 def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[str, Error]:
-    """Returns the errors of every quantity that both have, relative to the reference; shapes seed by
+    """Return the errors of every quantity that both have, relative to the reference; shapes seed by
     seed."""
     seeds = (len(point.metrics), len(reference.metrics))
     differences = {}
@@ -255,13 +255,13 @@ def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[
 
 
 def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, float]:
-    """Returns relative errors against known answers, mean over the seeds."""
+    """Return relative errors against known answers, mean over the seeds."""
     every = {row.what: [answer_error(row, run.folder) for run in point.runs] for row in known}
     told = {name: [x for x in each if x is not None] for name, each in every.items()}
     return {name: float(np.mean(each)) for name, each in told.items() if each}
 
 
 def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
-    """Returns the largest of the errors that decide, with its name."""
+    """Return the largest of the errors that decide, with its name."""
     deciding = [(name, errors[name]) for name in judged_by if name in errors]
     return max(deciding, key=lambda pair: pair[1].value, default=None)

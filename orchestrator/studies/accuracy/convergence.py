@@ -50,12 +50,12 @@ class Order:
         return self.spread < CLEAN
 
     def error(self, h: float) -> float:
-        """Returns the error at a length."""
+        """Return the error at a length."""
         return float(self.constant * h**self.order)
 
 
 def fit_order(h: Sequence[float], error: Sequence[float], reference_h: float) -> Order | None:
-    """Returns the order by least squares in logarithms, of errors against a run of the same series at
+    """Return the order by least squares in logarithms, of errors against a run of the same series at
     ``reference_h``, whose own error is not nothing: e_i = C (h_i^p - reference^p).
 
     With one halving this is Richardson's p = log2 of the ratio of successive differences (Roache, J.
@@ -120,7 +120,7 @@ class Converged:
         return median(clean) if clean else None
 
     def remaining(self, name: str) -> float:
-        """Returns the estimated error of the finest setting: from the order observed, else from the
+        """Return the estimated error of the finest setting: from the order observed, else from the
         expected one and the last difference (Roache's estimate); 0 where neither is known."""
         finest_h, order = self.settings[-1].h, self.orders.get(name)
         if order is not None and order.clean and finest_h:
@@ -136,7 +136,7 @@ class Converged:
 def measure_series(
     series: RefinementSeries, measured: Mapping[str, Combination], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
-    """Returns a series with what was measured of it; None where nothing was."""
+    """Return a series with what was measured of it; None where nothing was."""
     names = {
         setting: folder_name(ALONE, {series.axis: setting}) if setting.sets else BASE
         for setting in series.settings
@@ -166,7 +166,7 @@ class Option:
 
 
 def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
-    """Returns the ratio of processor times by part; of parts that hardly count, 1."""
+    """Return the ratio of processor times by part; of parts that hardly count, 1."""
     ours, theirs = point.processor_by_part_s, base.processor_by_part_s
     return {
         part: ours.get(part, 0.0) / theirs[part] if theirs[part] > LEAST_SHARE * base.processor_s else 1.0
@@ -209,13 +209,13 @@ class Model:
         self._cost_s = _combined(np.multiply, ratios, len(parts_s)) @ _row(parts_s, parts_s)
 
     def cheapest(self, tolerance: float) -> Proposal | None:
-        """Returns the cheapest with an error of at most ``tolerance``; None where there is none."""
+        """Return the cheapest with an error of at most ``tolerance``; None where there is none."""
         if not (self._worst <= tolerance).any():
             return None
         return self._proposal(int(np.where(self._worst <= tolerance, self._cost_s, np.inf).argmin()))
 
     def best(self, budget_s: float, ties: Literal["cheapest", "finest"]) -> Proposal | None:
-        """Returns that of the least error for at most so much processor time; None where none is so
+        """Return that of the least error for at most so much processor time; None where none is so
         cheap.  Times are measured, so that what is finest must not go by them."""
         within = np.flatnonzero(self._cost_s <= budget_s)
         if not len(within):
@@ -236,6 +236,6 @@ def _row(
 
 
 def _combined(how: np.ufunc, axes: list[list[Array]], width: int) -> Array:
-    """Returns (n_1, n_2, ..., width) of every choice of one row from each axis."""
+    """Return (n_1, n_2, ..., width) of every choice of one row from each axis."""
     start = np.full(width, how.identity, dtype=float)
     return reduce(lambda before, rows: how(before[..., None, :], np.array(rows)), axes, start)

@@ -77,7 +77,7 @@ class StoredStudy:
         return bool(base) and not any(happens(one) for one in base)
 
     def measured(self) -> list[Candidate]:
-        """Returns the points with their errors at the upper end of their confidence intervals."""
+        """Return the points with their errors at the upper end of their confidence intervals."""
         return [
             Candidate(
                 one["settings"],
@@ -91,14 +91,14 @@ class StoredStudy:
         ]
 
     def cheapest(self, tolerance: float) -> Candidate | None:
-        """Returns the cheapest within a tolerance: measured, or predicted where nothing measured is so
+        """Return the cheapest within a tolerance: measured, or predicted where nothing measured is so
         cheap."""
         within = [each for each in self.measured() if each.error <= tolerance]
         within += self._predicted(self.model.cheapest(tolerance - self._chance))
         return min(within, key=lambda each: each.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
-        """Returns that of the least error for so much processor time."""
+        """Return that of the least error for so much processor time."""
         within = [each for each in self.measured() if each.processor_s <= budget_s]
         within += self._predicted(self.model.best(budget_s, "cheapest"))
         return min(within, key=lambda each: each.error, default=None)
@@ -116,7 +116,7 @@ class StoredStudy:
 
 
 def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
-    """Returns the verdict on an effect with the error and cost of the model that does without it;
+    """Return the verdict on an effect with the error and cost of the model that does without it;
     as it was where no such model was run."""
     model = _model_without(effect, study.table.get("models", []))
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
@@ -135,7 +135,7 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
 
 
 def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
-    """Returns the measured model that does without an effect: as the case has it, else the finest;
+    """Return the measured model that does without an effect: as the case has it, else the finest;
     of softened contacts the case itself, of single particles coarser ones."""
     wanted = {"contact-stiffness": ("stiffness", ""), "single-particles": ("number", "")}
     ports: tuple[solvers.Port, ...] = ("panel", "frames")
@@ -151,7 +151,7 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
 
 
 def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
-    """Returns the study in the file given, or beside the case, or in its usual folder, if it is of
+    """Return the study in the file given, or beside the case, or in its usual folder, if it is of
     this case and level; None where there is none.  Raises CaseError for a file that is none."""
 
     def problem(file: Path, what: str) -> CaseError:
@@ -174,7 +174,7 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 
 def filling(case: Case, study_s: float) -> Callable[[float], float]:
-    """Returns what tells, of a run of so many seconds, its particles in the mean over the run, relative
+    """Return what tells, of a run of so many seconds, its particles in the mean over the run, relative
     to those of a run of ``study_s``."""
     if not case.bed.feeds:
         return lambda duration_s: 1.0
@@ -210,13 +210,13 @@ class Timing:
     filling: Callable[[float], float] = lambda duration_s: 1.0
 
     def wall_s(self, processor_s: float, duration_s: float) -> float:
-        """Returns the wall time here of a run of ``duration_s`` with settings that took
+        """Return the wall time here of a run of ``duration_s`` with settings that took
         ``processor_s`` in the study."""
         study_s = max(processor_s - self.study_start_s, 0.0)
         return self.start_s + self.factor * study_s * self._lasts(duration_s)
 
     def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
-        """Returns how long a run may last, at most ``longest_s``, to take so much wall time; 0 if not
+        """Return how long a run may last, at most ``longest_s``, to take so much wall time; 0 if not
         even its start fits."""
         if self.wall_s(processor_s, longest_s) <= wall_s:
             return longest_s
@@ -225,18 +225,18 @@ class Timing:
         return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
 
     def affordable_s(self, wall_s: float, duration_s: float) -> float:
-        """Returns the study's processor time of settings that take so much wall time here."""
+        """Return the study's processor time of settings that take so much wall time here."""
         stepping_s = max(wall_s - self.start_s, 0.0) / self.factor
         return self.study_start_s + stepping_s / self._lasts(duration_s)
 
     def _lasts(self, duration_s: float) -> float:
-        """Returns the stepping of a run of ``duration_s``, relative to the study's."""
+        """Return the stepping of a run of ``duration_s``, relative to the study's."""
         more = 1.0 + self.particles * (self.filling(duration_s) - 1.0)
         return more * duration_s / self.simulated_s
 
 
 def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
-    """Returns the summary of a run that nobody keeps; only its times are asked for, so that it may be
+    """Return the summary of a run that nobody keeps; only its times are asked for, so that it may be
     a doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
     try:
         summary = run_in_scratch(case, CaseStudy(case, level, tuple(sets)).check().level, sets)
@@ -248,7 +248,7 @@ def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, An
 
 
 def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
-    """Returns what runs take here, from the study's short run, made again here."""
+    """Return what runs take here, from the study's short run, made again here."""
     base = study.table["base"]
     (short,) = study.table["short"].values()
     here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])
@@ -265,7 +265,7 @@ def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
 
 
 def predict_wall_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
-    """Returns the wall time here of a case without a study, from a short run."""
+    """Return the wall time here of a case without a study, from a short run."""
     duration_s = part_s(case, PART)
     short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
     wall_s = time_run(path, level, short)["wall_by_part_s"]
@@ -313,7 +313,7 @@ class Plan:
         return self.timing.wall_s(candidate.processor_s, self.case.duration_s)
 
     def remedies(self) -> Iterator[str]:
-        """Yields what would make it fit, in words."""
+        """Yield what would make it fit, in words."""
         if self.chosen is not None:
             yield from self._shorter(self.chosen)
         coarser = self.study.best(self.timing.affordable_s(self.budget_s, self.case.duration_s))
@@ -335,7 +335,7 @@ class Plan:
             yield f"a shorter run: duration_s={duration_s:.3g}"
 
     def _more_ranks_or_narrower(self) -> Iterator[str]:
-        """Yields ranks, and a slice where particles and panels are what takes the time."""
+        """Yield ranks, and a slice where particles and panels are what takes the time."""
         case, parts_s = self.case, self.study.table["base"]["processor_by_part_s"]
         share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
         shared_s, left_s = share * self.wall_s, self.budget_s - (1 - share) * self.wall_s

@@ -64,12 +64,12 @@ class Setting:
 
 
 def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
-    """Returns the ``--set`` overlays of settings by axis, in the order of the axes."""
+    """Return the ``--set`` overlays of settings by axis, in the order of the axes."""
     return tuple(overlay for setting in settings.values() for overlay in setting.sets)
 
 
 def joint_label(settings: Mapping[str, Setting]) -> str:
-    """Returns settings by axis in words."""
+    """Return settings by axis in words."""
     return "; ".join(f"{axis}: {setting.label}" for axis, setting in settings.items())
 
 
@@ -120,7 +120,7 @@ class Offer:
     missing: dict[str, str]
 
     def of(self, axis: str) -> list[RefinementSeries]:
-        """Returns the series on an axis."""
+        """Return the series on an axis."""
         return [series for series in self.series if series.axis == axis]
 
     @property
@@ -133,7 +133,7 @@ class Offer:
 
 
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
-    """Returns the series of the parameters named, ``points`` values each;
+    """Return the series of the parameters named, ``points`` values each;
     "scheme=aitken+robin" has these variants only."""
     every: list[RefinementSeries] = []
     missing = {}
@@ -152,7 +152,7 @@ def offer(case: Case, names: Sequence[str], points: int) -> Offer:
 
 
 def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
-    """Raises NotOffered for a variant that there is not."""
+    """Raise NotOffered for a variant that there is not."""
     known = [each.variant for each in series]
     for name in variants:
         if name not in known:
@@ -161,7 +161,7 @@ def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> li
 
 
 def _degrees(points: int) -> list[int]:
-    """Returns how often a value is halved, from coarse to fine, for ``points`` values: 0 is the
+    """Return how often a value is halved, from coarse to fine, for ``points`` values: 0 is the
     case's own; 3 gives -1, 0, 1."""
     coarser = (points - 1) // 2
     return list(range(-coarser, points - coarser))
@@ -173,7 +173,7 @@ def _settings(
     key: str | Callable[[float], tuple[str, ...]],
     h: Callable[[float], float] = float,
 ) -> tuple[Setting, ...]:
-    """Returns settings of values by degree, of which 0 is the case's own: ``label`` and ``key`` are
+    """Return settings of values by degree, of which 0 is the case's own: ``label`` and ``key`` are
     formats of a value, or ``key`` makes the overlays."""
     make = (lambda value: (key.format(value),)) if isinstance(key, str) else key
     return tuple(
@@ -205,7 +205,7 @@ def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
 def _intervals(
     case: Case, name: str, at_own: tuple[str, ...], elsewhere: tuple[str, ...], points: int
 ) -> RefinementSeries:
-    """Returns a scheme's series, with overlays at the case's own interval and at others."""
+    """Return a scheme's series, with overlays at the case's own interval and at others."""
     own_s = exact(case.coupling.sync_interval_s)
     settings = []
     for halved in _degrees(points):
@@ -260,18 +260,18 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
 
 
 def _model(port: solvers.Port, setting: Setting) -> RefinementSeries:
-    """Returns the series of one setting, a model, which is named after its solver."""
+    """Return the series of one setting, a model, which is named after its solver."""
     rank, is_choice = _fidelity(port, setting.label), not setting.made_from_run
     return RefinementSeries(port, setting.label, (setting,), rank=rank, is_choice=is_choice)
 
 
 def _by_fidelity(port: solvers.Port) -> list[str]:
-    """Returns the solvers of a port, the better the later."""
+    """Return the solvers of a port, the better the later."""
     return sorted(solvers.names(port), key=lambda name: _fidelity(port, name))
 
 
 def _fidelity(port: solvers.Port, name: str) -> float:
-    """Returns the place of a solver; one that plays another's motion back is the better one of two
+    """Return the place of a solver; one that plays another's motion back is the better one of two
     that nothing bends."""
     fidelity: float | None = _adapter(port, name).fidelity
     return PLAYED_BACK if fidelity is None else fidelity
@@ -289,7 +289,7 @@ def _panel_step(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _usual_panel_step_s(case: Case) -> float:
-    """Returns the step that the panels take as the case is."""
+    """Return the step that the panels take as the case is."""
     if case.panel.step_s > 0:
         return case.panel.step_s
     if case.panel.integrator == "implicit" and case.panel.adapter.largest_step_s is not None:
@@ -304,7 +304,7 @@ def _usual_panel_step_s(case: Case) -> float:
 
 
 def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ...]:
-    """Returns a step, its half and its quarter, whole parts of the sync interval."""
+    """Return a step, its half and its quarter, whole parts of the sync interval."""
     interval_s = case.coupling.sync_interval_s
     first = steps_in(interval_s, own_s)
     halves = range(min(points, FINEST_STEPS))
@@ -339,7 +339,7 @@ def _particle_step(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _surface_jumps(case: Case) -> bool:
-    """Returns whether an interval's path may begin elsewhere than the last one's ended: where the
+    """Return whether an interval's path may begin elsewhere than the last one's ended: where the
     surface is extrapolated, and of some with robin (docs/theory/coupling.md)."""
     rigid = not (case.screen.panels and case.panel.adapter.deforms)
     extrapolated = {"particles-first": True, "robin": rigid or bool(case.screen.surfaces)}

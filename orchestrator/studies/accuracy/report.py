@@ -45,7 +45,7 @@ RED, BLACK, GREY, GREEN = "#c1443c", "#111111", "#888888", "#0f8a8a"
 
 
 def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
-    """Writes the tables, the pictures and the page."""
+    """Write the tables, the pictures and the page."""
     lines, stored = entries(study), folder / "accuracy.json"
     tables = [write_csv(lines, folder / "accuracy.csv"), write_parquet(lines, folder / "accuracy.parquet")]
     write_json(stored, as_json(study))
@@ -73,7 +73,7 @@ def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
 
 
 def _axis(study: AccuracyStudy, axis: str, folder: Path) -> dict[str, Any]:
-    """Returns what the page says of an axis: its series, its models if it has several, and their
+    """Return what the page says of an axis: its series, its models if it has several, and their
     pictures."""
     series = [one for one in study.converged if one.series.axis == axis]
     every = study.compared(axis)
@@ -87,7 +87,7 @@ def _axis(study: AccuracyStudy, axis: str, folder: Path) -> dict[str, Any]:
 
 
 def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
-    """Returns the columns of each row, all rows alike; None where something is not known."""
+    """Return the columns of each row, all rows alike; None where something is not known."""
     every = []
     for row in study.rows:
         point = row.point
@@ -116,7 +116,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
 
 
 def as_json(study: AccuracyStudy) -> dict[str, Any]:
-    """Returns what ``flipflow plan`` needs to know."""
+    """Return what ``flipflow plan`` needs to know."""
     base, seeds = study.base, len(study.base.metrics)
     chance = (study.spread.half_width(name, (seeds, seeds)) for name in study.judged_by)
 
@@ -176,7 +176,7 @@ def _model_rows(models: Sequence[Compared]) -> Iterator[dict[str, Any]]:
 
 
 def cost_table(study: AccuracyStudy) -> Table:
-    """Returns the cost and error of every point for the console, from cheap to dear."""
+    """Return the cost and error of every point for the console, from cheap to dear."""
     lines = []
     for row in study.by_cost:
         error = ("reference", "")
@@ -189,7 +189,7 @@ def cost_table(study: AccuracyStudy) -> Table:
 
 
 def advice(study: AccuracyStudy) -> Iterator[str]:
-    """Yields a line for each tolerance."""
+    """Yield a line for each tolerance."""
     for each in map(study.recommend, RECOMMENDED):
         if each.row is None:
             yield f"{100 * each.tolerance:g} %: no point of this study is so good"
@@ -200,7 +200,7 @@ def advice(study: AccuracyStudy) -> Iterator[str]:
 
 
 def _error_in_words(errors: Mapping[str, Error], name: str) -> str:
-    """Returns an error with its uncertainty."""
+    """Return an error with its uncertainty."""
     if name not in errors:
         return ""
     width = errors[name].half_width
@@ -214,7 +214,7 @@ def _words(name: str) -> str:
 
 
 def _scales(axis: Any, across: str, upward: str) -> None:
-    """Makes both scales logarithmic, errors upward in per cent."""
+    """Make both scales logarithmic, errors upward in per cent."""
     axis.set(xscale="log", yscale="log", xlabel=across, ylabel=upward)
     axis.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 3.0, 5.0)))
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
@@ -229,7 +229,7 @@ Line = tuple[str, list[float], list[float], str]
 
 
 def draw_convergence(every: Sequence[Converged], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draws the series of one axis; returns None where nothing converges."""
+    """Draw the series of one axis; returns None where nothing converges."""
     shown = [(one, _lines(one, judged_by)) for one in every if len(one.settings) > 1 and one.lengths]
     heights = [y for _, lines in shown for _, _, line_y, _ in lines for y in line_y]
     if not heights:
@@ -258,7 +258,7 @@ def draw_convergence(every: Sequence[Converged], judged_by: Sequence[str], file:
 
 
 def _lines(one: Converged, judged_by: Sequence[str]) -> list[Line]:
-    """Returns a line for each quantity: against the finest setting, or dashed, against what is known
+    """Return a line for each quantity: against the finest setting, or dashed, against what is known
     exactly."""
     lines: list[Line] = []
     finest = one.errors[:-1]
@@ -279,7 +279,7 @@ def _seen(order: Order | None) -> str:
 
 
 def draw_models(models: Sequence[Compared], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draws the error of every model against its cost, a part for each quantity; returns None without
+    """Draw the error of every model against its cost, a part for each quantity; returns None without
     any error."""
     others = [each for each in models if not each.is_best]
     names = [name for name in (*judged_by, "shape") if any(name in each.errors for each in others)]
@@ -306,7 +306,7 @@ def _look(number: int) -> dict[str, str]:
 
 
 def draw_costs(study: AccuracyStudy, file: Path) -> Path:
-    """Draws the error of all points against their cost, and a line through those that nothing beats."""
+    """Draw the error of all points against their cost, and a line through those that nothing beats."""
     drawn, ((axis,),) = figure(width=9.6, height=5.6)
     front, shown = study.front(), [row for row in study.rows if row.error is not None]
     axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")
@@ -352,7 +352,7 @@ def draw_costs(study: AccuracyStudy, file: Path) -> Path:
 
 
 def _places(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    """Returns processor times and errors."""
+    """Return processor times and errors."""
     heights = [max(row.error.value if row.error else 0.0, LEAST) for row in rows]
     return [row.point.processor_s for row in rows], heights
 
