@@ -41,10 +41,9 @@ IN_THE_SUITE = (
     "ball-on-panel draft",
     "empty-machine default",
     "panel-cycle default",
-    "motor-start draft",
     "ffs0827-slice dry",
 )
-"""Six cases with all kinds of panels, frames and particles."""
+"""Five cases with all kinds of panels, frames and particles."""
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ from orchestrator.preflight.stability.report import case_with_scheme
 
 
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Plans a case, opens its solvers and puts them together as a machine.
+    """Plan a case, opens its solvers and put them together as a machine.
 
     Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
     process; ``stopwatch`` takes the time of every solver.  Raises SolverMissing or SolverFailed where a

@@ -24,7 +24,7 @@ from orchestrator.ports import Saved
 
 KEPT = 2
 FOLDER, ABOUT = "saves", "save.json"
-FORMAT = 3
+FORMAT = 4
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
 them against tests/runs/checkpoint_names.txt), of their meaning, or of ``save.json``."""
 SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")

@@ -87,9 +87,7 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
     agree(*both(case, 40, np.zeros(3)), relative=1e-9)
 
 
-@pytest.mark.parametrize(
-    "surface", [pit(0.1, 3), pit(0.4, 5), furrows()], ids=["gentle pit", "pit", "furrows"]
-)
+@pytest.mark.parametrize("surface", [pit(0.4, 5), furrows()], ids=["pit", "furrows"])
 def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface) -> None:
     """With friction, so that the tangential springs of contacts that come and go take part."""
     start_m, velocity_m_per_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]
