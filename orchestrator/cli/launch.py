@@ -256,7 +256,7 @@ def _console(quiet: bool = False) -> Console:
 
 
 def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int:
-    """Run, and turns whatever happens into a message, a finished folder and an exit code."""
+    """Run, and turn whatever happens into a message, a finished folder and an exit code."""
     try:
         run.go()
     except Interrupted as stopped:

@@ -10,7 +10,7 @@ import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.feed import Feeds
-from orchestrator.case.bed.material_book import MaterialBook, MaterialWatch
+from orchestrator.case.bed.material_book import MaterialBook, MaterialMonitor
 from orchestrator.case.bed.packing import no_particles
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
@@ -45,7 +45,7 @@ from orchestrator.preflight.stability.report import case_with_scheme
 
 
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Plan a case, opens its solvers and put them together as a machine.
+    """Plan a case, open its solvers and put them together as a machine.
 
     Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
     process; ``stopwatch`` takes the time of every solver.  Raises SolverMissing or SolverFailed where a
@@ -126,7 +126,7 @@ def _particles(
     opened = solvers.open_solver("particles", solver, plan)
     metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
-    book = MaterialBook(feed, plan.exits, MaterialWatch(case.monitor, widest_m))
+    book = MaterialBook(feed, plan.exits, MaterialMonitor(case.monitor, widest_m))
     return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 

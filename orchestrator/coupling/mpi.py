@@ -36,7 +36,7 @@ def is_first(world: Any) -> bool:
 
 
 def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
-    """Calls ``act`` on rank 0 alone, and returns or raises the outcome on every rank."""
+    """Call ``act`` on rank 0 alone, and return or raise the outcome on every rank."""
     if world is None:
         return act()
     answer: Any = None
@@ -52,7 +52,7 @@ def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
 
 
 def end_all(world: Any, code: int) -> int:
-    """End every rank, wherever it waits, with the exit code ``code``; returns it where there is
+    """End every rank, wherever it waits, with the exit code ``code``; return it where there is
     only one."""
     if world is not None:
         world.Abort(code)

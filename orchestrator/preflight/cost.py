@@ -1,7 +1,7 @@
 """What a run will take: processor time of the whole of it, part by part, before anything runs.
 
 The parts are those of ``wall_by_part_s``.  Solvers' shares are asked of their adapters
-(``ports/plans``); what the orchestrator does itself has its constants here.  All were
+(``ports/plans.py``); what the orchestrator does itself has its constants here.  All were
 measured on drafts of shipped cases on one core of a 2-core AMD EPYC machine, busy with other work;
 ``python -m tools.cost_series`` measures what was predicted over what was taken.  How long material
 stays on the deck is known after the run only: the estimate lies between a thin dry layer and a
@@ -19,7 +19,7 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesion_law
 from orchestrator.case.bed.size_distribution import mean_mass_kg
 from orchestrator.case.bed.sources import initial_particles, inlets
-from orchestrator.case.deck.panels import TRANSPORT_M_S, single_panels, stay_s
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, single_panels, stay_s
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.solver_plans import material_numbers, mesh_sizes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
@@ -48,7 +48,7 @@ SAVE_S = 0.04
 """At the end."""
 
 
-THICK, THIN = TRANSPORT_M_S, 1.5
+THICK, THIN = TRANSPORT_M_PER_S, 1.5
 """Speeds in m/s at which material moves along the deck: a thick bed that creeps, and single dry
 particles, thrown (level dry of cases/ffs0827-slice)."""
 TIMES = 2000  # places in time at which particles are counted

@@ -164,7 +164,7 @@ class PlanarFrames(RigidFrames):
         )
 
     def _acceleration(self, poses: PlanarPoses, total: Array) -> Complex:
-        """Return that of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
+        """Return the acceleration of the natural coordinates, (nodes, 2 bodies); 0 for driven bodies."""
         share = total / self._inertia
         return poses.acceleration(share[..., 0] + 1j * share[..., 1], share[..., 2])
 

@@ -26,7 +26,7 @@ LEAST_SHARE = 0.5  # of what is due, that an inlet must take in ``jam_s`` or it 
 FEW_PARTICLES = 5.0  # a backlog of so many of the largest particles is none yet
 
 
-class MaterialWatch:
+class MaterialMonitor:
     """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that.
 
     ``widest_m``: the largest sphere that fits through an opening; None if there are no openings.
@@ -127,8 +127,8 @@ class MaterialBook:
     """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
     particles that it feeds."""
 
-    def __init__(self, feed: Feeds, exits: tuple[ExitPlan, ...], watch: MaterialWatch) -> None:
-        self.feed, self.exits, self._watch = feed, exits, watch
+    def __init__(self, feed: Feeds, exits: tuple[ExitPlan, ...], monitor: MaterialMonitor) -> None:
+        self.feed, self.exits, self._monitor = feed, exits, monitor
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
         self.escaped = Amount()  # of those through exits
         self.through = [Amount() for _ in exits]
@@ -136,10 +136,10 @@ class MaterialBook:
 
     def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
         """What happened since the last output time, and who is there now.  Raises SolverFailed
-        when a particle is not accounted for, or the watch wants it."""
+        when a particle is not accounted for, or the monitor wants it."""
         self.fed.add(fed)
         self.lost.add(removed, removed.exit < 0)
-        self.escaped.add(removed, self._watch.too_large(removed, self.exits))
+        self.escaped.add(removed, self._monitor.too_large(removed, self.exits))
         for number, amount in enumerate(self.through):
             amount.add(removed, removed.exit == number)
         self.on_deck = Amount()
@@ -151,10 +151,10 @@ class MaterialBook:
                 f"{missing} of {self.fed.number} particles are not accounted for at t = "
                 f"{time_s:.6g} s: {self.on_deck.number} are there and {gone} were removed"
             )
-        self._watch.lost(removed)
-        self._watch.escaped(removed, self.exits)
+        self._monitor.lost(removed)
+        self._monitor.escaped(removed, self.exits)
         for feed in self.feed.feeds:
-            self._watch.feed(time_s, feed)
+            self._monitor.feed(time_s, feed)
 
     def look_at_contacts(self, overlaps: Overlaps, crossings: Crossings) -> None:
         """How deep contacts were since this was last called, and who went through the surface since
@@ -163,13 +163,13 @@ class MaterialBook:
 
     def save(self) -> Saved:
         through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
-        books = {"monitor": self._watch.save(), "through": through}
+        books = {"monitor": self._monitor.save(), "through": through}
         return save_attributes(self, *_SINCE_START) | books
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_SINCE_START)
         self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
-        self._watch.restore(saved["monitor"])
+        self._monitor.restore(saved["monitor"])
 
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""

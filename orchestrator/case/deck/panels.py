@@ -168,12 +168,12 @@ def _stop(case: Case, panel: SinglePanel, name: str, row: Stop) -> StopPlan:
     )
 
 
-TRANSPORT_M_S = 0.34
+TRANSPORT_M_PER_S = 0.34
 """Speed of the material: 40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al.,
 Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
 
 
-def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_S) -> float:
+def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_PER_S) -> float:
     """Time on the deck; infinite where nothing leaves."""
     return deck_length_m(case) / transport_m_per_s if case.screen.exits else math.inf
 

@@ -52,7 +52,7 @@ def lay_out_decks(case: Case) -> Case:
 
 
 def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
-    """Count that do not fit, tension that no panel takes, and panels that would overlap."""
+    """Yield the problems of a deck: counts that do not fit, tension that no panel takes, overlaps."""
     key: Key = ("screen", "decks", name)
     segments = len(deck.slopes_deg)
     if segments and deck.panels % segments:

@@ -40,7 +40,7 @@ REPLACED = {"spheres": "liggghts"}
 class CaseProblem:
     """What is wrong at ``key`` (empty: the whole file); ``hint`` says what to do about it.
 
-    ``file`` is filled in by ``levels.load``, which knows where a key was given.
+    ``file`` is filled in by ``case.load``, which knows where a key was given.
     """
 
     key: Key

@@ -163,8 +163,8 @@ def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: fl
 def _half_width(
     time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
 ) -> Array:
-    """Return that of the amplitudes, from batches of ``length`` cycles; those that are left over are the
-    first."""
+    """Return the half width of the amplitudes, from batches of ``length`` cycles; cycles that are left over
+    are the first."""
     phase = 2 * np.pi / cycle_s * time_s
     terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
     lasting_s = length * cycle_s

@@ -161,7 +161,7 @@ def beyond_this_machine(case: Case) -> Iterator[str]:
 
 
 def stops(case: Case) -> Iterator[CaseProblem]:
-    """Stop lie between the clamps, and are no stiffer than the sync interval allows; each row of
+    """Stops lie between the clamps, and are no stiffer than the sync interval allows; each row of
     panels is looked at once."""
     first = {panel.table_name: panel for panel in reversed(single_panels(case))}
     for key, stop in rows(case, "screen.panels.stops"):

@@ -30,7 +30,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState
 from orchestrator.ports.state import SavedAttributes
 
-SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
+SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
 
 
@@ -59,7 +59,7 @@ class ExchangedEnergy:
     falls where it gets back.  Its range is what was exchanged, whether it was given for good (a bed
     that is thrown and takes all of it) or came back (a ball that bounces).  An interface at rest
     exchanges nothing, and what rounding creates there is not to be measured by nothing: ``slow_J``,
-    what the largest load so far does in a sync interval on points that move at ``SLOW_M_S``, is added.
+    what the largest load so far does in a sync interval on points that move at ``SLOW_M_PER_S``, is added.
     """
 
     given_J: float = 0.0
@@ -72,7 +72,7 @@ class ExchangedEnergy:
         self.given_J += work_J
         self.least_J = min(self.least_J, self.given_J)
         self.most_J = max(self.most_J, self.given_J)
-        self.slow_J = max(self.slow_J, SLOW_M_S * length_s * float(np.abs(force_N).sum()))
+        self.slow_J = max(self.slow_J, SLOW_M_PER_S * length_s * float(np.abs(force_N).sum()))
 
     @property
     def scale_J(self) -> float:
@@ -84,7 +84,7 @@ class Balance:
     """The energy created at an interface, against what went through it.
 
     ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
-    slower than ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
+    slower than ``SLOW_M_PER_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
     destroyed.  The recent ones fade with each interval; the newest is of the last interval alone.
     """
 
@@ -224,7 +224,7 @@ class ClampWork(SavedAttributes):
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
     """Return the sizes of the work along each axis at each point, added up, of a force and a motion over
     ``length_s`` of the same shape."""
-    return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s))
+    return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_PER_S * length_s))
 
 
 Works = dict[str, ContactWork | ClampWork]

@@ -24,7 +24,7 @@ from orchestrator.coupling.ledger import created_shares
 from orchestrator.coupling.machine import PanelPoints
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.state import SavedAttributes
-from orchestrator.run.monitor.interface_work import SLOW_M_S, InterfaceData, exchanged_J
+from orchestrator.run.monitor.interface_work import SLOW_M_PER_S, InterfaceData, exchanged_J
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 
 
@@ -118,7 +118,7 @@ class Alternation(SavedAttributes):
 
     def __init__(self, velocity_m_per_s: Array, least: float) -> None:
         self._least = least
-        self._quick_m_per_s, self._growing_m_per_s = SLOW_M_S, 0.0
+        self._quick_m_per_s, self._growing_m_per_s = SLOW_M_PER_S, 0.0
         self._begin(velocity_m_per_s)
 
     def _begin(self, velocity_m_per_s: Array) -> None:

@@ -35,7 +35,7 @@ LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
 TOGETHER = 5  # intervals are looked at, which costs little more than one, while all is well
 WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
-FASTEST_M_S = 300.0  # nothing on a screen moves at the speed of sound in air
+FASTEST_M_PER_S = 300.0  # nothing on a screen moves at the speed of sound in air
 
 
 class Stopped(SolverFailed):
@@ -120,7 +120,7 @@ class Monitor:
             return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._note)
 
     def observe_output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
-        """Observes an output time, after which everything is judged; ``terms_J`` are the ledger's."""
+        """Observe an output time, after which everything is judged; ``terms_J`` are the ledger's."""
         self._at_once = True
         if is_first(self._world):
             with self._machine.stopwatch("monitor"):
@@ -130,7 +130,7 @@ class Monitor:
                     self._alarms += watched.judge(observations, time_s)
 
     def act(self, interval: Interval, state: State) -> None:
-        """Warn after a sync interval, or shortens the next ones, as the case wants.  Raises Stopped."""
+        """Warn after a sync interval, or shorten the next ones, as the case wants.  Raises Stopped."""
         done = interval.index + 1
         if self.pace.trusted and not self._at_once and done - self._judged < TOGETHER:
             return
@@ -233,10 +233,10 @@ def check_speeds(state: State, time_s: float, advice: str) -> None:
     impossibly fast."""
     for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
         fastest_m_per_s = float(np.abs(motion.velocity_m_per_s).max(initial=0.0))
-        if fastest_m_per_s > FASTEST_M_S:
+        if fastest_m_per_s > FASTEST_M_PER_S:
             raise SolverFailed(
                 f"{member} became unstable at t = {time_s:.6g} s: a point moves at "
-                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_S:g} m/s). {advice}"
+                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_PER_S:g} m/s). {advice}"
             )
 
 

@@ -198,7 +198,7 @@ class Scatter:
     freedom: int
 
     def half_width(self, name: str, seeds: Sequence[int]) -> float | None:
-        """Return that of the difference of means over so many seeds each."""
+        """Return the half width of the difference of means over so many seeds each."""
         if not self.random:
             return 0.0
         if self.freedom == 0 or name not in self.deviation:

@@ -215,8 +215,8 @@ class Model:
         return self._proposal(int(np.where(self._worst <= tolerance, self._cost_s, np.inf).argmin()))
 
     def best(self, budget_s: float, ties: Literal["cheapest", "finest"]) -> Proposal | None:
-        """Return that of the least error for at most so much processor time; None where none is so
-        cheap.  Times are measured, so that what is finest must not go by them."""
+        """Return the proposal of the least error for at most so much processor time; None where none is
+        so cheap.  Times are measured, so that what is finest must not go by them."""
         within = np.flatnonzero(self._cost_s <= budget_s)
         if not len(within):
             return None

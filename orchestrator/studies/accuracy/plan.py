@@ -98,7 +98,7 @@ class StoredStudy:
         return min(within, key=lambda each: each.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
-        """Return that of the least error for so much processor time."""
+        """Return the candidate of the least error for so much processor time."""
         within = [each for each in self.measured() if each.processor_s <= budget_s]
         within += self._predicted(self.model.best(budget_s, "cheapest"))
         return min(within, key=lambda each: each.error, default=None)
