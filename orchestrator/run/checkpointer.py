@@ -38,7 +38,7 @@ class Schedule:
         )
 
     def done(self) -> None:
-        """Notes that a checkpoint has been written now."""
+        """Note that a checkpoint has been written now."""
         self._last_s = time.monotonic()
 
 

@@ -14,7 +14,7 @@ from orchestrator.ports.geometry import AperturePattern, Rectangle
 
 
 def openings_m(case: Case) -> Array:
-    """The centres of all openings (n, 3), on the straight line between the clamps."""
+    """Return the centres of all openings (n, 3), on the straight line between the clamps."""
     return np.vstack([np.empty((0, 3)), *(_centres_m(panel) for panel in single_panels(case))])
 
 
@@ -28,7 +28,7 @@ def _centres_m(panel: SinglePanel) -> Array:
 
 
 def smaller_sides_m(case: Case) -> Iterator[float]:
-    """The smaller side of the openings of each panel that has any."""
+    """Yield the smaller side of the openings of each panel that has openings."""
     for panel in single_panels(case):
         if panel.apertures is not None:
             yield min(panel.apertures.length_m, panel.apertures.width_m)

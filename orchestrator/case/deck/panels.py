@@ -21,14 +21,14 @@ from orchestrator.ports.plans import StopPlan
 
 
 def axes(case: Case) -> Array:
-    """(3, 3): its columns are the deck axes in the world; x slopes down by the inclination."""
+    """Return (3, 3), whose columns are the deck axes in the world; x slopes down by the inclination."""
     angle = math.radians(case.screen.inclination_deg)
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
 def to_world(case: Case, vectors: Sequence[float] | Sequence[Sequence[float]] | Array) -> Array:
-    """Vectors in deck axes, (3,) or (n, 3), in world axes.  Both have the same origin."""
+    """Turn vectors in deck axes, (3,) or (n, 3), into world axes.  Both have the same origin."""
     return np.asarray(np.asarray(vectors, dtype=float) @ axes(case).T)
 
 
@@ -45,7 +45,7 @@ class SinglePanel:
 
 
 def single_panels(case: Case) -> tuple[SinglePanel, ...]:
-    """All panels, in the order of the case.  A row's frames alternate from panel to panel."""
+    """Return all panels, in the order of the case.  A row's frames alternate from panel to panel."""
     return tuple(
         SinglePanel(
             name=name if row.count == 1 else f"{name}-{number + 1}",
@@ -72,12 +72,12 @@ def perforated_panels(case: Case) -> list[tuple[SinglePanel, ...]]:
 
 
 def span_m(panel: PanelTable) -> float:
-    """Distance between the clamps' inner edges."""
+    """Return the distance between the clamps' inner edges."""
     return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)
 
 
 def unit(vector: Sequence[float] | Array) -> Array:
-    """The direction of a vector that is not zero."""
+    """Return the unit vector in the direction of a vector that is not zero."""
     array = np.asarray(vector, dtype=float)
     return np.asarray(array / np.linalg.norm(array))
 
@@ -127,7 +127,7 @@ def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
 
 
 def plate_corners_m(surface: Surface) -> Array:
-    """The corners of a plate (4, 3), in deck axes."""
+    """Return the corners of a plate (4, 3), in deck axes."""
     corner, (one, two) = np.array(surface.corner_m), np.array(surface.edges_m)
     return np.array([corner, corner + one, corner + one + two, corner + two])
 
@@ -137,7 +137,7 @@ USUAL, MOST = 0.1, 1.0
 
 
 def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
-    """The stops of one panel, in the order of the case."""
+    """Return the stops of one panel, in the order of the case."""
     return tuple(_stop(case, panel, name, row) for name, row in panel.table.stops.items())
 
 
@@ -174,12 +174,12 @@ Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particl
 
 
 def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_PER_S) -> float:
-    """Time on the deck; infinite where nothing leaves."""
+    """Return the time that material stays on the deck; infinite where nothing leaves."""
     return deck_length_m(case) / transport_m_per_s if case.screen.exits else math.inf
 
 
 def deck_length_m(case: Case) -> float:
-    """From the first panel's upper end to the last one's lower end; 0 without panels."""
+    """Return the length from the first panel's upper end to the last panel's lower end; 0 without panels."""
     ends_m = [
         panel.rectangle.mounted(np.array([[along_m, 0.0]]))[0]
         for panel in single_panels(case)

@@ -79,12 +79,12 @@ def visible(text: str) -> str:
 
 
 def shorten(text: str) -> str:
-    """A text cut to a readable length."""
+    """Cut a text to a readable length."""
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
-    """The nearest known word, or all of them when none is near."""
+    """Name the nearest known word, or all known words when none is near."""
     names = sorted(known)
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     if near:
@@ -93,7 +93,7 @@ def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
 
 
 def show_value(value: Any) -> str:
-    """A value as a user knows it, cut to a readable length."""
+    """Return a value as a user knows it, cut to a readable length."""
     try:
         return shorten(repr(value) if not isinstance(value, bool) else str(value).lower())
     except ValueError:  # Python does not write whole numbers of more than 4300 digits
