@@ -112,7 +112,7 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
 
 
 def level_names(folder: Path) -> list[str]:
-    """The levels that a case's folder has."""
+    """Return the names of the levels in a case's folder."""
     return sorted(file.stem for file in (folder / "levels").glob("*.toml"))
 
 
@@ -131,7 +131,7 @@ def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
 
 
 def validate(layers: Layers) -> Case:
-    """The case of all layers, complete.  Raises CaseError with every problem found."""
+    """Return the complete case of all layers.  Raises CaseError with every problem found."""
     try:
         return complete(Case.model_validate(layers.merged))
     except ValidationError as error:

@@ -37,7 +37,7 @@ from orchestrator.ports.recording import Playback
 
 
 def hyperelastic(material: Material) -> HyperelasticPlan:
-    """The plan of a panel's material."""
+    """Return the plan of a panel's material."""
     law = material.hyperelastic
     assert law is not None, "checks.references refuses panels of other materials"
     return HyperelasticPlan(
@@ -50,7 +50,7 @@ def hyperelastic(material: Material) -> HyperelasticPlan:
 
 
 def material_numbers(case: Case) -> dict[str, int]:
-    """The number of each material of particles, panels and surfaces, in the case's order."""
+    """Return the number of each material of particles, panels and surfaces, in the case's order."""
     bed, screen = case.bed, case.screen
     rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
     used = {row.material for table in rows for row in table.values()}
@@ -105,7 +105,7 @@ def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
 
 
 def bushings(case: Case) -> list[BushingPlan]:
-    """The plans of all bushings, one by one, in world axes."""
+    """Return the plans of all single bushings, in world axes."""
     from scipy.spatial.transform import Rotation
 
     return [
@@ -123,7 +123,7 @@ def bushings(case: Case) -> list[BushingPlan]:
 
 
 def _exciters(case: Case) -> list[ExciterPlan]:
-    """The plans of the exciters, in world axes; without motors, shafts turn at full speed."""
+    """Return the plans of the exciters, in world axes; without motors, shafts turn at full speed."""
     motors = case.frames.adapter.motors
     return [
         ExciterPlan(
@@ -178,7 +178,7 @@ def _turned(case: Case, size: Sequence[float], phase_rad: Sequence[float]) -> tu
 
 
 def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> tuple[PanelPlan, ...]:
-    """One plan per panel, in the order of the case, with the ``playbacks`` by the panels' names."""
+    """Return a plan for each panel, in the order of the case, with ``playbacks`` by the panels' names."""
     return tuple(
         PanelPlan(
             name=panel.name,
@@ -260,7 +260,7 @@ def particles_plan(
 
 
 def exits(case: Case) -> tuple[ExitPlan, ...]:
-    """The exits, as boxes in the world, in the order of the case."""
+    """Return the exits as boxes in the world, in the order of the case."""
     found = []
     for name, row in case.screen.exits.items():
         low, high = np.array(row.box_m)
@@ -276,7 +276,7 @@ def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
 
 
 def particle_step_s(case: Case) -> float:
-    """The largest step that the case allows its particles."""
+    """Return the largest step that the case allows its particles."""
     if case.particles.step_s > 0:
         return case.particles.step_s
     return min(

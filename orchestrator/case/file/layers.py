@@ -60,7 +60,7 @@ def is_too_deep(given: Any) -> bool:
 
 
 def is_outside(file: Path, folder: Path) -> bool:
-    """Whether a file is really somewhere else, by ``..`` or by links."""
+    """Return whether a file really lies outside of a folder, by ``..`` or by links."""
     return not file.resolve().is_relative_to(folder.resolve())
 
 
@@ -73,7 +73,7 @@ class Layers:
         self.merged: dict[str, Any] = dict(given)
 
     def copy(self) -> Layers:
-        """The same layers, to lay others over."""
+        """Return a copy of these layers, over which others can be laid."""
         twin = Layers(self.merged, self._first)
         twin._source = dict(self._source)
         return twin
@@ -84,7 +84,7 @@ class Layers:
         self.merged = self._over(self.merged, overlay, (), source)
 
     def source(self, key: Key) -> str:
-        """The file or option that gave this key, or the table it is in, last."""
+        """Return the file or option that last gave this key or the table that holds it."""
         words = tuple(str(part) for part in key)
         for end in range(len(words), 0, -1):
             if words[:end] in self._source:
@@ -92,7 +92,7 @@ class Layers:
         return self._first
 
     def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
-        """The problems with their files filled in."""
+        """Return the problems with their files filled in."""
         return [m if m.file else replace(m, file=self.source(m.key)) for m in problems]
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
@@ -152,7 +152,7 @@ def _value(text: str) -> Any:
 
 
 def find_changes(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """The keys whose values differ."""
+    """Yield the keys whose values differ."""
     if isinstance(before, Mapping) and isinstance(after, Mapping):
         for word in dict.fromkeys((*before, *after)):
             yield from find_changes(before.get(word), after.get(word), (*key, word))
@@ -207,7 +207,7 @@ def _without_effects(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _words(value: Any) -> set[str]:
-    """All strings in a table, and the value of an override."""
+    """Return all strings in a table, and the value of an override."""
     if isinstance(value, Mapping):
         return {word for inner in value.values() for word in _words(inner)}
     if isinstance(value, list | tuple):

@@ -77,13 +77,13 @@ def fit_loss_curves(case: Case) -> Case:
 
 
 def curve_points(law: Hyperelastic) -> tuple[Point, ...]:
-    """The points of a material's loss curve."""
+    """Return the points of a material's loss curve."""
     return tuple((p.frequency_Hz, p.loss_factor, p.storage_ratio) for p in law.loss_curve)
 
 
 @cache
 def fit_branches(points: tuple[Point, ...]) -> Fit:
-    """The fewest branches that are good enough, else the best there are."""
+    """Return the fewest branches that are good enough, else the best fit that was reached."""
     curve = _drawn(points)
     best = Fit((), np.inf, curve[0][0])
     for count in range(1, MOST_BRANCHES + 1):
