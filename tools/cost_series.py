@@ -36,11 +36,7 @@ CASES = {
     "quickstart draft, robin": ("quickstart", "draft", ["duration_s=0.1", "coupling.scheme=robin"]),
 }
 
-IN_THE_SUITE = (
-    "quickstart draft",
-    "ball-on-panel draft",
-    "panel-cycle default",
-)
+IN_THE_SUITE = ("quickstart draft", "ball-on-panel draft", "panel-cycle default")
 """Three cases that take seconds."""
 
 
