@@ -1,15 +1,15 @@
-"""A panel of prescribed shape: carried by its clamps, and on top what was recorded of it.
+"""A panel of prescribed shape: carried by its clamps, with its recorded shape on top.
 
     place = N clamps + shape(angle of the machine)
 
-with N bilinear between the clamps (``orchestrator.ports.recording``).  The shape is cubic Hermite
-in time between its samples and cubic between its grid's points, so the surface is C1 in both; it
-grows from rest while the machine runs up.  No load changes it.
+with N bilinear between the clamps (``orchestrator.ports.recording``).  The shape is cubic Hermite in time
+between its samples and cubic between its grid's points, so the surface is C1 in both; it grows from rest
+while the machine runs up.  No load changes it.
 
-The panel has its mass.  What moves it, f = load + m (gravity - mean acceleration) at each point,
-goes to the clamps by the lever rule N^T, so linear momentum is exact.  The recorded pull of one
-clamp on the other comes on top: equal and opposite.  The forces that keep the shape do work;
-it is supplied.  Limits and measurements: docs/theory/panel_recorded.md.
+The panel has its mass.  The force that moves it, f = load + m (gravity - mean acceleration) at each point,
+goes to the clamps by the lever rule N^T, so linear momentum is exact.  The recorded pull of one clamp on the
+other comes on top: equal and opposite.  The forces that keep the shape do work; it is supplied.  Limits and
+measurements: docs/theory/panel_recorded.md.
 """
 
 from __future__ import annotations
@@ -88,8 +88,8 @@ class RecordedPanel(CarriedSurface):
     ) -> float:
         """Return mean forces times the ways of the clamps.
 
-        Book those of what keeps the shape, which also feeds the pull and moves the panel against its
-        clamps.
+        The work of the forces that keep the shape, which also feeds the pull and moves the panel against its
+        clamps, is booked.
         """
         ends_m = clamps.position_m - self._clamps.position_m
         shaped_m = surface.position_m - self._surface.position_m - self._carried @ ends_m
@@ -126,7 +126,7 @@ class Player:
         return np.asarray(recording.rest_pull_N + share * (now - recording.rest_pull_N))
 
     def _neighbors(self, time_s: float) -> tuple[int, int, float]:
-        """Return the samples before and after, and where between them the time is."""
+        """Return the samples before and after a time, and its place between them."""
         angle = self._playback.speed_rad_per_s * (time_s - self._playback.zero_s) / self._step_rad
         first = math.floor(angle)
         return first % self._samples, (first + 1) % self._samples, angle - first
@@ -153,9 +153,11 @@ def interpolation_matrix(grid: RecordedGrid, edges_m: tuple[float, float], coord
 
 
 def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> Array:
-    """Return (places, nodes): cubic Hermite shape functions with slopes by central differences through
-    the nodes (at the ends one-sided).  They are C1, and exact for parabolas.  ValueError for places
-    that are outside by more than ``slack_m``."""
+    """Return cubic Hermite shape functions (places, nodes).
+
+    Their slopes are central differences through the nodes (at the ends one-sided).  They are C1, and exact
+    for parabolas.  Raises ValueError for places that are outside by more than ``slack_m``.
+    """
     slopes = np.gradient(np.eye(len(nodes)), nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
     cell, share = locate(nodes, places, slack_m)
     t, length = np.clip(share, 0.0, 1.0)[:, None], (nodes[cell + 1] - nodes[cell])[:, None]
@@ -166,7 +168,7 @@ def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> Array:
 
 
 def cost(work: PanelsWork) -> Cost:
-    """A call of each panel in each interval."""
+    """Return the time of a call of each panel in each interval."""
     return Cost(0.02 * work.panels, 1.5e-4 * work.panels * work.runs)
 
 

@@ -59,7 +59,7 @@ class RigidPanel(CarriedSurface):
 
 
 def cost(work: PanelsWork) -> Cost:
-    """A call of each panel in each interval."""
+    """Return the time of a call of each panel in each interval."""
     return Cost(0.01 * work.panels, 4e-5 * work.panels * work.runs)
 
 

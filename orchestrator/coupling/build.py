@@ -1,4 +1,4 @@
-"""From a case to a machine: plans, open solvers, and where everybody's points lie."""
+"""Assembly of a machine from a case: its plans, its open solvers, and the places of its points."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) ->
     """Plan a case, open its solvers and put them together as a machine.
 
     Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
-    process; ``stopwatch`` takes the time of every solver.  Raises SolverMissing or SolverFailed where a
-    solver cannot be opened (those opened before are closed), and CaseError for a case that is wrong in
-    a way that only open panels show, or that a solver refuses.
+    process; ``stopwatch`` measures the time of every solver.  Raises SolverMissing or SolverFailed where a
+    solver cannot be opened (the solvers opened before it are closed), and CaseError for a case that is wrong
+    in a way that only open panels show, or that a solver refuses.
     """
     with ExitStack() as opened:
         machine = _open_machine(loaded, folder, world, stopwatch, opened)
@@ -131,7 +131,7 @@ def _particles(
 
 
 def _ablated(case: Case, members: MeteredSolvers) -> Solvers:
-    """Return the solvers as the coupling sees them: with the hand-overs that the case wants."""
+    """Return the solvers as the coupling sees them, with the hand-overs that the case wants."""
     wanted = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel

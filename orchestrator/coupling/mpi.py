@@ -52,16 +52,17 @@ def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
 
 
 def end_all(world: Any, code: int) -> int:
-    """End every rank, wherever it waits, with the exit code ``code``; return it where there is
-    only one."""
+    """End every rank, wherever it waits, with the exit code ``code``; with only one rank, return the code."""
     if world is not None:
         world.Abort(code)
     return code
 
 
 def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
-    """Report what usually goes wrong on all ranks alike: the first rank speaks and ends all; another
-    one speaks only if no rank before it did."""
+    """Report a failure that usually occurs on all ranks alike.
+
+    The first rank speaks and ends all; another rank speaks only if no rank before it did.
+    """
     if world is not None:
         time.sleep(2.0 * world.rank)
     speak()
@@ -69,7 +70,7 @@ def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
 
 
 class FramesOnFirstRank:
-    """Frames solved on rank 0; all ranks get the same motion, bit for bit."""
+    """Frames solved on rank 0, with the same motion, bit for bit, on all ranks."""
 
     def __init__(self, world: Any, open_frames: Callable[[], Frames]) -> None:
         self._world = world

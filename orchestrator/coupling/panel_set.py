@@ -1,7 +1,7 @@
-"""Several panels as one: points are concatenated, the coupling loop does not change.
+"""Several panels as one: points are concatenated, and the coupling loop does not change.
 
-Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the
-results, so that everybody knows the whole surface and all reactions.
+Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the results, so that
+every rank knows the whole surface and all reactions.
 """
 
 from __future__ import annotations

@@ -39,13 +39,13 @@ NO_POINTS = np.empty(0, dtype=np.int64)
 
 @dataclass(frozen=True)
 class SurfacePart:
-    """One part of the surface: how to open it, and what is known of its points before.
+    """One part of the surface: the call that opens it, and what is known of its points before.
 
-    ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its
-    clamps.  ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the
-    points of its ``RecordedGrid``, where it is recorded) hold the part's own point numbers;
-    ``points`` maps the names of points looked at (probes, centres of mass) to their numbers.  The
-    last three times ``stops`` of its clamps are points of beams below it.
+    ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its clamps.
+    ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the points of its
+    ``RecordedGrid``, where it is recorded) hold the part's own point numbers; ``points`` maps the names of
+    points looked at (probes, centres of mass) to their numbers.  The last three times ``stops`` of its clamps
+    are points of beams below it.
     """
 
     name: str
@@ -129,8 +129,11 @@ def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
 
 
 def _looked_at(case: Case, frame: str) -> SurfacePart:
-    """Return what is looked at of a frame: its centre of mass (under the frame's name), the ends of three
-    arms of 1 m from there along the world's axes, which tell its rotation, and its probes."""
+    """Return the part of a frame's points that are only looked at.
+
+    These are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
+    world's axes, which tell its rotation, and its probes.
+    """
     probes = {
         name: probe.point_m
         for name, probe in case.probes.items()
@@ -179,7 +182,7 @@ class OpenSurface:
         ]
 
     def triangle_surface(self) -> TriangleSurface:
-        """Return all that particles touch, as it rests."""
+        """Return the surface that particles touch, at rest."""
         number = material_numbers(self.case)
         touched = [part for part in self.parts if part.material]
         return TriangleSurface(
@@ -197,7 +200,7 @@ class OpenSurface:
         return np.repeat(np.array(numbers, dtype=np.int64), [len(part.triangles) for part in self.parts])
 
     def panel_points(self) -> tuple[PanelPoints, ...]:
-        """Return where the panels' points lie; a clamp is the first up to the middle of the span."""
+        """Return the places of the panels' points; the first clamp extends up to the middle of the span."""
         return tuple(
             self._points_of(part, single, surface, clamps)
             for part, single, surface, clamps in zip(
@@ -229,8 +232,8 @@ class OpenSurface:
         )
 
     def penetrations(self) -> Penetrations:
-        """Return the search for penetrations: of panels, where no clamp and no stop holds them, through
-        everything that has triangles."""
+        """Return the search for panels that penetrate anything with triangles, where no clamp and no stop
+        holds them."""
         singles = zip(single_panels(self.case), self.parts, self.together.surface, strict=False)
         probed = [
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
@@ -263,8 +266,11 @@ class OpenSurface:
 
 
 def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
-    """Return pairs (k, 2) of points: those of a panel's triangles, as pairs of equal ones, and its edges
-    that are longer than it is thick, where neither a clamp nor a stop holds their middles."""
+    """Return pairs (k, 2) of points where neither a clamp nor a stop holds their middles.
+
+    They are the points of a panel's triangles, as pairs of equal points, and its edges that are longer than
+    the panel is thick.
+    """
     at, points = single.rectangle, np.unique(part.triangles)
     long = part.edges.points[part.edges.length_m > single.table.thickness_m]
     pairs = np.concatenate([np.column_stack([points, points]), long])

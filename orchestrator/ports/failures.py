@@ -1,4 +1,4 @@
-"""Why a run ends that is not the case's fault, and contexts that say in whom and when it happened."""
+"""The failures that end a run without a fault of the case, and contexts that add the solver and the time."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from orchestrator.ports.interface_records import BrokenRecord
 
 
 class SolverMissing(Exception):
-    """A solver's package is not installed; the message says what to install (exit code 3)."""
+    """An error for a solver whose package is not installed; the message says what to install (exit code
+    3)."""
 
 
 class SolverFailed(Exception):
-    """A solver failed or went unstable; the message says which, when and why (exit code 4)."""
+    """An error of a solver that failed or went unstable; the message says which, when and why (exit code
+    4)."""
 
 
 class NamedSolverFailed(SolverFailed):
@@ -26,9 +28,9 @@ class NamedSolverFailed(SolverFailed):
 def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
     """Make failures inside the context say which solver failed, and when.
 
-    ``interval`` is the one that was running, None at t = 0.  NamedSolverFailed takes the place of
-    SolverFailed, BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words
-    as a note.  Only the innermost of nested contexts speaks.
+    ``interval`` is the running interval, None at t = 0.  NamedSolverFailed takes the place of SolverFailed,
+    BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words as a note.  Only the
+    innermost of nested contexts speaks.
     """
     try:
         yield

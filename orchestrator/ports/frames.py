@@ -125,6 +125,6 @@ class Scheduled(Protocol):
 
 
 def find_driven_points(frames: Frames, interval: Interval) -> Known | None:
-    """Return where the points that drives move are at the next interval's end, of any frames, ``Scheduled``
-    or not; None where nothing is driven."""
+    """Return the motion of driven points at the next interval's end, for frames that are ``Scheduled`` or
+    not; None where nothing is driven."""
     return frames.ahead(interval) if isinstance(frames, Scheduled) else None

@@ -35,7 +35,7 @@ class Rectangle:
 
     @property
     def normal(self) -> Array:
-        """Return the unit vector (3,) that points up, to the bed."""
+        """The unit vector (3,) that points up, to the bed."""
         return np.cross(self.along, self.across)
 
     def mounted(self, coordinates_m: Array) -> Array:
@@ -77,22 +77,22 @@ class AperturePattern:
 
     @property
     def land_m(self) -> float:
-        """Return the least width of material between neighbours of a row or column."""
+        """The least width of material between neighbours of a row or column."""
         return min(self.pitch_along_m - self.length_m, self.pitch_across_m - self.width_m)
 
     @property
     def opening_m2(self) -> float:
-        """Return the exact area of one opening."""
+        """The exact area of one opening."""
         round_m = min(self.length_m, self.width_m) if self.shape == "slot" else 0.0
         return self.length_m * self.width_m - (1 - math.pi / 4) * round_m**2
 
     @property
     def solid_share(self) -> float:
-        """Return material's share of a cell's area."""
+        """The material's share of a cell's area."""
         return 1.0 - self.opening_m2 / (self.pitch_along_m * self.pitch_across_m)
 
     def material_share(self, rectangle: Rectangle) -> float:
-        """Return material's share of the whole free panel's area."""
+        """Return the material's share of the whole free panel's area."""
         region_m2 = float(np.ptp(self.region_m(rectangle), axis=0).prod())
         return 1.0 - (1.0 - self.solid_share) * region_m2 / (rectangle.length_m * rectangle.width_m)
 
@@ -104,7 +104,8 @@ class AperturePattern:
         return max(int(whole[0]), 0), max(int(whole[1]), 0)
 
     def region_m(self, rectangle: Rectangle) -> Array:
-        """Return the lowest and highest (s, y) of the perforated region, (2, 2): whole cells."""
+        """Return the lowest and highest (s, y) of the perforated region, (2, 2), which consists of whole
+        cells."""
         middle = np.array([rectangle.length_m, rectangle.width_m]) / 2
         half = np.multiply(self.counts(rectangle), (self.pitch_along_m, self.pitch_across_m)) / 2
         return np.stack([middle - half, middle + half])
@@ -258,8 +259,8 @@ TOUCHING = 1e-9  # of a box's size: rounding where a triangle stands against its
 
 
 def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
-    """Return by how much (n,) spheres, (n, 3) and (n,), overlap the nearest of the triangles (m, 3, 3);
-    zero for spheres that overlap none."""
+    """Return the overlaps (n,) of spheres, (n, 3) and (n,), with the nearest of the triangles (m, 3, 3); zero
+    for spheres that overlap none."""
     from scipy.spatial import cKDTree
 
     deepest_m = np.zeros(len(position_m))

@@ -21,7 +21,7 @@ Indices = npt.NDArray[np.int64]
 
 
 class BrokenRecord(ValueError):
-    """A record has a wrong shape, a wrong dtype or a value that is not finite.
+    """An error of a record with a wrong shape, a wrong dtype or a value that is not finite.
 
     The message names the record, the field and the first bad point.
     """
@@ -91,11 +91,11 @@ class Known:
 
     @staticmethod
     def nothing(points: int) -> Known:
-        """Return the record of that many points of which none is known."""
+        """Return the record of that many points without any known motion."""
         return Known(Motion(*np.zeros((2, points, 3))), np.zeros(points, dtype=np.bool_))
 
     def part(self, points: slice | Indices) -> Known:
-        """Return what is known of some of the points."""
+        """Return the known motion of some of the points."""
         return Known(self.motion.part(points), self.which[points])
 
     def among(self, points: int, at: Indices) -> Known:
@@ -140,12 +140,13 @@ class Load:
 
     @staticmethod
     def zero(points: int) -> Load:
-        """Return no force at that many points."""
+        """Return a load of zero at that many points."""
         return Load(np.zeros((points, 3)))
 
 
 def check_point_count(what: str, record: Motion | Load, points: int) -> None:
-    """Raise BrokenRecord, which names ``what`` and both numbers, for a record of other than ``points``."""
+    """Raise BrokenRecord for a record of other than ``points`` points; the message names ``what`` and both
+    numbers."""
     if len(record) != points:
         raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
 

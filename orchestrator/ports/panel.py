@@ -187,7 +187,7 @@ def surface_ahead(panel: Panel) -> Ahead:
 
 
 def surface_inertia(panel: Panel) -> Inertia:
-    """Return the masses behind a panel's surface points, unknown ones for a panel that tells none."""
+    """Return the masses behind a panel's surface points, or unknown masses for a panel that tells none."""
     if isinstance(panel, Inert):
         return panel.inertia()
     return Inertia.unknown(len(panel.initial().surface))

@@ -94,18 +94,18 @@ class Overlaps:
         }
 
     def deepest(self, other: Overlaps) -> Overlaps:
-        """Return the deepest of both times together."""
+        """Return the deepest contacts of two records together."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return Overlaps(*(max(pair) for pair in pairs))
 
 
 @dataclass(frozen=True)
 class Crossings:
-    """How often a particle's centre went through one of the surface's triangles since t = 0.
+    """The number of times that a particle's centre went through one of the surface's triangles since t = 0.
 
-    A contact pushes a centre back to the side that it is on, so a centre that comes to the other
-    side was pushed through by contacts too soft or jumped through in steps too long.  Who goes
-    through an opening, past a free edge or between two panels goes through no triangle.
+    A contact pushes a centre back to its present side of a triangle, so a centre that comes to the other side
+    was pushed through by contacts too soft or jumped through in steps too long.  A particle that goes through
+    an opening, past a free edge or between two panels goes through no triangle.
 
     Parameters
     ----------
@@ -122,11 +122,11 @@ class Crossings:
 
     @staticmethod
     def none() -> Crossings:
-        """Return the record of particles of which none went through."""
+        """Return a record without crossings."""
         return Crossings(0, 0, 0.0, np.zeros(3))
 
     def first_in_words(self) -> str:
-        """Return who was the first, where and when, for a message."""
+        """Return the first particle, its place and its time, in words for a message."""
         place = ", ".join(f"{x:.4g}" for x in self.first_position_m)
         return f"particle {self.first_id} at ({place}) m at t = {self.first_time_s:.6g} s"
 

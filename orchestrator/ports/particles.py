@@ -140,7 +140,7 @@ class Particles(Solver, Protocol):
         ...
 
     def snapshot(self) -> ParticleSnapshot:
-        """Return all particles as they are at this sync point, complete on rank 0 only."""
+        """Return all particles at this sync point, complete on rank 0 only."""
         ...
 
     def removed(self) -> Removed:

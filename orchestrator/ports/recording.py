@@ -18,8 +18,11 @@ from orchestrator.ports.geometry import Rectangle
 
 @dataclass(frozen=True)
 class RecordedGrid:
-    """A grid of ``rows_m`` (a,) and ``columns_m`` (b,), both increasing, from clamp's outer edge to clamp's
-    outer edge and from side to side; points are numbered with y running fastest."""
+    """A grid of ``rows_m`` (a,) and ``columns_m`` (b,), both increasing.
+
+    It reaches from clamp's outer edge to clamp's outer edge and from side to side; points are numbered with y
+    running fastest.
+    """
 
     rows_m: Array
     columns_m: Array
@@ -43,7 +46,7 @@ class RecordedGrid:
         return np.array([(s, y) for s in _edges_m(rectangle) for y in (0.0, rectangle.width_m)])
 
     def carried(self, rectangle: Rectangle) -> Array:
-        """Return N (points, corners): points = N @ corners where the clamps alone carry them."""
+        """Return the matrix N (points, corners) for which the clamps alone carry  points = N @ corners."""
         s, y = self.points_m.T
         along = hats(s, _edges_m(rectangle))
         across = hats(y, np.array([0.0, rectangle.width_m]))
@@ -52,7 +55,7 @@ class RecordedGrid:
     def mass_kg(self, rectangle: Rectangle, per_area_kg_per_m2: float, share: float) -> Array:
         """Return the lumped masses (points,): every cell gives a quarter to each of its corners.
 
-        ``share`` is how much of the free length openings leave.
+        ``share`` is the share of the free length's material that openings leave.
         """
         middle = (self.rows_m[1:] + self.rows_m[:-1]) / 2
         free = (middle > 0) & (middle < rectangle.length_m)
@@ -122,7 +125,7 @@ def _edges_m(rectangle: Rectangle) -> Array:
 
 
 def _halves(lengths: Array) -> Array:
-    """Return what each node has of the lengths between them: half of those on both sides."""
+    """Return each node's part of the lengths between nodes: half of the length on either side."""
     shares = np.zeros(len(lengths) + 1)
     shares[:-1] += lengths / 2
     shares[1:] += lengths / 2

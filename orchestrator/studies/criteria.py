@@ -136,7 +136,7 @@ def read_criteria(case: Path) -> Criteria:
 
 
 def refuse_former(folder: Path) -> None:
-    """Raise CaseError where a folder has a file that an earlier version read."""
+    """Raise CaseError for a folder with a file that only an earlier version read."""
     for name in FORMER:
         if (folder / name).exists():
             what = f"is {FILE} now, in one language for papers, benchmarks and answers"
@@ -160,7 +160,7 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
 
 
 def answer_error(row: Criterion, run: Path) -> float | None:
-    """Return the relative error of a run against a known answer; None where it does not tell."""
+    """Return the relative error of a run against a known answer; None where the run does not tell it."""
     try:
         measured = number_of(row, run) / UNITS[row.unit]
     except Unknown:
@@ -183,8 +183,10 @@ class Runs:
         return Runs(points, self.vary)
 
     def between(self, limits: tuple[float, float] | None) -> Runs:
-        """Return the runs of values in a range, in order of their values.  Values that are no
-        numbers stay in the order in which they are given; with limits they raise Unknown."""
+        """Return the runs of values in a range, in order of their values.
+
+        Values that are no numbers stay in the order in which they are given; with limits they raise Unknown.
+        """
         low, high = limits or (-np.inf, np.inf)
         try:
             inside = [each for each in self.points if low <= _number_in(each) <= high]
@@ -210,8 +212,10 @@ def _number_in(point: Point) -> float:
 def wanted_runs(
     criteria: Criteria, study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end
 ) -> dict[str, Runs]:
-    """Return what must be run for criteria, checked, by name; nothing is run here.  ``ended`` tells
-    of a folder whether its run is over.  Raises CaseError."""
+    """Return the runs that criteria need, checked, by name; nothing is run here.
+
+    ``ended`` tells of a folder whether its run is over.  Raises CaseError.
+    """
     runs = {}
     for name, wanted in criteria.runs.items():
         sets = [*wanted.sets]
@@ -241,7 +245,7 @@ def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> lis
 
 
 def _interrupted(whole: Point, resume_at_s: float) -> Point:
-    """Return the point with an end in between, where it is resumed."""
+    """Return the point with an interruption, after which it is resumed."""
     first = (*whole.words, "--set", f"duration_s={resume_at_s!r}")
     end = f"duration_s={whole.loaded.case.duration_s!r}"
     then = ("resume", str(whole.folder.resolve()), "--set", end)

@@ -62,16 +62,16 @@ Sets = tuple[str, ...]
 
 
 class NoPair(Exception):
-    """The runs cannot be made, or cannot be relied upon; the message says why."""
+    """An error of a pair whose runs cannot be made, or cannot be relied upon; the message says why."""
 
 
 @dataclass
 class Pairs:
-    """Makes pairs, remembers them, and shares runs among them.
+    """A maker of pairs, which remembers them and shares runs among them.
 
-    ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each
-    run; ``forget`` asks again for what is remembered.  ``spent_s``: processor time of all runs so
-    far, also of those that came to nothing.
+    ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each run;
+    ``forget`` ignores the remembered results.  ``spent_s``: processor time of all runs so far, also of runs
+    that failed.
     """
 
     limit_s: float = LIMIT_S
@@ -81,7 +81,7 @@ class Pairs:
     _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Files may have changed since another engine read them."""
+        """Clear caches, since files may have changed after another engine read them."""
         _load.cache_clear()
         _predicted_s.cache_clear()
 
@@ -133,8 +133,10 @@ def _of_children_s() -> float:
 
 
 def _run(folder: Path, level: str, sets: Sets, patience_s: float, what: str) -> dict[str, Any]:
-    """Return the summary of a run that is to be trusted, but for what the pair left out on purpose.
-    Raises NoPair."""
+    """Return the summary of a run that is trustworthy apart from the deliberate omissions of the pair.
+
+    Raises NoPair.
+    """
     try:
         summary = run_in_scratch(folder, level, sets, patience_s)
     except RunFailed as why:
@@ -162,7 +164,7 @@ def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, Sets]:
 
 
 def _sets(loaded: JudgedCase, level: str, effect: str, limit_s: float, cheaper: bool) -> Sets:
-    """Raise NoPair and CaseError."""
+    """Return the overlays of the pair.  Raises NoPair and CaseError."""
     folder, sets = loaded.folder, loaded.origin.others
     # with all that the case describes, whatever its key ``effects`` says: nothing asks in turn
     case = _load(folder, level, (*sets, _with_effects(_present(folder, level, sets)))).case
@@ -206,7 +208,8 @@ def _predicted_s(folder: Path, level: str, sets: Sets) -> float:
 
 
 def _output_sets(case: Case) -> Iterator[str]:
-    """Yield what a short run writes: rows often enough, a probe on a panel, and nothing else."""
+    """Yield overlays for the output of a short run: rows often enough, a probe on a panel, and nothing
+    else."""
     yield "output.pictures=false"
     yield "checkpoint.wall_min=0.0"
     yield f"output.series_s={float(sample_s(case.coupling.sync_interval_s))!r}"
@@ -254,9 +257,11 @@ class TriedEffects:
 
 
 def rank_effects(judged: Sequence[Judged]) -> list[str]:
-    """Return effects to be tried, those first of which estimates say least that they matter: what
-    cannot be judged, then what matters, from the lowest value over its threshold up.  Not among them
-    is what surely may be left out."""
+    """Return effects to be tried, in ascending order of their estimated weight.
+
+    Effects that cannot be judged come first, then effects that matter, from the lowest value over its
+    threshold up.  Effects that may surely be left out are omitted.
+    """
 
     def place(each: Judged) -> tuple[bool, float]:
         value = each.verdict.value
@@ -272,8 +277,7 @@ def rank_effects(judged: Sequence[Judged]) -> list[str]:
 
 
 def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Return the pairs of effects in turn, until the budget is used; what is remembered costs
-    nothing."""
+    """Return the pairs of effects in turn, until the budget is used; remembered pairs cost nothing."""
     tried = known_pairs(loaded.origin, effects)
     omitted = []
     for name in effects:
@@ -291,8 +295,11 @@ def try_all_effects(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedE
 
 
 def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
-    """Return the effects that "auto" tries out before a run of this case: those that it cannot
-    decide about and that would save time, if the run is long enough; none that are known already."""
+    """Return the effects that "auto" tries out before a run of this case.
+
+    They are the effects that it cannot decide about and that would save time, if the run is long enough;
+    effects that are known already are omitted.
+    """
     names = loaded.choice.undecided
     if not names:
         return ()
@@ -301,7 +308,7 @@ def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
 
 
 def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
-    """Tries them out; what came of it is remembered, so that the case loaded again has it."""
+    """Try effects out before a run; the results are remembered, so that the case loaded again has them."""
     names = effects_to_try(loaded)
     if names:
         say(

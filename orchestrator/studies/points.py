@@ -47,15 +47,20 @@ SAMPLES_PER_S = 2500  # of shapes and series: enough for accelerations to 500 Hz
 
 @dataclass(frozen=True)
 class Crew:
-    """``workers`` at a time on this machine, or those of the ``scheduler`` at an address, which
-    must see the same files under the same names."""
+    """Workers for pieces of work.
+
+    ``workers`` run at a time on this machine, or on the ``scheduler`` at an address, which must see the same
+    files under the same names.
+    """
 
     workers: int = 1
     scheduler: str = ""
 
     def each(self, work: Iterable[Callable[[], str]]) -> Iterator[str]:
-        """Yield what each piece of work returns, in the order in which they end.  A piece is begun
-        when a worker is free.  Interrupted, no more pieces are begun."""
+        """Yield the result of each piece of work, in the order in which they end.
+
+        A piece is begun when a worker is free.  After an interruption, no more pieces are begun.
+        """
         if self.workers == 1 and not self.scheduler:
             yield from (piece() for piece in work)
             return
@@ -85,7 +90,7 @@ class Crew:
 
 
 def workers_that_fit() -> int:
-    """Return how many runs at a time this machine bears: a processor and a gigabyte of memory for
+    """Return the number of runs at a time that this machine bears: a processor and a gigabyte of memory for
     each."""
     processors = len(os.sched_getaffinity(0))
     free_MiB = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**20
@@ -93,8 +98,10 @@ def workers_that_fit() -> int:
 
 
 def summary_of(folder: Path) -> dict[str, Any]:
-    """Return what ``summary.json`` of a run's folder holds; empty without a readable one.  Raises
-    OtherFormat where another version of flipflow wrote it."""
+    """Return the content of ``summary.json`` of a run's folder; empty without a readable file.
+
+    Raises OtherFormat where another version of flipflow wrote it.
+    """
     try:
         return RunReader(folder).summary
     except (OSError, ValueError):
@@ -127,8 +134,10 @@ class Point:
     ended: Callable[[Path], bool] = came_to_its_end
 
     def done(self) -> bool:
-        """Return whether it has been run to its end.  Raises FolderUnusable if the folder holds a
-        finished run of another case."""
+        """Return whether the point has been run to its end.
+
+        Raises FolderUnusable if the folder holds a finished run of another case.
+        """
         if not self.ended(self.folder):
             return False
         if differing := self._differing():
@@ -139,8 +148,8 @@ class Point:
         return True
 
     def _differing(self) -> str:
-        """Return keys in which the folder's case differs.  Keys that cases got since it was run
-        have their defaults there."""
+        """Return keys in which the folder's case differs.  Keys introduced later have their defaults
+        there."""
         try:
             there = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
@@ -149,11 +158,11 @@ class Point:
         return ", ".join(".".join(key) for key in keys[:3])
 
     def status(self) -> str:
-        """Return its state, as in its summary; "missing" without one."""
+        """Return the state of the run, as in its summary; "missing" without one."""
         return status(self.folder)
 
     def side_by_side(self) -> int:
-        """Return how many points were run at a time when this one was; 0 where nobody wrote it
+        """Return the number of points that ran at the same time as this point; 0 where nobody wrote it
         down."""
         try:
             return int(json.loads(_about(self.folder).read_text())["side_by_side"])
@@ -209,14 +218,16 @@ def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[s
 
 
 class RunFailed(Exception):
-    """A run that left nothing; the message says why."""
+    """An error of a run without any result; the message says why."""
 
 
 def run_in_scratch(
     case: Path, level: str, sets: Sequence[str], patience_s: float | None = None
 ) -> dict[str, Any]:
-    """Return the summary of a run in a folder that is gone afterwards.  Raises RunFailed where it
-    leaves none, or takes longer than ``patience_s``."""
+    """Return the summary of a run in a folder that is removed afterwards.
+
+    Raises RunFailed where the run leaves no summary, or takes longer than ``patience_s``.
+    """
     with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
         folder = Path(scratch) / "run"
         words = ("-c", MAIN, *run_words(case, level, sets, folder))
@@ -233,8 +244,10 @@ def run_in_scratch(
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
-    """Run those that are not done, side by side, and yield a line when one has ended.  What an
-    unfinished run left is kept under another name.  Raises FolderUnusable before anything is run."""
+    """Run the points that are not done, side by side, and yield a line when one has ended.
+
+    Files of an unfinished run are kept under another name.  Raises FolderUnusable before anything is run.
+    """
     waiting: list[Point] = []
     done: list[Point] = []
     for each in points:
@@ -315,7 +328,7 @@ def parse_vary(text: str) -> Vary:
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
-    """Count in exact fractions: 0.1:0.3:0.1 has three values."""
+    """Return the values of a range in exact fractions: 0.1:0.3:0.1 has three values."""
     try:
         first, last, step = (Fraction(part.strip()) for part in values.split(":"))
     except (ValueError, ZeroDivisionError):
@@ -364,7 +377,7 @@ def sample_s(interval_s: float) -> Fraction:
 
 
 def sampling_sets(interval_s: float) -> tuple[str, ...]:
-    """Return ``--set`` overlays of a run that is to be measured: rows often enough, at whole sync
-    intervals, and no pictures."""
+    """Return ``--set`` overlays of a run for measurement: rows often enough, at whole sync intervals, and no
+    pictures."""
     every_s = float(sample_s(interval_s))
     return (f"output.series_s={every_s!r}", f"output.shapes_s={every_s!r}", "output.pictures=false")

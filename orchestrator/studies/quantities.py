@@ -33,7 +33,7 @@ from orchestrator.studies.points import summary_of
 
 
 class Unknown(Exception):
-    """A number that a run does not tell; the message says why."""
+    """An error of a number that a run does not tell; the message says why."""
 
 
 class Question(Table):
@@ -66,8 +66,11 @@ TAKES: dict[str, Callable[[Array, Array], float]] = {
 
 
 def number_of(question: Question, run: Path) -> float:
-    """Return the number that is asked of one run.  Only a run that can be trusted has one, unless
-    the question is just that.  Raises Unknown."""
+    """Return the number that a question asks of one run.
+
+    Only a trustworthy run has a number, unless the question asks whether the run is trustworthy.  Raises
+    Unknown.
+    """
     state = str(summary_of(run).get("status", "missing"))
     if question.measure not in ABOUT_TRUST and state != trust.DONE:
         raise Unknown(f"{run.name}: {state}")
@@ -75,7 +78,7 @@ def number_of(question: Question, run: Path) -> float:
 
 
 def _value_at(run: Path, path: str) -> float:
-    """Return a number of summary.json; per cents are shares."""
+    """Return a number of summary.json; percentages are converted to shares."""
     value = value_at(summary_of(run), path)
     if value is None:
         raise Unknown(f"{run.name}: {path} is not known")
@@ -159,10 +162,10 @@ INTERNAL_ERROR = "internal error"
 
 
 def outcome(run: Path) -> Outcome:
-    """Return how a run came out.
+    """Return the outcome of a run.
 
-    ``stable``: it came to its end, the monitor of the coupling had nothing to say of its energy and
-    modes, and it is not doubtful; ``warned``: it came to its end, and one of them; ``stopped``: it
+    ``stable``: the run came to its end, the monitor of the coupling had nothing to say of its energy and
+    modes, and it is not doubtful; ``warned``: it came to its end, but a condition failed; ``stopped``: it
     ended early with a reason (exit code 4); ``not run``: interrupted, missing, or an internal error.
     """
     summary = summary_of(run)
@@ -271,13 +274,15 @@ def measure(folder: Path) -> Metrics:
 
 
 def is_resolved(name: str, value: float) -> bool:
-    """Whether the value of a quantity is more than rounding and the solvers' noise."""
+    """Return whether the value of a quantity is more than rounding and the solvers' noise."""
     return abs(value) > QUANTITIES[name].resolved
 
 
 def happens(values: Mapping[str, float | None]) -> bool:
-    """Return whether anything that can be resolved moves in a run with such ``values`` (by
-    QUANTITIES), or changes the pull of a clamp, as a particle does on a rigid panel."""
+    """Return whether anything resolvable happens in a run with such ``values`` (by QUANTITIES).
+
+    It is something that moves or changes the pull of a clamp, as a particle does on a rigid panel.
+    """
     if any((value := values.get(name)) is not None and is_resolved(name, value) for name in MOVING):
         return True
     peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
@@ -301,7 +306,7 @@ def _frame_m(history: Any, start_s: float) -> float:
 
 
 def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s: float) -> dict[str, float]:
-    """Return what the run's own results say, as far as it is defined, and the mass that left
+    """Return the values that the run's own results tell, as far as they are defined, and the mass that left
     through exits, over time, if any did."""
     known = {
         "efficiency_percent": value_at(summary, "efficiency"),
@@ -349,7 +354,7 @@ def _panel_metrics(
 
 
 def _cycle_mean(statistic: Callable[[Array], Any], values: Array, time_s: Array, cycle: float) -> float:
-    """Return the mean over the cycles of a statistic of each."""
+    """Return the mean over the cycles of a statistic of each cycle."""
     number = cycle_numbers(time_s, cycle, float(time_s[0]))
     return float(np.mean([statistic(values[number == each]) for each in range(max(1, number.max()))]))
 

@@ -18,13 +18,13 @@ Cell = str | float | int | None
 
 
 def align_rows(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
-    """Return rows that all have the columns of all of them; None where something is not known."""
+    """Return rows that all have all columns; None where a value is not known."""
     columns = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
-    """Write rows, whose columns may differ; a cell that is not known is empty."""
+    """Write rows, whose columns may differ; a cell without a known value is empty."""
     lines = align_rows(rows)
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, [*lines[0]] if lines else [])
@@ -34,7 +34,7 @@ def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
 
 
 def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
-    """Write the same rows for programs that want types."""
+    """Write the rows in typed columns, for programs that want types."""
     import pyarrow
     from pyarrow import parquet
 
@@ -56,7 +56,7 @@ def console_table(
 
 
 def markdown_table(head: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
-    """Return the same for the manual."""
+    """Return the table in Markdown for the manual."""
     cells = (" | ".join(cell.replace("|", "\\|") for cell in row) for row in (head, *rows))
     first, *others = (f"| {line} |" for line in cells)
     return "\n".join([first, "|" + "---|" * len(head), *others]) + "\n"

@@ -34,7 +34,7 @@ class CriterionResult:
 
     @property
     def is_inside(self) -> bool:
-        """Whether there is a number, in the band if there is one."""
+        """Whether there is a number, in the band if there is a band."""
         if self.measured is None:
             return False
         low, high = self.row.band or self.row.ratio or (None, None)
@@ -43,12 +43,12 @@ class CriterionResult:
 
     @property
     def is_good(self) -> bool:
-        """Whether it is met, fitted, or not met for the known reason."""
+        """Whether the criterion is met, fitted, or not met for the known reason."""
         return self.row.fitted or self.is_inside != bool(self.row.known_failure)
 
     @property
     def verdict(self) -> str:
-        """What the band makes of the number, in words."""
+        """The verdict of the band on the number, in words."""
         row = self.row
         if row.known_failure:
             return "MET, but marked as failing" if self.is_inside else "known failure"
@@ -65,7 +65,7 @@ class CriterionResult:
 
     @property
     def run(self) -> str:
-        """The run or runs that the number is of."""
+        """The run or runs from which the number comes."""
         return " ".join(filter(None, [self.row.run, self.row.at]))
 
     @property
@@ -86,7 +86,7 @@ class CriterionResult:
 
     @property
     def answer(self) -> str:
-        """What was measured, or why there is nothing, in words."""
+        """The measured value, or the reason why there is none, in words."""
         if self.measured is None:
             return self.why
         shown = self._in_unit(self.measured)
@@ -128,7 +128,7 @@ class CaseCriteria:
 
     @property
     def points(self) -> list[Point]:
-        """All runs that it needs."""
+        """All runs that the case needs."""
         return [point for runs in self.runs.values() for point in runs.points]
 
     def results(self) -> list[CriterionResult]:
@@ -156,7 +156,7 @@ TEXTS = ("case", "run", "measured", "asked for", "verdict")
 
 
 def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
-    """Return the table of verdicts for the terminal, without columns in which nothing stands."""
+    """Return the table of verdicts for the terminal, without empty columns."""
     rows = []
     for each in results:
         known = {"reference": each.row.reference, "experiment": each.row.experiment}

@@ -1,4 +1,4 @@
-"""Where rigid bodies are and how they move, and the same for points that they carry."""
+"""The poses and motions of rigid bodies, and of points that they carry."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ from orchestrator.ports import Array, Indices
 
 @dataclass(frozen=True)
 class Poses:
-    """Holds bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the
-    body number -1 means it.  ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3),
-    ``rotation`` (bodies + 1, 3, 3), all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps
-    the rates of the rotation angles to angular velocities."""
+    """The bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the body
+    number -1 means it.
+
+    ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3), ``rotation`` (bodies + 1, 3, 3),
+    all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps the rates of the rotation angles to angular
+    velocities.
+    """
 
     center_m: Array
     rotation: Array
@@ -51,8 +54,11 @@ def turning(angles_rad: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Attached:
-    """Holds points fixed to bodies: ``body`` (n,), -1 for the ground, and ``arm_m`` (n, 3) from the
-    centre of mass in body axes (for the ground: the place itself)."""
+    """Points fixed to bodies.
+
+    ``body`` (n,) is the body number, -1 for the ground, and ``arm_m`` (n, 3) the arm from the centre of mass
+    in body axes (for the ground: the place itself).
+    """
 
     body: Indices
     arm_m: Array

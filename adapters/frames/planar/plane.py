@@ -42,9 +42,11 @@ def power(force: Complex, velocity: Complex) -> Array:
 
 
 def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
-    """Return (2 bodies, n): displacement of points at ``position_m`` (n, 3) per natural coordinate.
+    """Return the matrix (2 bodies, n) of displacements per natural coordinate of points at ``position_m`` (n,
+    3).
 
-    They are fixed to the bodies ``body`` (n,), -1 for the ground, centres at ``drawn_m``."""
+    The points are fixed to the bodies ``body`` (n,), -1 for the ground, with centres at ``drawn_m``.
+    """
     fixed = np.arange(len(drawn_m))[:, None] == body
     arm_m = in_plane(position_m) - in_plane(drawn_m)[:, None]
     return np.vstack([fixed, fixed * arm_m])
@@ -52,7 +54,7 @@ def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
 
 @dataclass(frozen=True)
 class Symmetric:
-    """Holds symmetric matrices of the plane:  matrix times vector = even v + odd conj(v)."""
+    """Symmetric matrices of the plane:  matrix times vector = even v + odd conj(v)."""
 
     even: Array
     odd: Complex
@@ -69,8 +71,11 @@ class Symmetric:
 
 @dataclass(frozen=True)
 class PlanarPoses:
-    """Holds bodies in the plane at several times: natural coordinates ``place`` and their ``rate`` (times, 2
-    bodies), displacements first; ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies)."""
+    """Bodies in the plane at several times.
+
+    ``place`` and ``rate`` (times, 2 bodies) are the natural coordinates and their rates, displacements first;
+    ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies).
+    """
 
     place: Complex
     rate: Complex
@@ -116,7 +121,7 @@ def wrench(force: Complex, turn: Complex) -> Array:
 
 
 class PlanarDrive:
-    """Moves body number ``body`` exactly as its drive says.
+    """The motion of body number ``body``, exactly as its drive says.
 
     Raises ValueError for a drive that leaves the plane.
     """

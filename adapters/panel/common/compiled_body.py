@@ -25,10 +25,10 @@ __all__ = ["CompiledBody", "kernel"]
 
 
 class CompiledBody:
-    """A ``Body`` in steps of at most ``step_s``, that an object of the compiled class ``compiled`` moves.
+    """A ``Body`` in steps of at most ``step_s``, moved by an object of the compiled class ``compiled``.
 
-    ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds what changes
-    beside position, velocity and internal force; the compiled code works on these very arrays.
+    ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds the state that changes beside
+    position, velocity and internal force; the compiled code works on these very arrays.
     """
 
     def __init__(
@@ -88,4 +88,4 @@ class CompiledBody:
             array[:] = saved[name]
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing, since nothing is open."""

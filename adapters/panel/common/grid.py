@@ -101,7 +101,7 @@ class ElementGrid:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Number of cells along and across."""
+        """The numbers of cells along and across."""
         return len(self.s_m) - 1, len(self.y_m) - 1
 
     def nodes_m(self) -> Array:
@@ -118,13 +118,13 @@ class ElementGrid:
         return tensor_product(2 * row, _quadratic(s), 2 * column, _quadratic(y), size)
 
     def numbers_of(self, coordinates_m: Array) -> Indices:
-        """Return (nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more) stands
-        there."""
+        """Return for each node, (nodes,), the number of the point of ``coordinates_m`` (nodes, 2 or more)
+        that stands there."""
         return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
 
 
 def numbers_at_nodes(interpolation: csr_array) -> Indices:
-    """Return (nodes,): for each node the row of ``interpolation`` (nodes, nodes) that is at it."""
+    """Return for each node, (nodes,), the row of ``interpolation`` (nodes, nodes) that is at it."""
     at = interpolation.tocoo()
     there = at.data > 0.5
     numbers = np.empty(interpolation.shape[1], dtype=np.int64)

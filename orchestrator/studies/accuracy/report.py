@@ -73,8 +73,7 @@ def write_study(study: AccuracyStudy, folder: Path) -> list[Path]:
 
 
 def _axis(study: AccuracyStudy, axis: str, folder: Path) -> dict[str, Any]:
-    """Return what the page says of an axis: its series, its models if it has several, and their
-    pictures."""
+    """Return the page's entry for an axis: its series, its models if it has several, and their pictures."""
     series = [one for one in study.converged if one.series.axis == axis]
     every = study.compared(axis)
     models = every if len({each.series.variant for each in every}) > 1 else []
@@ -116,7 +115,7 @@ def entries(study: AccuracyStudy) -> list[dict[str, Cell]]:
 
 
 def as_json(study: AccuracyStudy) -> dict[str, Any]:
-    """Return what ``flipflow plan`` needs to know."""
+    """Return the data that ``flipflow plan`` needs."""
     base, seeds = study.base, len(study.base.metrics)
     chance = (study.spread.half_width(name, (seeds, seeds)) for name in study.judged_by)
 
@@ -229,7 +228,7 @@ Line = tuple[str, list[float], list[float], str]
 
 
 def draw_convergence(every: Sequence[Converged], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draw the series of one axis; returns None where nothing converges."""
+    """Draw the series of one axis; return None where nothing converges."""
     shown = [(one, _lines(one, judged_by)) for one in every if len(one.settings) > 1 and one.lengths]
     heights = [y for _, lines in shown for _, _, line_y, _ in lines for y in line_y]
     if not heights:
@@ -258,8 +257,7 @@ def draw_convergence(every: Sequence[Converged], judged_by: Sequence[str], file:
 
 
 def _lines(one: Converged, judged_by: Sequence[str]) -> list[Line]:
-    """Return a line for each quantity: against the finest setting, or dashed, against what is known
-    exactly."""
+    """Return a line for each quantity against the finest setting; lines against exact values are dashed."""
     lines: list[Line] = []
     finest = one.errors[:-1]
     every = [
@@ -279,8 +277,8 @@ def _seen(order: Order | None) -> str:
 
 
 def draw_models(models: Sequence[Compared], judged_by: Sequence[str], file: Path) -> Path | None:
-    """Draw the error of every model against its cost, a part for each quantity; returns None without
-    any error."""
+    """Draw the error of every model against its cost, a part for each quantity; return None without any
+    error."""
     others = [each for each in models if not each.is_best]
     names = [name for name in (*judged_by, "shape") if any(name in each.errors for each in others)]
     if not names:
@@ -306,7 +304,7 @@ def _look(number: int) -> dict[str, str]:
 
 
 def draw_costs(study: AccuracyStudy, file: Path) -> Path:
-    """Draw the error of all points against their cost, and a line through those that nothing beats."""
+    """Draw the error of all points against their cost, and a line through the points that nothing beats."""
     drawn, ((axis,),) = figure(width=9.6, height=5.6)
     front, shown = study.front(), [row for row in study.rows if row.error is not None]
     axis.plot(*_places(front), color=GREY, lw=1.2, zorder=1, label="nothing is better in both")

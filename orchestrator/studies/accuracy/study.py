@@ -59,8 +59,8 @@ SHORT = 5  # the short part is one of so many of the run
 
 @dataclass(frozen=True)
 class Compared:
-    """A setting of an axis with its ``errors`` against the best of all its settings; ``is_best``
-    of that one itself."""
+    """A setting of an axis with its ``errors`` against the best of all settings; ``is_best`` marks the best
+    itself."""
 
     series: RefinementSeries
     setting: Setting
@@ -71,8 +71,10 @@ class Compared:
 
 @dataclass(frozen=True)
 class Row:
-    """A point: its errors against the reference by quantity, the ``worst`` of those that decide,
-    and those against known answers."""
+    """A point with its errors against the reference by quantity.
+
+    ``worst`` is the largest of the errors that decide; the other errors are against known answers.
+    """
 
     point: Combination
     errors: dict[str, Error]
@@ -87,7 +89,7 @@ class Row:
 
     @property
     def why(self) -> str:
-        """Why nothing was measured."""
+        """The reason why nothing was measured."""
         if self.point.metrics:
             return ""
         states = {run.status() for run in self.point.runs}
@@ -96,8 +98,10 @@ class Row:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest row within a tolerance, None where there is none; ``proven``: also at the upper
-    end of its confidence interval."""
+    """The cheapest row within a tolerance, None where there is none.
+
+    ``proven`` means that the row is within the tolerance even at the upper end of its confidence interval.
+    """
 
     tolerance: float
     row: Row | None
@@ -106,10 +110,10 @@ class Recommendation:
 
 @dataclass(frozen=True)
 class AccuracyStudy:
-    """A study as far as it was run.
+    """A study of accuracy with the runs made so far.
 
-    ``shared``: ``--set`` overlays of all points; ``known``: answers known from elsewhere;
-    ``proposals``: what was predicted of points, by name; ``reference``: name of a point.
+    ``shared``: ``--set`` overlays of all points; ``known``: answers known from elsewhere; ``proposals``:
+    predictions for points, by name; ``reference``: name of a point.
     """
 
     asked: Asked
@@ -143,7 +147,7 @@ class AccuracyStudy:
         return self.with_points([one.with_metrics() for one in points])
 
     def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
-        """Return the study with these points in the place of those of the same names, or added."""
+        """Return the study with these points, which replace points of the same names or are added."""
         every = {one.name: one for one in (*self.points, *points)}
         return replace(self, points=tuple(every.values()))
 
@@ -164,12 +168,12 @@ class AccuracyStudy:
 
     @cached_property
     def spread(self) -> Scatter:
-        """How points scatter by chance."""
+        """The chance scatter of the points."""
         return scatter(self.measured.values(), is_random(self.loaded.case))
 
     @cached_property
     def converged(self) -> list[Converged]:
-        """Every series of which something was measured."""
+        """Every series that was measured."""
         every = (measure_series(one, self.measured, self.spread, self.known) for one in self.offer.series)
         return [one for one in every if one is not None]
 
@@ -205,12 +209,12 @@ class AccuracyStudy:
 
     @cached_property
     def remaining(self) -> dict[str, float]:
-        """What errors add up to where every axis has its best setting."""
+        """The sum of the errors where every axis has its best setting."""
         best = [one for axis in self.offer.titles if (one := self.best(axis)) is not None]
         return {name: sum(one.remaining(name) for one in best) for name in self.judged_by}
 
     def model(self, spread: Scatter | None = None) -> Model:
-        """Return what predicts settings taken together."""
+        """Return the model that predicts settings taken together."""
         return Model(self.options(spread), self.base.processor_by_part_s, self.remaining, self.judged_by)
 
     @cached_property
@@ -241,8 +245,11 @@ class AccuracyStudy:
         return front
 
     def recommend(self, tolerance: float) -> Recommendation:
-        """Return the cheapest of all points that were measured; where chance leaves none proven, the
-        one of which most is sure.  The reference is no candidate: nobody knows its error."""
+        """Return the cheapest of all points that were measured.
+
+        Where chance leaves none proven, return the point of which most is sure.  The reference is no
+        candidate: nobody knows its error.
+        """
         within = [(row, row.error) for row in self.by_cost if row.error and row.error.value <= tolerance]
         for row, error in within:
             if error.half_width is not None and error.at_most <= tolerance:
@@ -279,8 +286,10 @@ def _short(base: Combination) -> dict[str, Setting]:
 
 
 def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
-    """Run what is not done yet, yield a line for each run, and return what was found.  Raises
-    CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable."""
+    """Run the missing points, yield a line for each run, and return the study.
+
+    Raises CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable.
+    """
     study = plan_study(asked)
     study = yield from study.run(study.points[:2])
     runs = study.points[0].runs
@@ -334,8 +343,7 @@ def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
 
 
 def _proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
-    """Return the reference first, then the diagonal; a point that is there already stands for
-    itself."""
+    """Return the reference first, then the diagonal; existing points stand for themselves."""
     model, budget_s = study.model(), study.asked.budget_s
     # chance is no reason to take less than the best for what all are compared with
     wanted = [(REFERENCE, study.model(EXACT).best(budget_s, "finest"))]

@@ -127,7 +127,7 @@ def benchmark(case: Path, out: Path) -> CaseCriteria:
 
 
 def is_over(run: Path) -> bool:
-    """Return whether a run is over: also one that was stopped, which is what it found out."""
+    """Return whether a run is over; a run that was stopped is over, too, since the stop is its result."""
     return outcome(run) != "not run"
 
 
@@ -156,13 +156,13 @@ class Spot:
 
     @property
     def outcome(self) -> str:
-        """How the run came out."""
+        """The outcome of the run."""
         return outcome(self.run.folder)
 
     @property
     def words(self) -> dict[str, str]:
-        """A row of the map's table: with it energy created over all exchanged and lost, intervals
-        that an iterated scheme did not solve to its tolerance, and the reason of an early end."""
+        """A row of the map's table, with the energy created over all exchanged and lost, intervals that an
+        iterated scheme did not solve to its tolerance, and the reason of an early end."""
         summary = summary_of(self.run.folder)
         interval_s = self.run.loaded.case.coupling.sync_interval_s
         return {

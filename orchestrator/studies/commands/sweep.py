@@ -180,8 +180,7 @@ def _plot(
 
 
 def _kind(row: Row, column: str) -> str:
-    """Return how far a value may be taken as data: what is of the bed, by the steady state of the
-    bed."""
+    """Return how far a value may be taken as data: bed values depend on the steady state of the bed."""
     if not trust.is_trusted(str(row["status"])):
         return "cross"
     steady = row.get("steady.is_steady") if column in DRAWN else row["settled"] == SETTLED
