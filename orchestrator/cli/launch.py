@@ -127,6 +127,11 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
             f"{folder}: has no whole checkpoint of sync point {sync_point}; they are in "
             f"{folder / checkpoints.FOLDER}"
         )
+    if checkpoint is None and (folder / checkpoints.FORMER_FOLDER).is_dir():
+        raise FolderUnusable(
+            f"{folder}: its checkpoints are in {checkpoints.FORMER_FOLDER}/, as an older flipflow wrote "
+            "them; resume the run with that version (provenance.json names it), or run the case again"
+        )
     if checkpoint is None:
         raise FolderUnusable(
             f"{folder}: nothing was saved; [checkpoint] in a case says when that is done, and what ends "
@@ -368,5 +373,5 @@ def resume_hint(folder: Path, world: Any, checkpoint: Checkpoint | None = None) 
     allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
     as_root = [] if allowed else ["--allow-run-as-root"]
     with_ranks = [] if world is None else ["mpirun", *as_root, "-n", str(world.size)]
-    point = [] if checkpoint is None else ["--save", str(checkpoint.sync_points)]
+    point = [] if checkpoint is None else ["--checkpoint", str(checkpoint.sync_points)]
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])

@@ -107,19 +107,22 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
 def resume(
     run: RunPath,
     overrides: Overrides = None,
-    save: Annotated[
-        int | None, typer.Option("--save", min=0, help="sync point of the checkpoint [default: the last]")
+    checkpoint: Annotated[
+        int | None, typer.Option(min=0, help="sync point of the checkpoint [default: the last]")
     ] = None,
+    save: Annotated[int | None, typer.Option(hidden=True)] = None,
 ) -> None:
     """Go on with a run from its last checkpoint.
 
-    Runs are saved every now and then ([checkpoint] in a case), at their end, and by Ctrl-C.  What goes
-    on is, bit for bit, the run that never stopped; on as many processes as it was saved.  It may
+    A run writes checkpoints now and then ([checkpoint] in a case), at its end, and on Ctrl-C.  The
+    resumed run is bit for bit the run that never stopped, on the same number of processes.  It may
     be given a later end (--set duration_s=...) and other output; any other change is refused.
     """
     from orchestrator.cli.launch import resume as go_on
 
-    raise typer.Exit(go_on(run, overrides or [], save))
+    if save is not None:
+        raise typer.BadParameter(f"it is called --checkpoint now: --checkpoint {save}", param_hint="--save")
+    raise typer.Exit(go_on(run, overrides or [], checkpoint))
 
 
 @app.command()

@@ -1,7 +1,7 @@
-"""Checkpoints on the disk: the folder ``saves/<sync point>/`` in the folder of a run.
+"""Checkpoints on the disk: the folder ``checkpoints/<sync point>/`` in the folder of a run.
 
 Each holds the arrays of every rank, a copy of what the run had recorded by then, and
-``save.json``, which says what it is of and has the checksum of every other file.  A checkpoint is
+``checkpoint.json``, which says what it is of and has the checksum of every other file.  A checkpoint is
 written aside and renamed when all of it is on the disk; the last ``KEPT`` stay, and the last good one.
 """
 
@@ -23,10 +23,11 @@ from orchestrator.output.records.run_folder import check_format
 from orchestrator.ports import Saved
 
 KEPT = 2
-FOLDER, ABOUT = "saves", "save.json"
+FOLDER, ABOUT = "checkpoints", "checkpoint.json"
+FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resumed
 FORMAT = 4
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
-them against tests/runs/checkpoint_names.txt), of their meaning, or of ``save.json``."""
+them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
 SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
@@ -49,7 +50,7 @@ def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A whole checkpoint; ``about``: what ``save.json`` says, ``torn``: what is wrong with later ones."""
+    """A whole checkpoint with the content of ``checkpoint.json``; ``torn`` names damaged later ones."""
 
     folder: Path
     about: dict[str, Any]
@@ -187,8 +188,10 @@ def remove_later(run: Path, checkpoint: Checkpoint) -> None:
 
 
 def _read_about(folder: Path) -> dict[str, Any]:
-    """Return what ``save.json`` says, if it says all with which a run is taken up, and the files are as
-    it says.  Raises TornCheckpoint."""
+    """Return the content of ``checkpoint.json``, having checked it and the other files' checksums.
+
+    Raises TornCheckpoint where something that a resumed run needs is missing or damaged.
+    """
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         check_format(folder / ABOUT, about.get("format_version"), FORMAT)

@@ -44,7 +44,7 @@ ROW_S, ROW_PANEL_S, ROW_BODY_S = 1.5e-4, 6e-5, 5e-5
 """Of the time series."""
 OUTPUT_S, OUTPUT_BED_S, OUTPUT_PARTICLE_S, OUTPUT_TRIANGLE_S = 8e-3, 5e-3, 6e-6, 2e-7
 """Of an output time."""
-SAVE_S = 0.04
+CHECKPOINT_S = 0.04
 """At the end."""
 
 
@@ -127,7 +127,7 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
     stopped = sum(bool(panel.table.stops) for panel in panels)
     parts_s["panel"] += tries.panel * intervals * STOPPED_PANEL_S * stopped
     parts_s["rest"] += sum(cost.opening_s for cost in costs.values())
-    return parts_s | {"output": _output_s(case, mean), "saves": SAVE_S}
+    return parts_s | {"output": _output_s(case, mean), "checkpoints": CHECKPOINT_S}
 
 
 def predicted_s(case: Case, at_start: int) -> float:

@@ -22,7 +22,7 @@ SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
 
 
 def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
-    """Return what ``save.json`` says of it; ``run`` is the folder with the resolved case and its files."""
+    """Return where a checkpoint comes from, for ``checkpoint.json``; ``run`` is the folder of the run."""
     return {
         "name": loaded.name,
         "level": loaded.level,

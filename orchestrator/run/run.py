@@ -157,7 +157,7 @@ class Run:
 
     def _save(self, checkpointer: Checkpointer, state: State) -> None:
         time_s = self._progress.simulated_s
-        with self._progress.stopwatch("saves"), write_failure_context("save", time_s):
+        with self._progress.stopwatch("checkpoints"), write_failure_context("checkpoint", time_s):
             checkpointer.save(state, self._progress.done)
         self._schedule.done()
 

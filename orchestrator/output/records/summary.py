@@ -16,7 +16,7 @@ from orchestrator.output.records.run_folder import SUMMARY, write_json
 
 SUMMARY_FORMAT = 2
 """Version of the table (docs/run-folder.md, "summary.json"); files before had none."""
-PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "monitor")
+PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "checkpoints", "monitor")
 
 
 def write_summary(folder: Path, table: dict[str, Any]) -> None:
