@@ -17,7 +17,7 @@ from tests.runs.same_run import run_differences
 # 120 sync intervals, a save after every third
 SAVED = [*QUICK, "bed.blocks.coal.count=30", "duration_s=0.012", "output.interval_s=0.003"]
 SAVED += ["checkpoint.every_s=0.0003"]
-# something else takes what is left of the disk when the save at 0.0057 s begins
+# something else takes what is left of the disk when the checkpoint at 0.0057 s begins
 FILLED = """
 from orchestrator.output import checkpoints
 parts = checkpoints._write_arrays

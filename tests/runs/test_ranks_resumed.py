@@ -139,7 +139,7 @@ def test_a_full_disk_while_one_rank_saves(tmp_path: Path, whole: Path, rank: int
     ended = time.time()
     assert done.returncode == 4, done.stderr
     said_plainly(done)
-    reason = "the save at t = 0.0012 s cannot be written: [Errno 28] No space left on device"
+    reason = "the checkpoint at t = 0.0012 s cannot be written: [Errno 28] No space left on device"
     assert done.stderr.count(reason) == 1, done.stderr
     assert left_usable(folder, "failed")["reason"] == reason
     assert ended - (folder / "failure.txt").stat().st_mtime < ENDED_S
