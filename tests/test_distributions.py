@@ -78,7 +78,7 @@ def owner(file: Path) -> str | None:
 def owners() -> dict[str, str]:
     """The distribution of every name at the top of the two folders."""
     return {
-        name: known.normalised(one.metadata["Name"])
+        name: known.normalise(one.metadata["Name"])
         for one in metadata.distributions()
         for name in (
             *(file.parts[0].split(".")[0] for file in one.files or ()),

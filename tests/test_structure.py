@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 BIN = Path(sys.executable).parent
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.mark.parametrize(
@@ -19,3 +22,19 @@ BIN = Path(sys.executable).parent
 def test_rules_hold(command: list[str]) -> None:
     done = subprocess.run([BIN / command[0], *command[1:]], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_no_file_of_the_orchestrator_stands_in_an_import_circle() -> None:
+    """Imports for types alone are counted, too, and imports within functions."""
+    files = {
+        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
+        for file in ROOT.glob("orchestrator/**/*.py")
+    }
+    imports: dict[str, set[str]] = {}
+    for module, file in files.items():
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                inner = [f"{node.module}.{alias.name}" for alias in node.names]
+                wanted = {name if name in files else node.module for name in inner}
+                imports.setdefault(module, set()).update(wanted & files.keys())
+    assert list(TopologicalSorter(imports).static_order())  # raises CycleError, which names the circle

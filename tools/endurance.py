@@ -32,7 +32,7 @@ def main(words: list[str]) -> int:
 
 
 def sampled(out: Path, more: list[str]) -> int:
-    """Runs to the end; returns the exit code."""
+    """Run to the end, and return the exit code."""
     sets = [word for key in QUICK for word in ("--set", key)]
     words = ["run", "cases/quickstart", "--level", "hour", "--out", str(out), *sets, *more]
     said = out.with_suffix(".log").open("w")  # a pipe would be full after an hour

@@ -49,13 +49,14 @@ class PrescribedFrames(SavedAttributes):
         return self._now
 
     def ahead(self, interval: Interval) -> Known | None:
-        """Return the motion of all points: what no drive moves stands still here."""
+        """Return the motion of all points; points without a drive stand still."""
         if not self._drives:
             return None
         return Known(self._points.at(interval.end_s), np.ones(len(self._now), dtype=np.bool_))
 
     def account(self) -> Account:
-        """Massless bodies: the drives return at once the impulse and the work they receive."""
+        """Return the account of massless bodies: the drives return at once the impulse and the work they
+        receive."""
         return Account(
             np.zeros(3),
             -self._impulse_N_s,

@@ -1,15 +1,15 @@
-"""A panel of prescribed shape: carried by its clamps, and on top what was recorded of it.
+"""A panel of prescribed shape: carried by its clamps, with its recorded shape on top.
 
     place = N clamps + shape(angle of the machine)
 
-with N bilinear between the clamps (``orchestrator.ports.recording``).  The shape is cubic Hermite
-in time between its samples and cubic between its grid's points, so the surface is C1 in both; it
-grows from rest while the machine runs up.  No load changes it.
+with N bilinear between the clamps (``orchestrator.ports.recording``).  The shape is cubic Hermite in time
+between its samples and cubic between its grid's points, so the surface is C1 in both; it grows from rest
+while the machine runs up.  No load changes it.
 
-The panel has its mass.  What moves it, f = load + m (gravity - mean acceleration) at each point,
-goes to the clamps by the lever rule N^T, so linear momentum is exact.  The recorded pull of one
-clamp on the other comes on top: equal and opposite.  The forces that keep the shape do work;
-it is supplied.  Limits and measurements: docs/theory/panel_recorded.md.
+The panel has its mass.  The force that moves it, f = load + m (gravity - mean acceleration) at each point,
+goes to the clamps by the lever rule N^T, so linear momentum is exact.  The recorded pull of one clamp on the
+other comes on top: equal and opposite.  The forces that keep the shape do work; it is supplied.  Limits and
+measurements: docs/theory/panel_recorded.md.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from adapters.panel.common.carried import CarriedSurface
+from adapters.panel.common.grid import locate
 from orchestrator.ports import Account, Array, HermitePath, Motion, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
@@ -87,8 +88,8 @@ class RecordedPanel(CarriedSurface):
     ) -> float:
         """Return mean forces times the ways of the clamps.
 
-        Book those of what keeps the shape, which also feeds the pull and moves the panel against its
-        clamps.
+        The work of the forces that keep the shape, which also feeds the pull and moves the panel against its
+        clamps, is booked.
         """
         ends_m = clamps.position_m - self._clamps.position_m
         shaped_m = surface.position_m - self._surface.position_m - self._carried @ ends_m
@@ -125,7 +126,7 @@ class Player:
         return np.asarray(recording.rest_pull_N + share * (now - recording.rest_pull_N))
 
     def _neighbors(self, time_s: float) -> tuple[int, int, float]:
-        """Return the samples before and after, and where between them the time is."""
+        """Return the samples before and after a time, and its place between them."""
         angle = self._playback.speed_rad_per_s * (time_s - self._playback.zero_s) / self._step_rad
         first = math.floor(angle)
         return first % self._samples, (first + 1) % self._samples, angle - first
@@ -142,26 +143,24 @@ def interpolation_matrix(grid: RecordedGrid, edges_m: tuple[float, float], coord
     """Return H (n, points), rows of which sum to one.  Raises ValueError for coordinates off the grid."""
     s, y = coordinates_m.T
     rows, columns = grid.rows_m, grid.columns_m
-    slack = 1e-9 * (rows[-1] - rows[0])
-    inside = (s >= rows[0] - slack) & (s <= rows[-1] + slack)
-    inside &= (y >= columns[0] - slack) & (y <= columns[-1] + slack)
-    if not inside.all():
-        worst = coordinates_m[~inside][0].tolist()
-        raise ValueError(f"material coordinates {worst} m are off the panel")
+    slack_m = 1e-9 * (rows[-1] - rows[0])
+    locate(rows, s, slack_m)
     along = hats(s, rows)
     free_rows = (rows >= edges_m[0]) & (rows <= edges_m[1])
     free = (s > edges_m[0]) & (s < edges_m[1])
-    along[np.ix_(free, free_rows)] = cubic_shapes(s[free], rows[free_rows])
-    return both_ways(along, cubic_shapes(y, columns))
+    along[np.ix_(free, free_rows)] = cubic_shapes(s[free], rows[free_rows], slack_m)
+    return both_ways(along, cubic_shapes(y, columns, slack_m))
 
 
-def cubic_shapes(places: Array, nodes: Array) -> Array:
-    """Return (places, nodes): cubic Hermite shape functions with slopes by central differences through
-    the nodes (at the ends one-sided).  They are C1, and exact for parabolas."""
+def cubic_shapes(places: Array, nodes: Array, slack_m: float) -> Array:
+    """Return cubic Hermite shape functions (places, nodes).
+
+    Their slopes are central differences through the nodes (at the ends one-sided).  They are C1, and exact
+    for parabolas.  Raises ValueError for places that are outside by more than ``slack_m``.
+    """
     slopes = np.gradient(np.eye(len(nodes)), nodes, axis=0, edge_order=2 if len(nodes) > 2 else 1)
-    cell = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
-    length = (nodes[cell + 1] - nodes[cell])[:, None]
-    t = np.clip((places - nodes[cell])[:, None] / length, 0.0, 1.0)
+    cell, share = locate(nodes, places, slack_m)
+    t, length = np.clip(share, 0.0, 1.0)[:, None], (nodes[cell + 1] - nodes[cell])[:, None]
     first, second = np.eye(len(nodes))[cell], np.eye(len(nodes))[cell + 1]
     value = (1 + 2 * t) * (1 - t) ** 2 * first + t**2 * (3 - 2 * t) * second
     value += length * (t * (1 - t) ** 2 * slopes[cell] + t**2 * (t - 1) * slopes[cell + 1])
@@ -169,7 +168,7 @@ def cubic_shapes(places: Array, nodes: Array) -> Array:
 
 
 def cost(work: PanelsWork) -> Cost:
-    """A call of each panel in each interval."""
+    """Return the time of a call of each panel in each interval."""
     return Cost(0.02 * work.panels, 1.5e-4 * work.panels * work.runs)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from adapters.panel.common import bilinear
 from adapters.panel.common.carried import CarriedSurface
+from adapters.panel.common.grid import clamped_rows_m
 from orchestrator.ports import Array, Mount
 from orchestrator.ports.adapters import PanelAdapter
 from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
@@ -37,7 +38,7 @@ class RigidPanel(CarriedSurface):
 
     def __init__(self, plan: PanelPlan) -> None:
         rectangle = plan.rectangle
-        rows_m = bilinear.clamped_rows_m(rectangle, np.array([0.0, rectangle.length_m]))
+        rows_m = clamped_rows_m(rectangle, np.array([0.0, rectangle.length_m]))
         self._rows_m, self._width_m = rows_m, rectangle.width_m
         material_m = bilinear.points_m(rows_m, rectangle.width_m)
         per_length = plan.material.density_kg_per_m3 * plan.thickness_m * rectangle.width_m
@@ -58,7 +59,7 @@ class RigidPanel(CarriedSurface):
 
 
 def cost(work: PanelsWork) -> Cost:
-    """A call of each panel in each interval."""
+    """Return the time of a call of each panel in each interval."""
     return Cost(0.01 * work.panels, 4e-5 * work.panels * work.runs)
 
 

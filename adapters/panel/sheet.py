@@ -23,7 +23,7 @@ CELL_GIB = 3e-4
 def build(plan: PanelPlan) -> MeshedPanel:
     """Open the sheet at rest between its clamps.
 
-    ValueError for a step that is too large, SolverFailed if no resting shape is found.
+    Raises ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
     from adapters.panel.finite_element.compiled_sheet import open_sheet
     from adapters.panel.finite_element.elastic_panel import open_panel
@@ -41,7 +41,8 @@ def largest_step_s(plan: PanelPlan) -> float:
 
 
 def cost(work: PanelsWork) -> Cost:
-    """Return the cost: explicit steps go with a cell's length, an implicit interval solves a matrix."""
+    """Return the cost: explicit steps scale with a cell's length, and an implicit interval solves a
+    matrix."""
     cells = work.cells[0] * work.cells[1]
     if work.integrator == "implicit":
         interval_s = 3.5e-3 + 1.5e-4 * cells

@@ -18,8 +18,8 @@ MIDDLE_LAYER = 2 / 3
 def build(plan: PanelPlan) -> MeshedPanel:
     """Open the solid at rest between its clamps.
 
-    ValueError for openings with round ends, for a mesh that no machine carries and for a step that
-    is too large, SolverFailed if no resting shape is found.
+    Raises ValueError for openings with round ends, for a mesh that no machine carries and for a step that is
+    too large, SolverFailed if no resting shape is found.
     """
     from adapters.panel.finite_element.elastic_panel import open_panel
     from adapters.panel.finite_element.solid_forms import solid
@@ -35,7 +35,7 @@ def largest_step_s(plan: PanelPlan) -> float:
 
 
 def mesh_size(plan: PanelPlan) -> MeshSize:
-    """Return the size of the mesh before it is made.  ValueError for openings with round ends."""
+    """Return the size of the mesh before it is made.  Raises ValueError for openings with round ends."""
     from adapters.panel.common import solid_grid
 
     return solid_grid.size(plan)
@@ -49,7 +49,7 @@ def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
 
 
 def objections(plan: PanelPlan) -> Iterator[Objection]:
-    """Yield that openings have round ends."""
+    """Yield an objection to openings with round ends."""
     if plan.apertures is not None and plan.apertures.shape != "rectangle":
         what = f"{plan.apertures.shape}: the solid's cells are boxes and follow no round ends"
         hint = 'take "rectangle", or panel.solver = "sheet"'

@@ -13,19 +13,19 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from orchestrator.case.file.coarse import coarsened
-from orchestrator.case.file.deck_layout import laid_out
+from orchestrator.case.file.coarse import coarsen
+from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import (
     CaseError,
     CaseProblem,
     did_you_mean,
     from_validation,
-    shown,
+    show_value,
     visible,
 )
-from orchestrator.case.file.layers import Layers, Origin, parsed, read_toml
-from orchestrator.case.file.loss_curve import damped
-from orchestrator.case.file.slice import sliced
+from orchestrator.case.file.layers import Layers, Origin, parse_override, read_toml
+from orchestrator.case.file.loss_curve import fit_loss_curves
+from orchestrator.case.file.slice import cut_to_slice
 from orchestrator.case.tables.case import Case
 
 EFFECTS = ("effects", "effects_for")
@@ -89,15 +89,15 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
     folder = file.resolve().parent
     given = read_toml(file.resolve())
     layers = Layers(given, file.name)
-    level_name = chosen_level(folder, given, level)
+    level_name = choose_level(folder, given, level)
     at_level = _lay_level(layers, folder, level_name) if level_name else None
     for override in overrides:
-        layers.lay(parsed(override), "--set")
+        layers.lay(parse_override(override), "--set")
     effects, results = (layers.merged.get(key) for key in EFFECTS)
     asked = AskedEffects(effects, results or (), layers.source(EFFECTS[:1]))
     layers.lay(dict.fromkeys(EFFECTS), asked.file)
     try:
-        case = validated(layers)
+        case = validate(layers)
     except CaseError as error:
         raise InvalidTables(error.problems, asked) from error
     return LoadedCase(
@@ -112,11 +112,11 @@ def load(path: Path, level: str | None = None, overrides: Sequence[str] = ()) ->
 
 
 def level_names(folder: Path) -> list[str]:
-    """The levels that a case's folder has."""
+    """Return the names of the levels in a case's folder."""
     return sorted(file.stem for file in (folder / "levels").glob("*.toml"))
 
 
-def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
+def choose_level(folder: Path, given: Mapping[str, Any], level: str | None) -> str:
     """The level asked for; else the case's default, else the only one, else none ("")."""
     known = level_names(folder)
     wanted = level if level is not None else given.get("default_level", "")
@@ -126,12 +126,12 @@ def chosen_level(folder: Path, given: Mapping[str, Any], level: str | None) -> s
         hint = did_you_mean(str(wanted), known, say="levels")
         file = "case.toml" if level is None else "--level"
         key = ("default_level",) if level is None else ()
-        raise CaseError([CaseProblem(key, f"no level {shown(wanted)}", hint, file=file)])
+        raise CaseError([CaseProblem(key, f"no level {show_value(wanted)}", hint, file=file)])
     return str(wanted)
 
 
-def validated(layers: Layers) -> Case:
-    """The case of all layers, complete.  Raises CaseError with every problem found."""
+def validate(layers: Layers) -> Case:
+    """Return the complete case of all layers.  Raises CaseError with every problem found."""
     try:
         return complete(Case.model_validate(layers.merged))
     except ValidationError as error:
@@ -144,7 +144,7 @@ def validated(layers: Layers) -> Case:
 def complete(bare: Case) -> Case:
     """The case with branches fitted, decks laid out, particles as coarse as wanted, and cut to its
     slice.  Raises CaseError."""
-    return sliced(coarsened(laid_out(damped(bare))))
+    return cut_to_slice(coarsen(lay_out_decks(fit_loss_curves(bare))))
 
 
 def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
@@ -156,6 +156,6 @@ def _lay_level(layers: Layers, folder: Path, name: str) -> Level:
     overlay.pop("about", None)
     layers.lay(overlay, source)
     if not isinstance(without, list) or not all(isinstance(word, str) for word in without):
-        what = f"{shown(without)} is wrong, a list of names is wanted"
+        what = f"{show_value(without)} is wrong, a list of names is wanted"
         raise CaseError([CaseProblem(("without",), what, file=source)])
     return Level(name, tuple(without), before, dict(layers.merged))

@@ -32,9 +32,7 @@ class Distribution:
     debian_package: str = ""
 
     def __str__(self) -> str:
-        return f"{self.version} from {self.origin}" + (
-            f", {self.debian_package}" if self.debian_package else ""
-        )
+        return ", ".join(filter(None, (f"{self.version} from {self.origin}", self.debian_package)))
 
 
 @cache
@@ -43,12 +41,12 @@ def distributions() -> dict[str, Distribution]:
     imports."""
     found: dict[str, Distribution] = {}
     for one in metadata.distributions():
-        name = normalised(one.metadata["Name"] or "")
+        name = normalise(one.metadata["Name"] or "")
         found.setdefault(name, Distribution(name, one.version, *_origin(one)))
     return dict(sorted(found.items()))
 
 
-def normalised(name: str) -> str:
+def normalise(name: str) -> str:
     """Python's packaging rules: letters' case, dots, dashes and underscores make no difference."""
     return re.sub(r"[-_.]+", "-", name).lower()
 
@@ -74,9 +72,8 @@ def debian_version(package: str) -> str | None:
 @cache
 def _debian_versions() -> dict[str, str]:
     """Of all packages; asking for each one takes ten times as long."""
-    query = ("dpkg-query", "-W", "-f", "${Package} ${Version}\n")
     try:
-        said = subprocess.run(query, capture_output=True, text=True, check=True).stdout
+        said = _output("dpkg-query", "-W", "-f", "${Package} ${Version}\n")
     except (OSError, subprocess.CalledProcessError):
         return {}
     return dict(line.split() for line in said.splitlines() if line.count(" ") == 1)
@@ -85,7 +82,7 @@ def _debian_versions() -> dict[str, str]:
 def pins() -> dict[tuple[str, str], str]:
     """The versions that are meant, by origin and name; empty where no checkout says them."""
     return {
-        (origin, normalised(name)): version
+        (origin, normalise(name)): version
         for origin, file in ((DEBIAN, PINS / "debian.txt"), (PYPI, PINS / "constraints.txt"))
         if file.is_file()
         for name, version in re.findall(r"^([\w.-]+)==(\S+)", file.read_text(), re.MULTILINE)
@@ -149,18 +146,14 @@ def versions() -> dict[str, str | None]:
 
 def commit() -> str | None:
     """The commit of the checkout that this program runs from, with "+" for local changes."""
-    here = Path(__file__).parent
+    git = ("git", "-C", str(Path(__file__).parent))
     try:
-        commit = _git(here, "rev-parse", "HEAD")
-        return commit + ("+" if _git(here, "status", "--porcelain", "-uno") else "")
+        commit = _output(*git, "rev-parse", "HEAD")
+        return commit + ("+" if _output(*git, "status", "--porcelain", "-uno") else "")
     except (OSError, subprocess.CalledProcessError):
         return None
 
 
-def _git(folder: Path, *words: str) -> str:
-    return _said("git", "-C", str(folder), *words)
-
-
-def _said(*command: str) -> str:
+def _output(*command: str) -> str:
     """What a command prints.  Raises OSError or CalledProcessError."""
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -108,7 +108,7 @@ class Turning:
 
 
 def turning(case: Case) -> Turning | None:
-    """How the machine of a case turns; None where nothing turns it."""
+    """Return how the machine of a case turns; None where nothing turns it."""
     exciters = [
         Turning(
             exciter.speed_rad_per_s,
@@ -149,7 +149,7 @@ def playbacks(case: Case, folder: Path) -> dict[str, Playback]:
 
 
 def _find_recording(panel: SinglePanel, recorded: Mapping[str, RecordedShape]) -> Recording:
-    """The recording of the same name, or the only one there is.  Raises NoMatch."""
+    """Return the recording of the panel's name, or the only recording.  Raises NoMatch."""
     only = next(iter(recorded.values())) if len(recorded) == 1 else None
     shape = recorded.get(panel.name, only)
     if shape is None:
@@ -163,7 +163,7 @@ def _find_recording(panel: SinglePanel, recorded: Mapping[str, RecordedShape]) -
 
 
 def shape_of(panel: SinglePanel) -> dict[str, float]:
-    """The lengths that a panel must share with its recording."""
+    """Return the lengths that a panel must share with its recording."""
     at = panel.rectangle
     return {
         "length_m": at.length_m,

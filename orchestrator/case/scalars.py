@@ -147,7 +147,7 @@ SCALARS = {name: Scalar(*row, part) for part, rows in _ROWS.items() for name, ro
 
 
 def value_at(summary: Summary, name: str) -> Value | None:
-    """Returns a number of a run's summary by a short name, or by keys with dots; None where the run
+    """Return a number of a run's summary by a short name, or by keys with dots; None where the run
     does not have it."""
     return (SCALARS[name].of if name in SCALARS else _at(name))(summary)
 
@@ -178,7 +178,7 @@ def part_of(name: str, case: Case) -> str:
 
 
 def scalar(name: str) -> Scalar:
-    """By its short name, or by a path of keys with dots.  Raises KeyError with what is near."""
+    """The result of a short name, or of a path of keys with dots.  Raises KeyError with what is near."""
     if name in SCALARS:
         return SCALARS[name]
     if re.fullmatch(r"probes\..*\.amplitude_m\..*", name):

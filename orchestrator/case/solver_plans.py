@@ -13,7 +13,7 @@ import numpy as np
 
 from orchestrator.case.bed.adhesion import adhesive_step_s, planned_adhesion
 from orchestrator.case.bed.contact_times import contact_moduli, shortest_rayleigh_s
-from orchestrator.case.bed.sources import combined_feed, initial_particles, largest_diameter_m
+from orchestrator.case.bed.sources import combine_feeds, initial_particles, largest_diameter_m
 from orchestrator.case.deck.panels import axes, planned_stops, single_panels, to_world, unit
 from orchestrator.case.tables import frames as tables
 from orchestrator.case.tables.case import Case, Material, has_particles
@@ -37,7 +37,7 @@ from orchestrator.ports.recording import Playback
 
 
 def hyperelastic(material: Material) -> HyperelasticPlan:
-    """A panel's material."""
+    """Return the plan of a panel's material."""
     law = material.hyperelastic
     assert law is not None, "checks.references refuses panels of other materials"
     return HyperelasticPlan(
@@ -49,17 +49,12 @@ def hyperelastic(material: Material) -> HyperelasticPlan:
     )
 
 
-def touching_materials(case: Case) -> tuple[str, ...]:
-    """Materials of particles, panels and surfaces, in the case's order."""
+def material_numbers(case: Case) -> dict[str, int]:
+    """Return the number of each material of particles, panels and surfaces, in the case's order."""
     bed, screen = case.bed, case.screen
     rows = (bed.particles, bed.blocks, bed.feeds, screen.panels, screen.surfaces)
     used = {row.material for table in rows for row in table.values()}
-    return tuple(name for name in case.materials if name in used)
-
-
-def material_numbers(case: Case) -> dict[str, int]:
-    """The number of each material that touches another."""
-    return {name: number for number, name in enumerate(touching_materials(case))}
+    return {name: number for number, name in enumerate(name for name in case.materials if name in used)}
 
 
 def by_pair(case: Case, numbers: dict[str, int], field: str, otherwise: float = 0.0) -> Array:
@@ -84,7 +79,7 @@ def frames_plan(case: Case, points_m: Array, carrier: tuple[str, ...], reaction_
         bodies=tuple(_body(case, name, frame) for name, frame in frames.items()),
         bushings=tuple(bushings(case)) if forces else (),
         exciters=tuple(_exciters(case)) if forces else (),
-        drives=tuple(_drives(case)),
+        drives=tuple(_drive(case, name, row.drive) for name, row in frames.items() if row.drive),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         points_m=points_m,
         carrier=carrier,
@@ -110,7 +105,7 @@ def _body(case: Case, name: str, frame: tables.Frame) -> BodyPlan:
 
 
 def bushings(case: Case) -> list[BushingPlan]:
-    """One by one, in world axes."""
+    """Return the plans of all single bushings, in world axes."""
     from scipy.spatial.transform import Rotation
 
     return [
@@ -128,7 +123,7 @@ def bushings(case: Case) -> list[BushingPlan]:
 
 
 def _exciters(case: Case) -> list[ExciterPlan]:
-    """One by one, in world axes; solvers that know no motors turn their shafts at full speed."""
+    """Return the plans of the exciters, in world axes; without motors, shafts turn at full speed."""
     motors = case.frames.adapter.motors
     return [
         ExciterPlan(
@@ -161,10 +156,6 @@ def _motor(motor: tables.Motor | None) -> MotorPlan | None:
     )
 
 
-def _drives(case: Case) -> list[DrivePlan]:
-    return [_drive(case, name, f.drive) for name, f in case.screen.frames.items() if f.drive]
-
-
 def _drive(case: Case, name: str, drive: tables.Drive) -> DrivePlan:
     amplitude_m, phase_rad = _turned(case, drive.amplitude_m, drive.phase_rad)
     rotation_rad, rotation_phase_rad = _turned(case, drive.rotation_rad, drive.rotation_phase_rad)
@@ -187,7 +178,7 @@ def _turned(case: Case, size: Sequence[float], phase_rad: Sequence[float]) -> tu
 
 
 def panel_plans(case: Case, playbacks: Mapping[str, Playback] | None = None) -> tuple[PanelPlan, ...]:
-    """One plan per panel, in the order of the case, with the ``playbacks`` by the panels' names."""
+    """Return a plan for each panel, in the order of the case, with ``playbacks`` by the panels' names."""
     return tuple(
         PanelPlan(
             name=panel.name,
@@ -212,14 +203,14 @@ UNKNOWNS = 3  # of a node
 
 
 def mesh_sizes(case: Case) -> dict[str, MeshSize]:
-    """By panel; empty for solvers whose meshes are small.  ValueError for openings that the solver
-    cannot resolve."""
+    """The size of each panel's mesh, by name; empty for solvers whose meshes are small.  Raises
+    ValueError for openings that the solver cannot resolve."""
     size = case.panel.adapter.mesh_size
     return {} if size is None else {plan.name: size(plan) for plan in panel_plans(case)}
 
 
 def memory_GiB(case: Case) -> float:
-    """What the meshes of all panels need together, good to a factor of two."""
+    """The memory that the meshes of all panels need together, good to a factor of two."""
     each_GiB = case.panel.adapter.memory_GiB
     return 0.0 if each_GiB is None else sum(each_GiB(plan) for plan in panel_plans(case))
 
@@ -242,24 +233,25 @@ def particles_plan(
     if not has_particles(case):
         return None
     numbers = material_numbers(case)
+    particles = initial_particles(case, numbers)
     cap = case.particles.largest_youngs_modulus_Pa
     return ParticlesPlan(
         surface=surface,
         materials=tuple(GrainMaterial(name, *contact_moduli(case.materials[name], cap)) for name in numbers),
         restitution=by_pair(case, numbers, "restitution", 1.0),
         sliding_friction=by_pair(case, numbers, "sliding_friction"),
-        rolling_friction=_rolling_friction(case, numbers),
+        rolling_friction=by_pair(case, numbers, "rolling_friction") * (case.particles.rolling != "none"),
         adhesion=planned_adhesion(case, numbers),
         rolling="cdt" if case.particles.rolling == "cdt" else "epsd2",
         wear_m3_per_N_m=_wear(case, numbers),
         predicts_load=case.coupling.scheme == "robin",
-        particles=initial_particles(case, numbers),
+        particles=particles,
         largest_diameter_m=largest_diameter_m(case),
         domain_m=np.array(case.domain_m),
         gravity_m_per_s2=np.array(case.gravity_m_per_s2),
         step_s=particle_step_s(case),
         sync_interval_s=case.coupling.sync_interval_s,
-        feed=combined_feed(case, numbers),
+        feed=combine_feeds(case, numbers, particles),
         exits=exits(case),
         periodic_y=case.slice is not None and case.slice.sides == "periodic",
         communicator=communicator,
@@ -268,19 +260,13 @@ def particles_plan(
 
 
 def exits(case: Case) -> tuple[ExitPlan, ...]:
-    """The exits, as boxes in the world, in the order of the case."""
+    """Return the exits as boxes in the world, in the order of the case."""
     found = []
     for name, row in case.screen.exits.items():
         low, high = np.array(row.box_m)
         center_m = to_world(case, (low + high) / 2.0)
         found.append(ExitPlan(name, row.product, center_m, axes(case).T, (high - low) / 2.0))
     return tuple(found)
-
-
-def _rolling_friction(case: Case, numbers: dict[str, int]) -> Array:
-    """(k, k)"""
-    given = by_pair(case, numbers, "rolling_friction")
-    return np.zeros_like(given) if case.particles.rolling == "none" else given
 
 
 def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
@@ -290,7 +276,7 @@ def _wear(case: Case, numbers: dict[str, int]) -> Array | None:
 
 
 def particle_step_s(case: Case) -> float:
-    """The largest step that the case allows its particles."""
+    """Return the largest step that the case allows its particles."""
     if case.particles.step_s > 0:
         return case.particles.step_s
     return min(

@@ -38,7 +38,7 @@ class SolverName:
 
     @property
     def allowed(self) -> tuple[str, ...]:
-        """What the value may be."""
+        """The values that a case may give."""
         return (NONE, *names(self.port)) if self.port == "particles" else names(self.port)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -76,7 +76,7 @@ def adapter(port: Port, solver: str) -> Adapter[Any, Any, Any]:
     return cast("Adapter[Any, Any, Any]", door.ADAPTER)
 
 
-def those(port: Port, can: Callable[[Any], bool]) -> str:
+def names_able_to(port: Port, can: Callable[[Any], bool]) -> str:
     """The solvers of a port that can do something, as words for a hint: "planar" or "exudyn"."""
     able = [f'"{name}"' for name in names(port) if can(adapter(port, name))]
     return " or ".join(able)
@@ -88,7 +88,7 @@ def without(port: Port, effect: str) -> str:
     return min(able, key=lambda name: len(adapter(port, name).leaves_out), default="")
 
 
-def opened(port: Port, solver: str, plan: Any) -> Any:
+def open_solver(port: Port, solver: str, plan: Any) -> Any:
     """The open solver of ``plan``.
 
     Raises SolverMissing, SolverFailed, and CaseError where the adapter refuses the plan with a

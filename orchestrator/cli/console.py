@@ -22,7 +22,7 @@ TOO_LARGE = "out of memory: the case is too large for this machine; fewer panel.
 
 @contextmanager
 def reported_errors() -> Iterator[None]:
-    """Reports what goes wrong inside, and ends the program with its exit code.  An internal error is
+    """Report what goes wrong inside, and end the program with its exit code.  An internal error is
     raised as it is."""
     try:
         yield
@@ -37,7 +37,7 @@ def reported_errors() -> Iterator[None]:
 
 
 def _code(error: Exception) -> int | None:
-    """Returns the exit code of an error; None for what only an internal error raises."""
+    """Return the exit code of an error; None for what only an internal error raises."""
     from orchestrator.case.file.errors import CaseError
     from orchestrator.output.records.run_folder import FolderUnusable
     from orchestrator.ports.plans import SolverFailed, SolverMissing
@@ -53,7 +53,7 @@ def _code(error: Exception) -> int | None:
 
 
 def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Returns every problem that keeps a case from being run."""
+    """Return every problem that keeps a case from being run."""
     from orchestrator.preflight.check import find_problems
 
     problems = find_problems(loaded)
@@ -64,13 +64,13 @@ def find_all_problems(loaded: JudgedCase) -> list[CaseProblem]:
     return problems
 
 
-def checked(
+def check_or_report(
     case: Path,
     level: str | None,
     overrides: list[str] | None,
     find: Callable[[JudgedCase], list[CaseProblem]] = find_all_problems,
 ) -> JudgedCase:
-    """Returns the case if it has no problem (by default, of any kind); else reports all of them and
+    """Return the case if it has no problem (by default, of any kind); else reports all of them and
     ends the program."""
     from orchestrator.case.file.errors import CaseError
     from orchestrator.preflight.judge import load_judged
@@ -83,6 +83,6 @@ def checked(
 
 
 def refuse(why: str) -> NoReturn:
-    """Prints why the command cannot be carried out, and ends the program."""
+    """Print why the command cannot be carried out, and end the program."""
     ERRORS.print(why)
     raise typer.Exit(WRONG)

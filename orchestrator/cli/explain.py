@@ -35,7 +35,7 @@ def print_explanation(
     tried: TriedEffects | None = None,
     asked: Sequence[str] = (),
 ) -> None:
-    """Prints the verdicts on all effects of a case whose tables have no problems.
+    """Print the verdicts on all effects of a case whose tables have no problems.
 
     What a ``study`` of accuracy measured of it, or what runs that were ``tried`` say of the results
     ``asked`` for, takes the place of estimates.
@@ -63,7 +63,7 @@ def print_explanation(
 def judge_effects(
     loaded: JudgedCase, pairs: Mapping[str, Pair] | None = None, asked: Sequence[str] = ()
 ) -> dict[str, Judged]:
-    """Judges the effects of the case as it describes itself, part by part.
+    """Judge the effects of the case as it describes itself, part by part.
 
     ``pairs`` of runs decide for the results ``asked`` for; by default those that the case has.
     """
@@ -79,7 +79,7 @@ def judge_effects(
 
 
 def effects_table(effects: Mapping[str, Judged], columns: tuple[str, ...]) -> Table:
-    """Returns a table with a row for each effect, part by part."""
+    """Return a table with a row for each effect, part by part."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
         table.add_column(column, no_wrap=column in SHORT, overflow="fold")
@@ -105,7 +105,7 @@ def effects_table(effects: Mapping[str, Judged], columns: tuple[str, ...]) -> Ta
 
 
 def _by_auto(judged: Judged, left_out: Collection[str]) -> str:
-    """Returns what ``effects = "auto"`` does with an effect."""
+    """Return what ``effects = "auto"`` does with an effect."""
     if judged.lacking:
         return "warns"
     if not judged.present:
@@ -114,7 +114,7 @@ def _by_auto(judged: Judged, left_out: Collection[str]) -> str:
 
 
 def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
-    """Yields what was run, what could not be, and for what the budget did not last."""
+    """Yield what was run, what could not be, and for what the budget did not last."""
     done = [name for name, pair in tried.pairs.items() if not pair.refused]
     spent = f"{tried.spent_s:.0f} s of processor time"
     yield f"for {', '.join(asked)}: {len(done)} effects tried out or remembered, {spent}"
@@ -131,7 +131,7 @@ def trial_lines(tried: TriedEffects, asked: Sequence[str]) -> Iterator[str]:
 
 
 def summary_lines(loaded: JudgedCase, verdicts: list[Judged]) -> Iterator[str]:
-    """Yields what the case lacks, and what it could do without."""
+    """Yield what the case lacks, and what it could do without."""
     lacking = [f"  {each.effect}: {each.verdict.why}; {each.key}" for each in verdicts if each.lacking]
     spare = [
         f"  {each.effect}: {each.verdict.why}; {each.key}; it costs {each.verdict.cost}"

@@ -61,7 +61,7 @@ AT_ONCE = 128 + signal.SIGINT
 
 
 def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str]) -> int:
-    """Runs a case on every rank, and returns the exit code."""
+    """Run a case on every rank, and return the exit code."""
     world = mpi.communicator()
     try:
         loaded = load_judged(path, level, overrides)
@@ -77,7 +77,7 @@ def run(path: Path, level: str | None, out: Path | None, overrides: Sequence[str
 
 
 def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None) -> int:
-    """Goes on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
+    """Go on with a run on every rank, from its last checkpoint or from that of a ``sync_point``.
     Returns the exit code."""
     world = mpi.communicator()
     try:
@@ -95,7 +95,7 @@ def resume(folder: Path, overrides: Sequence[str], sync_point: int | None = None
 def _decide_effects(
     loaded: JudgedCase, path: Path, level: str | None, overrides: Sequence[str], world: Any
 ) -> JudgedCase:
-    """Returns the case with what short runs with and without effects say of those that "auto" cannot
+    """Return the case with what short runs with and without effects say of those that "auto" cannot
     decide about.  The first rank makes or remembers them, and all ranks choose alike."""
     if not loaded.choice.asked:
         return loaded
@@ -112,7 +112,7 @@ def _decide_effects(
 
 
 def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
-    """Returns the last checkpoint that is whole, or the one of a sync point.  Raises FolderUnusable."""
+    """Return the last checkpoint that is whole, or the one of a sync point.  Raises FolderUnusable."""
     if not (folder / "case.toml").is_file() or not (folder / "provenance.json").is_file():
         raise FolderUnusable(f"{folder}: is not the folder of a run")
     if is_at_work(folder):
@@ -127,6 +127,11 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
             f"{folder}: has no whole checkpoint of sync point {sync_point}; they are in "
             f"{folder / checkpoints.FOLDER}"
         )
+    if checkpoint is None and (folder / checkpoints.FORMER_FOLDER).is_dir():
+        raise FolderUnusable(
+            f"{folder}: its checkpoints are in {checkpoints.FORMER_FOLDER}/, as an older flipflow wrote "
+            "them; resume the run with that version (provenance.json names it), or run the case again"
+        )
     if checkpoint is None:
         raise FolderUnusable(
             f"{folder}: nothing was saved; [checkpoint] in a case says when that is done, and what ends "
@@ -136,7 +141,7 @@ def _find_checkpoint(folder: Path, sync_point: int | None) -> Checkpoint:
 
 
 def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, world: Any) -> list[str]:
-    """Makes the folder as it was at the checkpoint, and returns warnings about that.  Raises
+    """Make the folder as it was at the checkpoint, and return warnings about that.  Raises
     FolderUnusable for what is another run."""
     now = origin(loaded, folder, world)
     refuse_another_run(checkpoint, now)
@@ -153,7 +158,7 @@ def _prepare_folder(folder: Path, checkpoint: Checkpoint, loaded: JudgedCase, wo
 
 
 def _require_runnable(loaded: JudgedCase) -> None:
-    """Raises CaseError for a case with problems, and SolverMissing where this rank lacks what
+    """Raise CaseError for a case with problems, and SolverMissing where this rank lacks what
     solves the panels: PETSc starts up on all ranks together, so that none may go on without."""
     if problems := find_all_problems(loaded):
         raise CaseError(problems)
@@ -161,7 +166,7 @@ def _require_runnable(loaded: JudgedCase) -> None:
 
 
 def _report_refusal(world: Any, error: Exception) -> int:
-    """Prints once why nothing is run, and returns the exit code."""
+    """Print once why nothing is run, and return the exit code."""
     match error:
         case SolverMissing():
             message, code = str(error), MISSING
@@ -182,7 +187,7 @@ def _execute(
     checkpoint: Checkpoint | None = None,
     warned: Sequence[str] = (),
 ) -> int:
-    """Runs the case in its folder, or goes on from ``checkpoint``, and returns the exit code.
+    """Run the case in its folder, or go on from ``checkpoint``, and return the exit code.
 
     ``entries`` are the account of its effects, ``warned`` further warnings.  Raises FolderUnusable
     where another process is at work.
@@ -256,7 +261,7 @@ def _console(quiet: bool = False) -> Console:
 
 
 def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int:
-    """Runs, and turns whatever happens into a message, a finished folder and an exit code."""
+    """Run, and turn whatever happens into a message, a finished folder and an exit code."""
     try:
         run.go()
     except Interrupted as stopped:
@@ -275,7 +280,7 @@ def _run_to_the_end(run: Run, folder: Path, world: Any, console: Console) -> int
 
 
 def _classify(error: BaseException) -> tuple[int, str, str]:
-    """Returns exit code, status and reason of a run that ``error`` ended."""
+    """Return exit code, status and reason of a run that ``error`` ended."""
     if stop := immediate_stop(error):
         code = 128 + stop.signal if isinstance(stop, ImmediateStop) else AT_ONCE
         return code, "interrupted", str(stop) or "stopped at once"
@@ -298,7 +303,7 @@ def _describe_internal(error: Exception) -> str:
 
 
 def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console: Console) -> int:
-    """Writes what a run leaves at its end, and returns its exit code: another one than ``code`` where the
+    """Write what a run leaves at its end, and return its exit code: another one than ``code`` where the
     summary says that the run is doubtful or incomplete, or cannot be written.  Prints the closing table,
     and where everything is."""
     try:
@@ -320,7 +325,7 @@ def _finish(run: Run, code: int, status: str, reason: str, folder: Path, console
 
 
 def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path, world: Any) -> int:
-    """Ends all ranks, wherever they wait; the first one to fail prints why.  What was refused before
+    """End all ranks, wherever they wait; the first one to fail prints why.  What was refused before
     anything was computed leaves no folder."""
     if not run_folder.claim(folder / "failure.txt", reason, world.rank if world else 0):
         time.sleep(60)  # the rank that speaks ends this one, too, when it has written its summary
@@ -344,13 +349,13 @@ def _end_after_error(run: Run, code: int, status: str, reason: str, folder: Path
 
 
 def _print_and_log(line: str, console: Console) -> None:
-    """Prints a line on the console and in the log."""
+    """Print a line on the console and in the log."""
     LOG.info(line)
     console.print(run_folder.printable(line))
 
 
 def resume_lines(folder: Path, world: Any) -> Iterator[str]:
-    """Yields where a run that failed can be taken up again, and the command."""
+    """Yield where a run that failed can be taken up again, and the command."""
     last = checkpoints.newest(folder)
     if last is None:
         return
@@ -363,10 +368,10 @@ def resume_lines(folder: Path, world: Any) -> Iterator[str]:
 
 
 def resume_hint(folder: Path, world: Any, checkpoint: Checkpoint | None = None) -> str:
-    """Returns the command that takes the run up again, from ``checkpoint`` or the last one."""
+    """Return the command that takes the run up again, from ``checkpoint`` or the last one."""
     # Open MPI's mpirun wants a word of root where the environment does not allow root
     allowed = os.geteuid() != 0 or "OMPI_ALLOW_RUN_AS_ROOT" in os.environ
     as_root = [] if allowed else ["--allow-run-as-root"]
     with_ranks = [] if world is None else ["mpirun", *as_root, "-n", str(world.size)]
-    point = [] if checkpoint is None else ["--save", str(checkpoint.sync_points)]
+    point = [] if checkpoint is None else ["--checkpoint", str(checkpoint.sync_points)]
     return shlex.join([*with_ranks, "flipflow", "resume", str(folder), *point])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, checked, refuse, reported_errors
+from orchestrator.cli.console import CONSOLE, ERRORS, FAILED, check_or_report, refuse, reported_errors
 from orchestrator.cli.study import study
 from orchestrator.studies.options import CasePath, Level, Overrides
 
@@ -79,7 +79,7 @@ def program(
         bool, typer.Option("--version", callback=_say_versions, is_eager=True, help="say the versions")
     ] = False,
 ) -> None:
-    """Takes what all commands share."""
+    """Take what all commands share."""
 
 
 RunPath = Annotated[Path, typer.Argument(metavar="RUN", help="folder of a run")]
@@ -107,19 +107,22 @@ def run(case: CasePath, level: Level = None, out: Out = None, overrides: Overrid
 def resume(
     run: RunPath,
     overrides: Overrides = None,
-    save: Annotated[
-        int | None, typer.Option("--save", min=0, help="sync point of the checkpoint [default: the last]")
+    checkpoint: Annotated[
+        int | None, typer.Option(min=0, help="sync point of the checkpoint [default: the last]")
     ] = None,
+    save: Annotated[int | None, typer.Option(hidden=True)] = None,
 ) -> None:
     """Go on with a run from its last checkpoint.
 
-    Runs are saved every now and then ([checkpoint] in a case), at their end, and by Ctrl-C.  What goes
-    on is, bit for bit, the run that never stopped; on as many processes as it was saved.  It may
+    A run writes checkpoints now and then ([checkpoint] in a case), at its end, and on Ctrl-C.  The
+    resumed run is bit for bit the run that never stopped, on the same number of processes.  It may
     be given a later end (--set duration_s=...) and other output; any other change is refused.
     """
     from orchestrator.cli.launch import resume as go_on
 
-    raise typer.Exit(go_on(run, overrides or [], save))
+    if save is not None:
+        raise typer.BadParameter(f"it is called --checkpoint now: --checkpoint {save}", param_hint="--save")
+    raise typer.Exit(go_on(run, overrides or [], checkpoint))
 
 
 @app.command()
@@ -137,7 +140,7 @@ def check(
     """
     from orchestrator.cli.overview import overview
 
-    loaded = checked(case, level, overrides)
+    loaded = check_or_report(case, level, overrides)
     with reported_errors():
         for line in overview(loaded, detail):
             CONSOLE.print(line)
@@ -178,7 +181,7 @@ def explain(
     from orchestrator.cli.explain import print_explanation
     from orchestrator.preflight.check import find_table_problems
 
-    loaded = checked(case, level, overrides, find_table_problems)
+    loaded = check_or_report(case, level, overrides, find_table_problems)
     with reported_errors():
         measured = _stored(loaded, study)
         asked = tuple(word.strip() for word in (results or "").split(",") if word.strip())
@@ -276,7 +279,7 @@ def plan(
     from orchestrator.cli.plan import choose_settings, parse_share, parse_time_s, print_choice
 
     wanted, budget_s = parse_share(tolerance), parse_time_s(budget)
-    loaded, sets = checked(case, level, overrides), overrides or []
+    loaded, sets = check_or_report(case, level, overrides), overrides or []
     plan = choose_settings(loaded, case, level, study, wanted, budget_s, sets)
     if not print_choice(plan, case, sets, loaded):
         raise typer.Exit(FAILED)
@@ -303,7 +306,7 @@ def ladder() -> None:
 
 
 def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
-    """Returns the study of accuracy that is given, or lies beside the case; None where there is none."""
+    """Return the study of accuracy that is given, or lies beside the case; None where there is none."""
     if given is None and not (loaded.folder / "accuracy.json").is_file():
         return None
     from orchestrator.studies.accuracy.plan import find_study
@@ -312,7 +315,7 @@ def _stored(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 
 def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> TriedEffects | None:
-    """Makes runs with and without effects for results that are ``asked`` for; None where none are."""
+    """Make runs with and without effects for results that are ``asked`` for; None where none are."""
     from orchestrator.case.scalars import scalar
     from orchestrator.studies.pairs import LIMIT_S, RUNS_IN_BUDGET, Pairs, try_all_effects
 
@@ -328,7 +331,7 @@ def _tried(loaded: JudgedCase, asked: tuple[str, ...], budget_s: float) -> Tried
 
 
 def _case_lines(folder: Path) -> Iterator[str]:
-    """Yields a line for each case in a folder, and one for its levels."""
+    """Yield a line for each case in a folder, and one for its levels."""
     from orchestrator.case.file.errors import CaseError, visible
     from orchestrator.case.file.layers import read_toml
     from orchestrator.case.load import level_names, load
@@ -346,5 +349,5 @@ def _case_lines(folder: Path) -> Iterator[str]:
 
 
 def main() -> None:
-    """Runs the command line; the entry point ``flipflow``."""
+    """Run the command line; the entry point ``flipflow``."""
     app()

@@ -11,7 +11,7 @@ from orchestrator.case.bed.sources import initial_particles
 from orchestrator.case.deck.openings import openings
 from orchestrator.case.deck.panels import single_panels, walls
 from orchestrator.case.deck.triangle_grid import surface_grids
-from orchestrator.case.file.loss_curve import compared, moduli, rows
+from orchestrator.case.file.loss_curve import compare_with_curve, curve_points, moduli
 from orchestrator.case.solver_plans import material_numbers, meshes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
 from orchestrator.ports.clock import steps_in
@@ -25,7 +25,7 @@ from orchestrator.preflight.stability.report import stability_report, with_schem
 
 
 def overview(loaded: JudgedCase, detail: bool = False) -> Iterator[str]:
-    """Yields lines about a case without problems; with ``detail`` all that limits its sync interval, in
+    """Yield lines about a case without problems; with ``detail`` all that limits its sync interval, in
     the theory's terms."""
     case = loaded.case
     stability = stability_report(case)
@@ -76,13 +76,13 @@ def _machine(loaded: JudgedCase) -> Iterator[str]:
 
 
 def _damping(case: Case) -> Iterator[str]:
-    """Yields what branches make of the loss factors that were measured."""
+    """Yield what branches make of the loss factors that were measured."""
     for name, material in case.materials.items():
         law = material.hyperelastic
         if law is None or not law.loss_curve:
             continue
         branches = tuple((branch.ratio, branch.relaxation_s) for branch in law.maxwell)
-        off = compared(branches, rows(law))
+        off = compare_with_curve(branches, curve_points(law))
         _, fitted = moduli(branches, 2 * np.pi * np.array([p.frequency_Hz for p in law.loss_curve]))
         pairs = zip(fitted, law.loss_curve, strict=True)
         factors = ", ".join(f"{eta:.3g} ({p.loss_factor:g}) at {p.frequency_Hz:g}" for eta, p in pairs)
@@ -91,7 +91,7 @@ def _damping(case: Case) -> Iterator[str]:
 
 
 def _triangles_on_panels(case: Case) -> str:
-    """Returns how many triangles the particles meet."""
+    """Return how many triangles the particles meet."""
     try:
         counts = [len(grid.triangles) for grid in surface_grids(case).values()]
     except SolverMissing:
@@ -113,7 +113,7 @@ def _particles(loaded: JudgedCase) -> Iterator[str]:
 
 
 def _cost(case: Case, at_start: int) -> Iterator[str]:
-    """Yields what the whole run will take, and the parts that take a tenth or more of it."""
+    """Yield what the whole run will take, and the parts that take a tenth or more of it."""
     ranges = [predicted_parts_s(case, at_start, bed) for bed in (THIN, THICK)]
     least, most = (sum(parts.values()) for parts in ranges)
     fed = most > 1.1 * least

@@ -22,7 +22,7 @@ def choose_settings(
     budget_s: float,
     overrides: list[str],
 ) -> Plan:
-    """Returns the plan that a stored study and a short run on this machine lead to."""
+    """Return the plan that a stored study and a short run on this machine lead to."""
     with reported_errors():
         measured = find_study(loaded, given)
         if measured is None:
@@ -44,7 +44,7 @@ def choose_settings(
 
 
 def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCase) -> bool:
-    """Prints the cheapest settings, and returns whether they fit into the budget."""
+    """Print the cheapest settings, and return whether they fit into the budget."""
     other = [word for word in plan.study.table["sets"] if word not in overrides]
     if other := [word for word in other if not word.startswith("duration_s=")]:
         CONSOLE.print(f"warning: the study was made with {' '.join(other)}")
@@ -67,7 +67,7 @@ def print_choice(plan: Plan, case: Path, overrides: list[str], loaded: JudgedCas
 
 
 def parse_share(text: str) -> float:
-    """Returns the number that ``text`` (5% or 0.05) stands for."""
+    """Return the number that ``text`` (5% or 0.05) stands for."""
     try:
         share = float(text.rstrip("%")) * (0.01 if text.endswith("%") else 1.0)
     except ValueError:
@@ -78,7 +78,7 @@ def parse_share(text: str) -> float:
 
 
 def parse_time_s(text: str) -> float:
-    """Returns the time in s that ``text`` (90s, 30min, 1h, 2d) stands for."""
+    """Return the time in s that ``text`` (90s, 30min, 1h, 2d) stands for."""
     number = text.rstrip("abcdefghijklmnopqrstuvwxyz ")
     unit = text[len(number) :].strip() or "s"
     try:

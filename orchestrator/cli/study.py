@@ -26,11 +26,11 @@ class Studies(TyperGroup):
     """The studies that there are; each is imported when it is asked for."""
 
     def list_commands(self, ctx: Any) -> list[str]:
-        """Returns their names: those of the modules and of entry points."""
+        """Return their names: those of the modules and of entry points."""
         return sorted({*_own_modules(), *entry_points(group=GROUP).names})
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Returns a study as a command.  Raises BadParameter where there is none of this name."""
+        """Return a study as a command.  Raises BadParameter where there is none of this name."""
         if cmd_name not in (names := self.list_commands(ctx)):
             from orchestrator.case.file.errors import did_you_mean
 
@@ -51,7 +51,7 @@ study = typer.Typer(cls=Studies, help="Many runs, and what they say together.", 
 
 
 def _spoken(command: Callable[..., StudyOutput]) -> Callable[..., None]:
-    """Returns the function that carries a study's command out and says what it yields."""
+    """Return the function that carries a study's command out and say what it yields."""
 
     @functools.wraps(command)
     def speak(*args: Any, **options: Any) -> None:

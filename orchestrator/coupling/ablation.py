@@ -28,8 +28,11 @@ from orchestrator.ports.clock import Interval
 
 
 class UnpushedFrames(FramesWrapper):
-    """Frames that do not feel the panels, so that nothing has to be awaited to know where they go:
-    they are moved as soon as that is asked for, and ``advance`` returns it again."""
+    """Frames that do not feel the panels.
+
+    Their motion depends on nothing that has to be awaited, so they are moved as soon as somebody asks where
+    they go, and ``advance`` returns the same motion again.
+    """
 
     def __init__(self, frames: Frames) -> None:
         super().__init__(frames)
@@ -48,7 +51,7 @@ class UnpushedFrames(FramesWrapper):
 
 
 class UnloadedPanel(PanelWrapper):
-    """A panel without the particles' load; its masses are not told to them."""
+    """A panel without the particles' load, whose masses the particles do not learn."""
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
         return super().advance(interval, clamps, Load.zero(len(load)))
@@ -82,6 +85,6 @@ class ParticlesOnStillSurface(ParticlesWrapper):
         return super().advance(interval, HermitePath(self._still, self._still, path.length_s))
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
-        """Predicts a load that does not depend on the surface's motion."""
+        """Predict a load that does not depend on the surface's motion."""
         tangent = super().contact_tangent(length_s)
         return replace(tangent, impedance_N_s_per_m=0.0 * tangent.impedance_N_s_per_m)

@@ -1,9 +1,8 @@
-"""From a case to a machine: plans, open solvers, and where everybody's points lie."""
+"""Assembly of a machine from a case: its plans, its open solvers, and the places of its points."""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from orchestrator.case import solvers
 from orchestrator.case.bed.feed import Feeds
-from orchestrator.case.bed.material_book import CountedFeed, MaterialBook, MaterialWatch
+from orchestrator.case.bed.material_book import MaterialBook, MaterialMonitor
 from orchestrator.case.bed.packing import no_particles
 from orchestrator.case.deck.openings import smaller_sides_m
 from orchestrator.case.file.errors import CaseError
@@ -46,12 +45,12 @@ from orchestrator.preflight.stability.report import case_with_scheme
 
 
 def build(loaded: JudgedCase, folder: Path, world: Any, stopwatch: Stopwatch) -> Machine:
-    """Plans a case, opens its solvers and puts them together as a machine.
+    """Plan a case, open its solvers and put them together as a machine.
 
     Solvers keep files in the run's ``folder``; ``world`` is an MPI communicator, or None in a run of one
-    process; ``stopwatch`` takes the time of every solver.  Raises SolverMissing or SolverFailed where a
-    solver cannot be opened (those opened before are closed), and CaseError for a case that is wrong in
-    a way that only open panels show, or that a solver refuses.
+    process; ``stopwatch`` measures the time of every solver.  Raises SolverMissing or SolverFailed where a
+    solver cannot be opened (the solvers opened before it are closed), and CaseError for a case that is wrong
+    in a way that only open panels show, or that a solver refuses.
     """
     with ExitStack() as opened:
         machine = _open_machine(loaded, folder, world, stopwatch, opened)
@@ -112,7 +111,7 @@ def _plan_frames(case: Case, panel_set: PanelSet) -> FramesPlan:
 
 def _frames(case: Case, plan: FramesPlan, world: Any) -> Frames:
     def opened() -> Frames:
-        return cast(Frames, solvers.opened("frames", case.frames.solver, plan))
+        return cast(Frames, solvers.open_solver("frames", case.frames.solver, plan))
 
     return opened() if world is None else FramesOnFirstRank(world, opened)
 
@@ -122,19 +121,17 @@ def _particles(
 ) -> tuple[MaterialBook | None, MeteredParticles | None, Wearing | None]:
     if plan is None:
         return None, None, None
-    feed = CountedFeed(plan.particles, cast(Feeds | None, plan.feed))
-    if plan.feed is not None:
-        plan = replace(plan, feed=feed)
+    feed = cast(Feeds, plan.feed or Feeds([], first=plan.particles))
     solver = case.particles.solver
-    opened = solvers.opened("particles", solver, plan)
+    opened = solvers.open_solver("particles", solver, plan)
     metered = MeteredParticles(cast(Particles, opened), feed, f"particles ({solver})", stopwatch)
     widest_m = max(smaller_sides_m(case), default=None)
-    book = MaterialBook(feed, plan.exits, MaterialWatch(case.monitor, widest_m))
+    book = MaterialBook(feed, plan.exits, MaterialMonitor(case.monitor, widest_m))
     return book, metered, None if plan.wear_m3_per_N_m is None else cast(Wearing, opened)
 
 
 def _ablated(case: Case, members: MeteredSolvers) -> Solvers:
-    """Returns the solvers as the coupling sees them: with the hand-overs that the case wants."""
+    """Return the solvers as the coupling sees them, with the hand-overs that the case wants."""
     wanted = case.exchange
     frames: Frames = members.frames
     panel: Panel = members.panel

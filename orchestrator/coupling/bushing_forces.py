@@ -21,8 +21,8 @@ ARMS = 3
 class BushingForces:
     """All n bushings of a machine, with both ends among the carried points.
 
-    ``first``, ``second`` (n, 4): numbers of a frame's centre of mass and arms, -1 for the ground;
-    ``arm_m`` (2, n, 3) the ends' places from those centres (for the ground: from the origin).
+    ``first``, ``second`` (n, 4): numbers of a frame's centre of mass and arms, -1 for the ground; ``arm_m``
+    (2, n, 3): places of the ends relative to those centres (for the ground: to the origin).
     """
 
     names: tuple[str, ...]
@@ -35,10 +35,11 @@ class BushingForces:
 
     @staticmethod
     def of(bushings: Sequence[BushingPlan], centres: Mapping[str, int], position_m: Array) -> BushingForces:
-        """Returns the bushings of a plan.
+        """Return the bushings of a plan.
 
-        ``centres``: each frame's centre of mass among the carried points, followed by its
-        arms; ``position_m`` those points at t = 0."""
+        ``centres`` has the number of each frame's centre of mass among the carried points, which its arms
+        follow; ``position_m`` has the places of the carried points at t = 0.
+        """
         ends = np.array(
             [
                 [np.arange(1 + ARMS) + centres[body] if body in centres else [-1] * 4 for body in b.bodies]
@@ -59,9 +60,12 @@ class BushingForces:
         )
 
     def at(self, carried: Motion) -> tuple[Array, Array]:
-        """Returns deformation in m and force in N of every bushing, (n, 3) each, along its own axes, which
-        turn with the first body: second end against the first, and what it takes to hold it there.
-        Both count from t = 0: the preload that carries weight is not in them."""
+        """Return deformation in m and force in N of every bushing, (n, 3) each, along its own axes.
+
+        The axes turn with the first body.  The deformation is the place of the second end against the first,
+        and the force holds the second end there.  Both count from t = 0: the preload that carries weight is
+        not included.
+        """
         (from_m, from_m_per_s, turn), (to_m, to_m_per_s, _) = (
             self._end(carried, points, arm_m)
             for points, arm_m in zip((self.first, self.second), self.arm_m, strict=True)
@@ -72,7 +76,7 @@ class BushingForces:
         return (deformation_m, self.stiffness_N_per_m * deformation_m + self.damping_N_s_per_m * rate_m_per_s)
 
     def _end(self, carried: Motion, points: Indices, arm_m: Array) -> tuple[Array, Array, Array]:
-        """Returns place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
+        """Return place and velocity (n, 3) of one end, and rotation (n, 3, 3) of its body."""
         ground = np.vstack([np.zeros(3), np.eye(3)])
         still = points[:, :1, None] < 0
         place_m = np.where(still, ground, carried.position_m[points])

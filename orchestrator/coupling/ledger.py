@@ -1,11 +1,11 @@
 """The books of a run: momentum and energy of every member and through every interface.
 
-Energy: for each member  d(stored) + lost - supplied = received + defect.  What two members
-received from each other adds up to zero in nature; in a staggered run the remainder is what the
-coupling created.  Both the defects and the created energy are the run's own figures of quality.
+Energy: for each member  d(stored) + lost - supplied = received + defect.  In nature, the energies that two
+members receive from each other add up to zero; in a staggered run the remainder is the energy that the
+coupling created.  The defects and the created energy measure the run's quality.
 
-Momentum: for each member  d(momentum) = outside impulse + impulse through its ports, and what
-one member gave the other received (or it is in transit, one interval late).
+Momentum: for each member  d(momentum) = outside impulse + impulse through its ports, and the impulse that one
+member gave is received by the other (or it is in transit, one interval late).
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ panels gave them, panels and frames what drives the machine."""
 
 
 def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float]) -> dict[str, float]:
-    """Returns the energy created at each interface of ``exchanged_J``, over all that was exchanged there
-    and lost by those that exchanged it, since t = 0.
+    """Return the energy created at each interface of ``exchanged_J``, as a share.
 
-    ``terms_J``: as ``Ledger.energy_J`` has them; ``exchanged_J``: as the monitor's ``ExchangedEnergy``.
-    A share is negative where energy was destroyed, and 0 where nothing happened.
+    The share is relative to the energy that was exchanged there, and lost by the members that exchanged it,
+    since t = 0.  ``terms_J``: as ``Ledger.energy_J`` returns them; ``exchanged_J``: as the monitor's
+    ``ExchangedEnergy`` has it.  A share is negative where energy was destroyed, and 0 where nothing happened.
     """
     shares = {}
     for interface, exchanged in exchanged_J.items():
@@ -44,8 +44,10 @@ def created_shares(terms_J: Mapping[str, float], exchanged_J: Mapping[str, float
 
 
 def share_created(summary: Mapping[str, Any]) -> float:
-    """Returns the share of a run's ``summary.json`` at the interface where most was created.  Runs of
-    older versions do not say what was exchanged; theirs is told by what was lost alone."""
+    """Return the share of a run's ``summary.json`` at the interface where most energy was created.
+
+    Summaries of older versions lack the exchanged energy; their share is relative to the lost energy alone.
+    """
     nothing = dict.fromkeys(LOSING, 0.0)
     exchanged_J = summary.get("energy_exchanged_J", nothing)
     shares = created_shares(summary["energy_ledger_J"], exchanged_J)
@@ -53,10 +55,12 @@ def share_created(summary: Mapping[str, Any]) -> float:
 
 
 def defect_shares(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Returns by member the energy that its own time steps made in a run of this ``summary.json``
-    (negative: destroyed), over what went through its interfaces, was lost by it, supplied to it, or is
-    stored otherwise than at t = 0: particles that fall turn their height into speed, and nobody else
-    knows."""
+    """Return by member the share of energy that its own time steps made in a run of this ``summary.json``.
+
+    A share is negative where energy was destroyed.  It is relative to the energy that went through the
+    member's interfaces, was lost by it, supplied to it, or is stored otherwise than at t = 0: falling
+    particles turn their height into speed, which appears in no other member's account.
+    """
     terms_J, exchanged_J = summary["energy_ledger_J"], summary.get("energy_exchanged_J", {})
     shares = {}
     for member in ("frames", "panel", "particles"):
@@ -68,18 +72,18 @@ def defect_shares(summary: Mapping[str, Any]) -> dict[str, float]:
 
 
 def _size_J(terms_J: Mapping[str, float], *beginnings: str) -> float:
-    """Returns the sum of the sizes of all terms whose names begin so."""
+    """Return the sum of the sizes of all terms whose names have the given beginning."""
     return sum(abs(value) for name, value in terms_J.items() if name.startswith(beginnings))
 
 
 class Ledger:
     """The books, opened at t = 0 (after every member's ``initial``) and read at any sync point.
 
-    ``account``s are collective under MPI, so are ``energy_J`` and ``momentum_residual``.
+    Every ``account`` is collective under MPI, and so are ``energy_J`` and ``momentum_residual``.
     """
 
     def __init__(self, members: MeteredSolvers, pending: Pending) -> None:
-        """``pending`` is what the scheme holds back at t = 0."""
+        """Open the books; ``pending`` is the impulse that the scheme holds back at t = 0."""
         self._members, self._opening_pending = members, pending
         self._opening = self._accounts()
 
@@ -87,7 +91,7 @@ class Ledger:
         return {name: member.account() for name, member in self._members.by_name().items()}
 
     def energy_J(self) -> dict[str, float]:
-        """Returns every term by name: ``stored.<member>.<kind>`` as change since t = 0, ``lost.…``,
+        """Return every term by name: ``stored.<member>.<kind>`` as change since t = 0, ``lost.…``,
         ``supplied.…``, ``created.<interface>``, ``defect.<member>``."""
         terms: dict[str, float] = {}
         received: dict[str, dict[str, float]] = {}
@@ -110,12 +114,14 @@ class Ledger:
         return terms
 
     def momentum_residual(self, pending: Pending) -> dict[str, float]:
-        """Returns the relative residual by member and interface: |defect| over the sum of the sizes of the
-        terms that should balance.  ``pending`` is what the scheme still holds back.
+        """Return the relative residual by member and interface.
 
-        The two clamps of a taut panel pull against each other; where nothing else happens, the
-        terms are what rounding leaves of that.  A millionth of the impulse that went through the
-        points (the sum of its sizes) is therefore added to the sizes.
+        It is |defect| over the sum of the sizes of the terms that should balance.  ``pending`` is the impulse
+        that the scheme still holds back.
+
+        The two clamps of a taut panel pull against each other; where nothing else happens, the terms are the
+        rounding error of that pull.  A millionth of the impulse that went through the points (the sum of its
+        sizes) is therefore added to the sizes.
         """
         frames, panel, particles = self._members.frames, self._members.panel, self._members.particles
         ports = {"frames": [frames.received_N_s], "panel": [panel.received_N_s, -panel.given_N_s]}
@@ -135,8 +141,11 @@ class Ledger:
         return residual
 
     def angular_momentum_residual(self, pending: Pending) -> dict[str, float]:
-        """Returns the same about the world's origin: of members that tell their angular momentum, to
-        rounding; of interfaces what mean loads on mean places leave (docs/theory/coupling.md)."""
+        """Return the relative residual of angular momentum about the world's origin.
+
+        Members that tell their angular momentum balance to rounding.  Interfaces keep the error that mean
+        loads on mean places leave (docs/theory/coupling.md).
+        """
         frames, panel = self._members.frames, self._members.panel
         held = pending.reaction_N_m_s - self._opening_pending.reaction_N_m_s
         residual = {"panel-frames": _relative([panel.given_N_m_s, -frames.received_N_m_s, -held])}
@@ -158,7 +167,7 @@ class Ledger:
         return residual
 
     def figures(self, pending: Pending) -> dict[str, Any]:
-        """Returns the entries of ``summary.json``."""
+        """Return the entries of ``summary.json``."""
         residuals = self.momentum_residual(pending)
         return {
             "momentum_residual_relative": max(residuals.values()),
@@ -173,6 +182,6 @@ def _change(now: Mapping[str, float], opening: Mapping[str, float]) -> dict[str,
 
 
 def _relative(terms: list[Array], least_size: float = 0.0) -> float:
-    """Returns the size of the sum over the sum of the sizes, ``least_size`` among them."""
+    """Return the size of the sum over the sum of the sizes, to which ``least_size`` is added."""
     size = least_size + sum(float(np.linalg.norm(term)) for term in terms)
     return float(np.linalg.norm(np.sum(terms, axis=0))) / size if size > 0 else 0.0

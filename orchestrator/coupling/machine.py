@@ -1,4 +1,4 @@
-"""The assembled machine: open solvers, and where everybody's points lie."""
+"""The assembled machine: open solvers, and the places of all points."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from orchestrator.ports.penetration import Penetrations
 
 @dataclass(frozen=True)
 class PanelPoints:
-    """The place of one panel in the concatenated surface and clamps; ``centre_line`` and ``shape``
-    (what is recorded of it for playing back) index the surface, ``first_clamp``,
-    ``second_clamp`` and ``stops`` (points of beams below it) the clamps.  ``edges`` (n, 2) of its
-    triangles index the surface, too; ``edge_length_m`` (n,) is their stress-free length."""
+    """The place of one panel in the concatenated surface and clamps.
+
+    ``centre_line`` and ``shape`` (its points that are recorded for playback) index the surface;
+    ``first_clamp``, ``second_clamp`` and ``stops`` (points of beams below it) index the clamps. ``edges`` (n,
+    2) of its triangles index the surface, too; ``edge_length_m`` (n,) is their stress-free length.
+    """
 
     name: str
     surface: slice
@@ -71,11 +73,11 @@ class Machine:
 
     @property
     def particle_runs(self) -> int:
-        """How often this process has moved the particles over an interval."""
+        """The number of times that this process has moved the particles over an interval."""
         return self.members.particles.runs if self.members.particles is not None else 0
 
     def close(self) -> None:
-        """Closes every solver."""
+        """Close every solver."""
         if self.solvers.particles is not None:
             self.solvers.particles.close()
         self.solvers.panel.close()

@@ -1,7 +1,7 @@
-"""Between the particles' triangles and the finite-element nodes: one matrix H.
+"""The mapping between the particles' triangles and the finite-element nodes: one matrix H.
 
-Motion goes down by H, load goes up by its transpose, so that the virtual work of both sides is
-the same whatever the two meshes are; H's rows sum to one, so that force is conserved, too.
+Motion goes down by H, load goes up by its transpose, so that the virtual work of both sides is the same
+whatever the two meshes are; H's rows sum to one, so that force is conserved, too.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from orchestrator.ports.clock import Interval
 
 
 class MappedPanel(PanelWrapper):
-    """The panel as seen through other points of its surface.
+    """A panel as seen through other points of its surface.
 
     ``H`` (new points, panel's surface points) comes from ``MeshedPanel.interpolation``.
     """
@@ -33,7 +33,7 @@ class MappedPanel(PanelWrapper):
         return self._state(super().advance(interval, clamps, Load(self._HT @ load.force_N)))
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Returns what is known of the points that hang on nothing that is not known."""
+        """Return the motion of the points that depend on known surface points alone."""
         own = super().ahead(interval, clamps)
         return Known(self._motion(own.motion), self._sizes @ np.where(own.which, 0.0, 1.0) == 0.0)
 

@@ -33,8 +33,10 @@ from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 class Stopwatch:
-    """Measures exclusive wall time by part: entering a part pauses the one outside it, so the parts
-    add up to the time inside any."""
+    """A stopwatch of exclusive wall time by part.
+
+    Entering a part pauses the part outside it, so the parts add up to the time inside any of them.
+    """
 
     def __init__(self) -> None:
         self.wall_s: dict[str, float] = {}
@@ -60,21 +62,22 @@ class Stopwatch:
 
 
 def impulse_N_s(load: Load, interval: Interval) -> Array:
-    """Returns the impulse (3,) that a mean load hands over in the interval."""
+    """Return the impulse (3,) that a mean load hands over in the interval."""
     return np.asarray(interval.length_s * load.force_N.sum(axis=0))
 
 
 def size_N_s(load: Load, interval: Interval) -> float:
-    """Returns the sum of the sizes of all components of the impulse at all points, so that loads
-    that cancel count."""
+    """Return the sum of the sizes of all components of the impulse at all points.
+
+    Loads that cancel each other count here.
+    """
     return float(interval.length_s * np.abs(load.force_N).sum())
 
 
 def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> Array:
-    """Returns the angular impulse (3,) about the world's origin that a mean load hands over.
+    """Return the angular impulse (3,) about the world's origin that a mean load hands over.
 
-    The points move smoothly (cubic Hermite) from ``start`` to ``end``; the mean of their places
-    counts.
+    The points move smoothly (cubic Hermite) from ``start`` to ``end``; the load acts at their mean places.
     """
     mean_m = (start.position_m + end.position_m) / 2.0
     mean_m += interval.length_s / 12.0 * (start.velocity_m_per_s - end.velocity_m_per_s)
@@ -84,9 +87,10 @@ def moment_N_m_s(load: Load, start: Motion, end: Motion, interval: Interval) -> 
 class MeteredFrames(FramesWrapper):
     """Frames with a meter.
 
-    ``received_N_s`` (3,) is the impulse of the panels on the frames since t = 0, ``through_N_s`` the
-    sum of its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` has what
-    they felt last, and where that took them."""
+    ``received_N_s`` (3,) is the impulse of the panels on the frames since t = 0, ``through_N_s`` the sum of
+    its sizes, ``received_N_m_s`` (3,) its moment about the world's origin; ``last`` has the last load on the
+    frames, and the motion to which it led.
+    """
 
     BOOKS = ("received_N_s", "through_N_s", "received_N_m_s", "_now")
     last: tuple[Load, Motion]
@@ -126,7 +130,7 @@ class MeteredFrames(FramesWrapper):
 
 
 class TimedPanel(PanelWrapper):
-    """A panel that says its ``name`` when it fails, and whose time is booked under ``part``."""
+    """A panel whose failures say its ``name``, and whose time is booked under ``part``."""
 
     def __init__(self, panel: Panel, name: str, part: str, stopwatch: Stopwatch) -> None:
         super().__init__(panel)
@@ -148,10 +152,11 @@ class TimedPanel(PanelWrapper):
 class MeteredPanel(TimedPanel):
     """A panel with a meter.
 
-    ``received_N_s`` (3,) is the impulse from the particles, ``given_N_s`` (3,) that to the frames,
-    since t = 0, ``through_N_s`` the sum of the sizes of both, ``received_N_m_s`` and ``given_N_m_s``
-    (3,) are their moments about the world's origin; ``last`` has where the clamps were told to go,
-    under which load, and what came of it."""
+    ``received_N_s`` (3,) is the impulse from the particles, ``given_N_s`` (3,) the impulse to the frames,
+    since t = 0; ``through_N_s`` is the sum of the sizes of both; ``received_N_m_s`` and ``given_N_m_s`` (3,)
+    are their moments about the world's origin; ``last`` has the last motion of the clamps, the load under
+    which it happened, and the resulting state.
+    """
 
     BOOKS = (
         "received_N_s",
@@ -202,10 +207,11 @@ class MeteredPanel(TimedPanel):
 class MeteredParticles(ParticlesWrapper):
     """Particles with a meter.
 
-    ``given_N_s`` (3,) is the impulse of the particles on the surface since t = 0, ``through_N_s`` the
-    sum of its sizes; ``last`` has the path that the surface took last, and the load on it.  Their
-    ``feed`` is saved with them: particles that step back are fed again.  ``runs`` counts intervals
-    run, those taken back, too."""
+    ``given_N_s`` (3,) is the impulse of the particles on the surface since t = 0, ``through_N_s`` the sum of
+    its sizes; ``last`` has the last path of the surface, and the load on it.  Their ``feed`` is saved with
+    them: particles that step back are fed again.  ``runs`` counts all intervals run, including those that
+    were taken back.
+    """
 
     BOOKS = ("given_N_s", "through_N_s")
     last: tuple[HermitePath, Load]
@@ -256,7 +262,7 @@ class MeteredSolvers:
     particles: MeteredParticles | None
 
     def by_name(self) -> dict[str, Member]:
-        """Returns the members that there are."""
+        """Return the members of the machine by name."""
         members: dict[str, Member | None] = {
             "frames": self.frames,
             "panel": self.panel,

@@ -22,7 +22,7 @@ _LAUNCHERS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK")
 
 
 def communicator() -> Any:
-    """Returns the world's communicator, or None in a run of one process, which does not import mpi4py."""
+    """Return the world's communicator, or None in a run of one process, which does not import mpi4py."""
     if not any(name in os.environ for name in _LAUNCHERS):
         return None
     from mpi4py import MPI
@@ -31,12 +31,12 @@ def communicator() -> Any:
 
 
 def is_first(world: Any) -> bool:
-    """Tells whether this is the rank that writes files and speaks to the user."""
+    """Tell whether this is the rank that writes files and speaks to the user."""
     return world is None or world.rank == 0
 
 
 def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
-    """Calls ``act`` on rank 0 alone, and returns or raises the outcome on every rank."""
+    """Call ``act`` on rank 0 alone, and return or raise the outcome on every rank."""
     if world is None:
         return act()
     answer: Any = None
@@ -52,16 +52,17 @@ def first_rank_does(world: Any, act: Callable[[], Shared]) -> Shared:
 
 
 def end_all(world: Any, code: int) -> int:
-    """Ends every rank, wherever it waits, with the exit code ``code``; returns it where there is
-    only one."""
+    """End every rank, wherever it waits, with the exit code ``code``; with only one rank, return the code."""
     if world is not None:
         world.Abort(code)
     return code
 
 
 def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
-    """Reports what usually goes wrong on all ranks alike: the first rank speaks and ends all; another
-    one speaks only if no rank before it did."""
+    """Report a failure that usually occurs on all ranks alike.
+
+    The first rank speaks and ends all; another rank speaks only if no rank before it did.
+    """
     if world is not None:
         time.sleep(2.0 * world.rank)
     speak()
@@ -69,7 +70,7 @@ def in_turn(world: Any, speak: Callable[[], object], code: int) -> int:
 
 
 class FramesOnFirstRank:
-    """Frames solved on rank 0; all ranks get the same motion, bit for bit."""
+    """Frames solved on rank 0, with the same motion, bit for bit, on all ranks."""
 
     def __init__(self, world: Any, open_frames: Callable[[], Frames]) -> None:
         self._world = world
@@ -88,7 +89,7 @@ class FramesOnFirstRank:
         return self._shared(lambda frames: frames.account())
 
     def save(self) -> Saved:
-        """Returns nothing on ranks that have no frames."""
+        """Return nothing on ranks that have no frames."""
         return self._frames.save() if self._frames is not None else {}
 
     def restore(self, saved: Saved) -> None:

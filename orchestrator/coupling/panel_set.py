@@ -1,7 +1,7 @@
-"""Several panels as one: points are concatenated, the coupling loop does not change.
+"""Several panels as one: points are concatenated, and the coupling loop does not change.
 
-Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the
-results, so that everybody knows the whole surface and all reactions.
+Under MPI each panel lives on one rank: that rank advances it, then all ranks exchange the results, so that
+every rank knows the whole surface and all reactions.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ class PanelSet:
         return sum_accounts(self._exchanged({i: panel.account() for i, panel in self._own.items()}))
 
     def save(self) -> Saved:
-        """Returns the states of the panels on this rank."""
+        """Return the states of the panels on this rank."""
         return {str(i): panel.save() for i, panel in self._own.items()}
 
     def restore(self, saved: Saved) -> None:
@@ -81,20 +81,20 @@ class PanelSet:
             panel.close()
 
     def _exchanged(self, own: Mapping[int, Any]) -> list[Any]:
-        """Returns one value per panel, in order, from the ranks that own the panels."""
+        """Return one value per panel, in order, from the ranks that own the panels."""
         parts = self._communicator.allgather(own) if self._communicator else [own]
         everybody = {i: value for part in parts for i, value in part.items()}
         return [everybody[i] for i in sorted(everybody)]
 
 
 def consecutive_slices(lengths: Sequence[int]) -> tuple[slice, ...]:
-    """Returns consecutive slices of the given lengths."""
+    """Return consecutive slices of the given lengths."""
     ends = np.cumsum([0, *lengths]).tolist()
     return tuple(slice(a, b) for a, b in itertools.pairwise(ends))
 
 
 def concatenate_states(states: Sequence[PanelState]) -> PanelState:
-    """Returns one state with the points of all panels, one panel after the other."""
+    """Return one state with the points of all panels, one panel after the other."""
     return PanelState(
         concatenate_motions([s.surface for s in states]),
         Load(np.concatenate([s.reaction.force_N for s in states])),
@@ -102,7 +102,7 @@ def concatenate_states(states: Sequence[PanelState]) -> PanelState:
 
 
 def concatenate_motions(motions: Sequence[Motion]) -> Motion:
-    """Returns the points of all motions, one after the other."""
+    """Return the points of all motions, one after the other."""
     return Motion(
         np.concatenate([motion.position_m for motion in motions]),
         np.concatenate([motion.velocity_m_per_s for motion in motions]),
@@ -110,7 +110,7 @@ def concatenate_motions(motions: Sequence[Motion]) -> Motion:
 
 
 def sum_accounts(accounts: Sequence[Account]) -> Account:
-    """Returns the sum of accounts, name by name, without angular momentum, which no panel tells."""
+    """Return the sum of accounts, name by name, without angular momentum, which no panel tells."""
 
     def added(name: str) -> Any:
         values = [getattr(account, name) for account in accounts]

@@ -41,8 +41,11 @@ from orchestrator.ports.state import restore_attributes, save_attributes
 
 @dataclass(frozen=True)
 class Tops:
-    """All stops of a panel.  Of its n points that can meet one: material coordinates (n, 2), the
-    number of its stop (n,), and stiffness and damping of the layer under it (n,)."""
+    """All stops of a panel.
+
+    For its n points that can meet a stop it has the material coordinates (n, 2), the number of the stop (n,),
+    and stiffness and damping of the layer under the point (n,).
+    """
 
     coordinates_m: Array
     stop: Indices
@@ -51,7 +54,7 @@ class Tops:
 
 
 def tops(stops: tuple[StopPlan, ...], rectangle: Rectangle, spacing_m: Array) -> Tops:
-    """Returns all tops, with points in the middles of cells of ``spacing_m`` (2,) at most."""
+    """Return all tops, with points in the middles of cells of at most ``spacing_m`` (2,)."""
     coordinates, number, areas = [], [], []
     for place, stop in enumerate(stops):
         sides_m = np.array([stop.to_m - stop.from_m, rectangle.width_m])
@@ -67,7 +70,7 @@ def tops(stops: tuple[StopPlan, ...], rectangle: Rectangle, spacing_m: Array) ->
 
 
 def corners_m(stop: StopPlan, rectangle: Rectangle) -> Array:
-    """Returns the top's corners (3, 3) in the world at t = 0, with the panel straight between its clamps."""
+    """Return the top's corners (3, 3) in the world at t = 0, with the panel straight between its clamps."""
     below_m = rectangle.corner_m - stop.gap_m * rectangle.normal
     ends = np.array([[stop.from_m, 0.0], [stop.to_m, 0.0], [stop.from_m, rectangle.width_m]])
     return np.asarray(rectangle.mounted(ends) - rectangle.corner_m + below_m)
@@ -109,7 +112,8 @@ class StoppedPanel(PanelWrapper):
             )
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Returns what the panel's own clamps tell; the tops carry nothing that particles touch."""
+        """Return the surface motion that the panel's own clamps tell; the tops carry nothing that particles
+        touch."""
         return super().ahead(interval, clamps.part(slice(self._clamps)))
 
     def initial(self) -> PanelState:
@@ -127,7 +131,7 @@ class StoppedPanel(PanelWrapper):
         return self._with(state, on_corners_N.reshape(-1, 3))
 
     def account(self) -> Account:
-        """Returns what the panel and the layers on the stops own."""
+        """Return the account of the panel and of the layers on the stops."""
         own, depth_m = super().account(), np.maximum(self._depths_m(), 0.0)
         stored_J = {"stops": 0.5 * float(self._tops.stiffness_N_per_m @ depth_m**2)}
         received_J = dict(own.received_J)
@@ -151,17 +155,17 @@ class StoppedPanel(PanelWrapper):
         return PanelState(state.surface, Load(np.vstack([state.reaction.force_N, on_corners_N])))
 
     def _feet(self, of_corners_m: Array, place_m: Array) -> Foot:
-        """Returns the feet of points at ``place_m`` (n, 3) on their tops, which have their corners
-        (3 stops, 3) at ``of_corners_m``."""
+        """Return the feet of points at ``place_m`` (n, 3) on their tops, whose corners (3 stops, 3) are at
+        ``of_corners_m``."""
         return foot_on_triangle(of_corners_m.reshape(-1, 3, 3)[self._tops.stop], place_m)
 
     def _depths_m(self) -> Array:
-        """Returns how deep the points (n,) have come through their tops now."""
+        """Return the depths (n,) by which the points have come through their tops now."""
         return -self._feet(self._corners.position_m, self._H @ self._surface.position_m).height_m
 
     def _pushed(self, end: Motion, length_s: float) -> tuple[Foot, Array, Array]:
-        """Returns where the points are in the middle of the interval, and the springs' and the dampers'
-        forces (n,) along the normals."""
+        """Return the points' places in the middle of the interval, and the springs' and the dampers' forces
+        (n,) along the normals."""
         start, velocity_m_per_s = self._corners.position_m, self._H @ self._surface.velocity_m_per_s
         place_m = self._H @ self._surface.position_m + length_s / 2 * velocity_m_per_s
         middle = self._feet((start + end.position_m) / 2, place_m)
@@ -173,7 +177,7 @@ class StoppedPanel(PanelWrapper):
         return middle, elastic_N, np.maximum(damping_N, -elastic_N)
 
     def _at_feet(self, middle: Foot, of_corners: Array) -> Array:
-        """Returns values (n, 3) at the points' feet of values at the corners."""
+        """Return values (n, 3) at the points' feet, interpolated from values at the corners."""
         corners = of_corners.reshape(-1, 3, 3)[self._tops.stop]
         return np.asarray(np.einsum("nc,nck->nk", middle.share, corners))
 

@@ -39,13 +39,13 @@ NO_POINTS = np.empty(0, dtype=np.int64)
 
 @dataclass(frozen=True)
 class SurfacePart:
-    """One part of the surface: how to open it, and what is known of its points before.
+    """One part of the surface: the call that opens it, and what is known of its points before.
 
-    ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its
-    clamps.  ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the
-    points of its ``RecordedGrid``, where it is recorded) hold the part's own point numbers;
-    ``points`` maps the names of points looked at (probes, centres of mass) to their numbers.  The
-    last three times ``stops`` of its clamps are points of beams below it.
+    ``drawn_m`` (n, 3) are its surface points as they are drawn, a panel's straight between its clamps.
+    ``triangles`` (m, 3), their stress-free ``edges``, ``centre_line`` and ``shape`` (the points of its
+    ``RecordedGrid``, where it is recorded) hold the part's own point numbers; ``points`` maps the names of
+    points looked at (probes, centres of mass) to their numbers.  The last three times ``stops`` of its clamps
+    are points of beams below it.
     """
 
     name: str
@@ -61,7 +61,7 @@ class SurfacePart:
 
 
 def panel_parts(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any = None) -> list[SurfacePart]:
-    """Returns one part per panel, in the order of the case, alike on every rank of ``world``."""
+    """Return one part per panel, in the order of the case, alike on every rank of ``world``."""
     plans = panel_plans(case, playbacks(case, case_folder))
     grids = first_rank_does(world, lambda: surface_grids(case))
     return [
@@ -86,7 +86,7 @@ def _panel(
     solvers.adapter("panel", solver).load()
 
     def opened() -> Panel:
-        own = cast(MeshedPanel, solvers.opened("panel", solver, plan))
+        own = cast(MeshedPanel, solvers.open_solver("panel", solver, plan))
         if plan.stops:
             own = _on_stops(own, plan)
         panel = TimedPanel(own, f"panel {plan.name} ({solver})", "panel", stopwatch)
@@ -118,7 +118,7 @@ def _on_stops(panel: MeshedPanel, plan: PanelPlan) -> MeshedPanel:
 
 
 def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
-    """Returns one part per rigid surface."""
+    """Return one part per rigid surface."""
 
     def part(wall: Wall) -> SurfacePart:
         opened = carried(wall.position_m, wall.frame)
@@ -129,8 +129,11 @@ def wall_parts(case: Case, case_folder: Path) -> list[SurfacePart]:
 
 
 def _looked_at(case: Case, frame: str) -> SurfacePart:
-    """Returns what is looked at of a frame: its centre of mass (under the frame's name), the ends of three
-    arms of 1 m from there along the world's axes, which tell its rotation, and its probes."""
+    """Return the part of a frame's points that are only looked at.
+
+    These are its centre of mass (under the frame's name), the ends of three arms of 1 m from there along the
+    world's axes, which tell its rotation, and its probes.
+    """
     probes = {
         name: probe.point_m
         for name, probe in case.probes.items()
@@ -144,7 +147,7 @@ def _looked_at(case: Case, frame: str) -> SurfacePart:
 
 
 def carried(position_m: Array, frame: str) -> Callable[[], Panel]:
-    """Returns a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
+    """Return a call that opens a rigid surface of points (n, 3) that ``frame`` carries."""
     module = "adapters.panel.common.carried"
     return lambda: cast(Panel, import_module(module).build(position_m, frame))
 
@@ -163,7 +166,7 @@ class OpenSurface:
 
     @staticmethod
     def of(case: Case, case_folder: Path, stopwatch: Stopwatch, world: Any) -> OpenSurface:
-        """Opens the surface of a case, on every rank of ``world``."""
+        """Open the surface of a case, on every rank of ``world``."""
         parts = [
             *panel_parts(case, case_folder, stopwatch, world),
             *wall_parts(case, case_folder),
@@ -172,14 +175,14 @@ class OpenSurface:
         return OpenSurface(case, parts, PanelSet(len(parts), lambda i: parts[i].open(), world))
 
     def bodies(self) -> list[SurfaceBody]:
-        """Returns the triangles of every part, in points of the whole surface."""
+        """Return the triangles of every part, in points of the whole surface."""
         return [
             SurfaceBody(part.name, part.triangles + points.start)
             for part, points in zip(self.parts, self.together.surface, strict=True)
         ]
 
     def triangle_surface(self) -> TriangleSurface:
-        """Returns all that particles touch, as it rests."""
+        """Return the surface that particles touch, at rest."""
         number = material_numbers(self.case)
         touched = [part for part in self.parts if part.material]
         return TriangleSurface(
@@ -191,13 +194,13 @@ class OpenSurface:
         )
 
     def panel_of_triangle(self) -> Indices:
-        """Returns the number of each triangle's panel; -1 for walls."""
+        """Return the number of each triangle's panel; -1 for walls."""
         panels = len(single_panels(self.case))
         numbers = [number if number < panels else -1 for number in range(len(self.parts))]
         return np.repeat(np.array(numbers, dtype=np.int64), [len(part.triangles) for part in self.parts])
 
     def panel_points(self) -> tuple[PanelPoints, ...]:
-        """Returns where the panels' points lie; a clamp is the first up to the middle of the span."""
+        """Return the places of the panels' points; the first clamp extends up to the middle of the span."""
         return tuple(
             self._points_of(part, single, surface, clamps)
             for part, single, surface, clamps in zip(
@@ -229,8 +232,8 @@ class OpenSurface:
         )
 
     def penetrations(self) -> Penetrations:
-        """Returns the search for penetrations: of panels, where no clamp and no stop holds them, through
-        everything that has triangles."""
+        """Return the search for panels that penetrate anything with triangles, where no clamp and no stop
+        holds them."""
         singles = zip(single_panels(self.case), self.parts, self.together.surface, strict=False)
         probed = [
             ProbedPanel(number, points.start + _free_pairs(single, part), single.table.thickness_m)
@@ -239,13 +242,13 @@ class OpenSurface:
         return Penetrations(np.concatenate([part.drawn_m for part in self.parts]), self.bodies(), probed)
 
     def centres(self) -> dict[str, int]:
-        """Returns the number of each frame's centre of mass among the carried points."""
+        """Return the number of each frame's centre of mass among the carried points."""
         frames = self.case.screen.frames
         places = zip(self.parts, self.together.clamps, strict=True)
         return {part.name: clamps.start for part, clamps in places if part.name in frames}
 
     def probes(self) -> tuple[PlacedProbe, ...]:
-        """Returns the case's probes; points of frames are read from the clamps, which are exact."""
+        """Return the case's probes; points of frames are read from the clamps, which are exact."""
         placed = []
         for number, part in enumerate(self.parts):
             on_frame = part.name in self.case.screen.frames
@@ -263,8 +266,11 @@ class OpenSurface:
 
 
 def _free_pairs(single: SinglePanel, part: SurfacePart) -> Indices:
-    """Returns pairs (k, 2) of points: those of a panel's triangles, as pairs of equal ones, and its edges
-    that are longer than it is thick, where neither a clamp nor a stop holds their middles."""
+    """Return pairs (k, 2) of points where neither a clamp nor a stop holds their middles.
+
+    They are the points of a panel's triangles, as pairs of equal points, and its edges that are longer than
+    the panel is thick.
+    """
     at, points = single.rectangle, np.unique(part.triangles)
     long = part.edges.points[part.edges.length_m > single.table.thickness_m]
     pairs = np.concatenate([np.column_stack([points, points]), long])

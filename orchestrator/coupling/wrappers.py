@@ -36,7 +36,7 @@ Wrapped = TypeVar("Wrapped", bound=Solver)
 
 
 class Wrapper(Generic[Wrapped]):
-    """What wrappers of all ports hand on."""
+    """The calls that wrappers of all ports hand on."""
 
     def __init__(self, solver: Wrapped) -> None:
         self._solver = solver

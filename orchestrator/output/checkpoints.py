@@ -1,7 +1,7 @@
-"""Checkpoints on the disk: the folder ``saves/<sync point>/`` in the folder of a run.
+"""Checkpoints on the disk: the folder ``checkpoints/<sync point>/`` in the folder of a run.
 
 Each holds the arrays of every rank, a copy of what the run had recorded by then, and
-``save.json``, which says what it is of and has the checksum of every other file.  A checkpoint is
+``checkpoint.json``, which says what it is of and has the checksum of every other file.  A checkpoint is
 written aside and renamed when all of it is on the disk; the last ``KEPT`` stay, and the last good one.
 """
 
@@ -23,10 +23,11 @@ from orchestrator.output.records.run_folder import check_format
 from orchestrator.ports import Saved
 
 KEPT = 2
-FOLDER, ABOUT = "saves", "save.json"
-FORMAT = 3
+FOLDER, ABOUT = "checkpoints", "checkpoint.json"
+FORMER_FOLDER = "saves"  # of checkpoints up to format 3, which cannot be resumed
+FORMAT = 4
 """Version of a checkpoint: to be raised with every change of the names of its arrays (a test holds
-them against tests/runs/checkpoint_names.txt), of their meaning, or of ``save.json``."""
+them against tests/runs/checkpoint_names.txt), of their meaning, or of ``checkpoint.json``."""
 SAID_OF_ORIGIN = ("ranks", "host", "machine", "python", "versions", "commit")
 
 
@@ -35,12 +36,12 @@ class TornCheckpoint(Exception):
 
 
 def array_names(saved: Saved) -> set[str]:
-    """Returns the names of all arrays in a state, as a checkpoint has them."""
+    """Return the names of all arrays in a state, as a checkpoint has them."""
     return set(_flat(saved))
 
 
 def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
-    """Returns the arrays by names with slashes; one that ends with a slash stands for "nothing in here"."""
+    """Return the arrays by names with slashes; one that ends with a slash stands for "nothing in here"."""
     table: dict[str, Any] = {} if saved else {within: np.empty(0)}
     for name, value in saved.items():
         table |= _flat(value, f"{within}{name}/") if isinstance(value, dict) else {within + name: value}
@@ -49,7 +50,7 @@ def _flat(saved: Saved, within: str = "") -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A whole checkpoint; ``about``: what ``save.json`` says, ``torn``: what is wrong with later ones."""
+    """A whole checkpoint with the content of ``checkpoint.json``; ``torn`` names damaged later ones."""
 
     folder: Path
     about: dict[str, Any]
@@ -71,7 +72,7 @@ class Checkpoint:
         return float(self.about["progress"]["figures"]["simulated_s"])
 
     def state(self, world: Any) -> Saved:
-        """Returns this rank's arrays."""
+        """Return this rank's arrays."""
         saved: Saved = {}
         with np.load(self.folder / _of_rank(world), allow_pickle=False) as file:
             for path in file.files:
@@ -84,7 +85,7 @@ class Checkpoint:
         return saved
 
     def put_back(self, run: Path) -> None:
-        """Copies the recorded files back, into the folder of the run."""
+        """Copy the recorded files back, into the folder of the run."""
         for name in self.about["copies"]:
             aside = run / f".{name}"
             shutil.copyfile(self.folder / name, aside)
@@ -92,7 +93,7 @@ class Checkpoint:
 
 
 def write(run: Path, state: Saved, copies: Sequence[Path], about: dict[str, Any], world: Any) -> None:
-    """Writes a new checkpoint into the folder of a run, of every rank of ``world``; ``about`` needs
+    """Write a new checkpoint into the folder of a run, of every rank of ``world``; ``about`` needs
     ``sync_points``, and those of the last ``good`` one.  Raises OSError on every rank where one cannot
     write; the checkpoints before stay."""
     folder = _folder(run, about["sync_points"])
@@ -113,7 +114,7 @@ def _open(aside: Path) -> None:
 
 
 def _write_arrays(mine: Path, state: Saved, world: Any) -> dict[str, str]:
-    """Writes the arrays of every rank, and returns their checksums.  What one of them cannot write, all
+    """Write the arrays of every rank, and return their checksums.  What one of them cannot write, all
     raise, when none is at work on its own any more."""
     try:
         np.savez(mine, **_flat(state))
@@ -131,7 +132,7 @@ def _write_arrays(mine: Path, state: Saved, world: Any) -> dict[str, str]:
 def _complete(
     aside: Path, folder: Path, copies: Sequence[Path], about: dict[str, Any], sums: dict[str, str]
 ) -> None:
-    """Writes the rest, gives the checkpoint its name, and removes an older one."""
+    """Write the rest, give the checkpoint its name, and remove an older one."""
     for copy in copies:
         shutil.copyfile(copy, aside / copy.name)
         sums = sums | {copy.name: _sync(aside / copy.name)}
@@ -149,7 +150,7 @@ def _complete(
 
 
 def newest(run: Path) -> Checkpoint | None:
-    """Returns the last checkpoint that is whole."""
+    """Return the last checkpoint that is whole."""
     torn: list[str] = []
     for folder in reversed(_in_order(run)):
         try:
@@ -160,7 +161,7 @@ def newest(run: Path) -> Checkpoint | None:
 
 
 def find_damage(run: Path) -> list[str]:
-    """Returns what is wrong with the checkpoints that are not whole."""
+    """Return what is wrong with the checkpoints that are not whole."""
     damage = []
     for folder in _in_order(run):
         try:
@@ -171,7 +172,7 @@ def find_damage(run: Path) -> list[str]:
 
 
 def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
-    """Returns the checkpoint of a sync point, if there is one and it is whole."""
+    """Return the checkpoint of a sync point, if there is one and it is whole."""
     folder = _folder(run, sync_points)
     try:
         return Checkpoint(folder, _read_about(folder))
@@ -180,15 +181,17 @@ def at_sync_point(run: Path, sync_points: int) -> Checkpoint | None:
 
 
 def remove_later(run: Path, checkpoint: Checkpoint) -> None:
-    """Removes what came after ``checkpoint``, and what was left half written."""
+    """Remove what came after ``checkpoint``, and what was left half written."""
     for folder in (run / FOLDER).iterdir():
         if folder.name.startswith(".") or folder.name > checkpoint.folder.name:
             shutil.rmtree(folder)
 
 
 def _read_about(folder: Path) -> dict[str, Any]:
-    """Returns what ``save.json`` says, if it says all with which a run is taken up, and the files are as
-    it says.  Raises TornCheckpoint."""
+    """Return the content of ``checkpoint.json``, having checked it and the other files' checksums.
+
+    Raises TornCheckpoint where something that a resumed run needs is missing or damaged.
+    """
     try:
         about: dict[str, Any] = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
         check_format(folder / ABOUT, about.get("format_version"), FORMAT)
@@ -213,7 +216,7 @@ def _read_about(folder: Path) -> dict[str, Any]:
 
 
 def _in_order(run: Path) -> list[Path]:
-    """Returns the folders of all checkpoints in the order of time."""
+    """Return the folders of all checkpoints in the order of time."""
     return sorted(folder for folder in (run / FOLDER).glob("*") if folder.name.isdigit())
 
 
@@ -231,7 +234,7 @@ def _checksum(file: Path) -> str:
 
 
 def _sync(path: Path) -> str:
-    """Waits until a file or folder is on the disk to stay, and returns the checksum of a file."""
+    """Wait until a file or folder is on the disk to stay, and return the checksum of a file."""
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)

@@ -19,7 +19,7 @@ ROUNDING = 1e-7  # of a cycle: a time that is nearer to the end of one is at its
 
 
 def cycle_s(case: Case) -> float:
-    """Returns the machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
+    """Return the machine's cycle: of its slowest exciter or drive (exciters do not move prescribed
     frames), or the whole run where there is none."""
     drives = [frame.drive for frame in case.screen.frames.values() if frame.drive]
     speeds = [drive.speed_rad_per_s for drive in drives]
@@ -29,29 +29,29 @@ def cycle_s(case: Case) -> float:
 
 
 def is_driven(case: Case) -> bool:
-    """Returns whether something gives the machine a cycle."""
+    """Return whether something gives the machine a cycle."""
     return cycle_s(case) != case.duration_s
 
 
 def counted_cycle_s(case: Case) -> float:
-    """Returns what results are counted by: the machine's cycle, or a fiftieth of the run where
+    """Return what results are counted by: the machine's cycle, or a fiftieth of the run where
     nothing drives the machine."""
     return cycle_s(case) if is_driven(case) else case.duration_s / CYCLES_WITHOUT_DRIVE
 
 
 def cycle_numbers(time_s: Array | float, cycle_s: float, start_s: float = 0.0) -> Indices:
-    """Returns the number, from 0, of the cycle after ``start_s`` that each time belongs to."""
+    """Return the number, from 0, of the cycle after ``start_s`` that each time belongs to."""
     number = np.ceil((time_s - start_s) / cycle_s - ROUNDING) - 1
     return np.asarray(np.maximum(number, 0), np.int64)
 
 
 def count_whole_cycles(lasting_s: float, cycle_s: float) -> int:
-    """Returns how many whole cycles a time lasts."""
+    """Return how many whole cycles a time lasts."""
     return max(0, math.floor(lasting_s / cycle_s + ROUNDING))
 
 
 def within(time_s: Array, start_s: float, end_s: float, cycle_s: float) -> npt.NDArray[np.bool_]:
-    """Returns which times are later than ``start_s`` and not later than ``end_s``, the ends of
+    """Return which times are later than ``start_s`` and not later than ``end_s``, the ends of
     cycles: those that belong to the cycles between them."""
     rounding_s = ROUNDING * cycle_s
     return np.asarray((time_s > start_s + rounding_s) & (time_s <= end_s + rounding_s))

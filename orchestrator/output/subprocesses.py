@@ -17,7 +17,7 @@ LAUNCHERS = ("OMPI_", "ORTE_", "PMI_", "PMIX_")
 
 
 def python(*words: str, alone: bool = False, **more: Any) -> subprocess.CompletedProcess[str]:
-    """Runs ``python WORDS`` to its end; ``more`` as for subprocess.run.  ``alone``: as a program of one
+    """Run ``python WORDS`` to its end; ``more`` as for subprocess.run.  ``alone``: as a program of one
     process, also where this one is a rank under mpirun."""
     paths = [str(ROOT), *filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep))]
     own = {"PYTHONPATH": os.pathsep.join(paths)}

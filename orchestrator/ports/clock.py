@@ -14,7 +14,7 @@ from functools import cache
 
 @cache
 def exact(value_s: float) -> Fraction:
-    """Returns the decimal number that a user wrote as a fraction: 1e-4 is 1/10000 exactly."""
+    """Return the decimal number that a user wrote as a fraction: 1e-4 is 1/10000 exactly."""
     return Fraction(repr(float(value_s)))
 
 
@@ -44,7 +44,7 @@ class Interval:
     parts: int = 1
 
     def divided(self, parts: int) -> list[Interval]:
-        """Returns the equal parts of a sync interval; halves of halves of a decimal number are exact."""
+        """Return the equal parts of a sync interval; halves of halves of a decimal number are exact."""
         first, length_s = parts * self.index, self.length_s / parts
         return [Interval(first + part, length_s, parts) for part in range(parts)]
 
@@ -59,13 +59,13 @@ class Interval:
         return float((self.index + 1) * exact(self.length_s))
 
     def steps(self, largest_step_s: float) -> int:
-        """Returns the fewest equal steps of at most ``largest_step_s`` that fill the interval."""
+        """Return the fewest equal steps of at most ``largest_step_s`` that fill the interval."""
         return steps_in(self.length_s, largest_step_s)
 
 
 @cache
 def steps_in(length_s: float, largest_step_s: float) -> int:
-    """Returns the fewest equal steps of at most ``largest_step_s`` that fill ``length_s``.  Raises ValueError
+    """Return the fewest equal steps of at most ``largest_step_s`` that fill ``length_s``.  Raises ValueError
     for a step that is not positive."""
     if largest_step_s <= 0:
         raise ValueError(f"a step must be positive, got {largest_step_s} s")
@@ -73,7 +73,7 @@ def steps_in(length_s: float, largest_step_s: float) -> int:
 
 
 def intervals(duration_s: float, length_s: float, first: int = 0) -> Iterator[Interval]:
-    """Yields the sync intervals, from number ``first``, that cover ``duration_s``; the last may reach
+    """Yield the sync intervals, from number ``first``, that cover ``duration_s``; the last may reach
     beyond it."""
     for index in range(first, steps_in(duration_s, length_s)):
         yield Interval(index, length_s)

@@ -1,4 +1,4 @@
-"""Why a run ends that is not the case's fault, and contexts that say in whom and when it happened."""
+"""The failures that end a run without a fault of the case, and contexts that add the solver and the time."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from orchestrator.ports.interface_records import BrokenRecord
 
 
 class SolverMissing(Exception):
-    """A solver's package is not installed; the message says what to install (exit code 3)."""
+    """An error for a solver whose package is not installed; the message says what to install (exit code
+    3)."""
 
 
 class SolverFailed(Exception):
-    """A solver failed or went unstable; the message says which, when and why (exit code 4)."""
+    """An error of a solver that failed or went unstable; the message says which, when and why (exit code
+    4)."""
 
 
 class NamedSolverFailed(SolverFailed):
@@ -24,11 +26,11 @@ class NamedSolverFailed(SolverFailed):
 
 @contextmanager
 def solver_failure_context(member: str, interval: Interval | None) -> Iterator[None]:
-    """Makes failures inside the context say which solver failed, and when.
+    """Make failures inside the context say which solver failed, and when.
 
-    ``interval`` is the one that was running, None at t = 0.  NamedSolverFailed takes the place of
-    SolverFailed, BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words
-    as a note.  Only the innermost of nested contexts speaks.
+    ``interval`` is the running interval, None at t = 0.  NamedSolverFailed takes the place of SolverFailed,
+    BrokenRecord, FloatingPointError and MemoryError; other exceptions get the same words as a note.  Only the
+    innermost of nested contexts speaks.
     """
     try:
         yield
@@ -57,7 +59,7 @@ def _when(interval: Interval | None) -> str:
 
 @contextmanager
 def write_failure_context(what: str, time_s: float) -> Iterator[None]:
-    """Makes an error of the disk, or of memory, say what could not be written, and at which time."""
+    """Make an error of the disk, or of memory, say what could not be written, and at which time."""
     try:
         yield
     except MemoryError as error:

@@ -70,7 +70,7 @@ class Frames(Solver, Protocol):
     """
 
     def initial(self) -> Motion:
-        """Returns the motion of the carried points at t = 0.
+        """Return the motion of the carried points at t = 0.
 
         Returns
         -------
@@ -80,7 +80,7 @@ class Frames(Solver, Protocol):
         ...
 
     def advance(self, interval: Interval, reaction: Load) -> Motion:
-        """Carries the bodies over one sync interval.
+        """Carry the bodies over one sync interval.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class Scheduled(Protocol):
     """Frames of which a drive moves some points by a schedule that no reaction changes."""
 
     def ahead(self, interval: Interval) -> Known | None:
-        """Tells where the driven points are at the interval's end.  The call changes nothing.
+        """Tell where the driven points are at the interval's end.  The call changes nothing.
 
         Parameters
         ----------
@@ -125,6 +125,6 @@ class Scheduled(Protocol):
 
 
 def find_driven_points(frames: Frames, interval: Interval) -> Known | None:
-    """Returns where the points that drives move are at the next interval's end, of any frames, ``Scheduled``
-    or not; None where nothing is driven."""
+    """Return the motion of driven points at the next interval's end, for frames that are ``Scheduled`` or
+    not; None where nothing is driven."""
     return frames.ahead(interval) if isinstance(frames, Scheduled) else None

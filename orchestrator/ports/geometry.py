@@ -35,11 +35,11 @@ class Rectangle:
 
     @property
     def normal(self) -> Array:
-        """Returns the unit vector (3,) that points up, to the bed."""
+        """The unit vector (3,) that points up, to the bed."""
         return np.cross(self.along, self.across)
 
     def mounted(self, coordinates_m: Array) -> Array:
-        """Returns the places (n, 3) of points of material coordinates (n, 2), with the panel straight between
+        """Return the places (n, 3) of points of material coordinates (n, 2), with the panel straight between
         its clamps.  A slack panel is compressed to ``span_m`` here; solvers find its sag."""
         s, y = coordinates_m[:, 0], coordinates_m[:, 1]
         free = np.clip(s, 0.0, self.length_m)
@@ -47,7 +47,7 @@ class Rectangle:
         return np.asarray(self.corner_m + np.outer(x, self.along) + np.outer(y, self.across))
 
     def end(self, coordinates_m: Array) -> Array:
-        """Tells which clamp holds points of material coordinates (n, 2): 0 the first, 1 the second, NaN none.
+        """Tell which clamp holds points of material coordinates (n, 2): 0 the first, 1 the second, NaN none.
 
         The inner edges belong to the clamps.
         """
@@ -77,40 +77,41 @@ class AperturePattern:
 
     @property
     def land_m(self) -> float:
-        """Returns the least width of material between neighbours of a row or column."""
+        """The least width of material between neighbours of a row or column."""
         return min(self.pitch_along_m - self.length_m, self.pitch_across_m - self.width_m)
 
     @property
     def opening_m2(self) -> float:
-        """Returns the exact area of one opening."""
+        """The exact area of one opening."""
         round_m = min(self.length_m, self.width_m) if self.shape == "slot" else 0.0
         return self.length_m * self.width_m - (1 - math.pi / 4) * round_m**2
 
     @property
     def solid_share(self) -> float:
-        """Returns material's share of a cell's area."""
+        """The material's share of a cell's area."""
         return 1.0 - self.opening_m2 / (self.pitch_along_m * self.pitch_across_m)
 
     def material_share(self, rectangle: Rectangle) -> float:
-        """Returns material's share of the whole free panel's area."""
+        """Return the material's share of the whole free panel's area."""
         region_m2 = float(np.ptp(self.region_m(rectangle), axis=0).prod())
         return 1.0 - (1.0 - self.solid_share) * region_m2 / (rectangle.length_m * rectangle.width_m)
 
     def counts(self, rectangle: Rectangle) -> tuple[int, int]:
-        """Returns the numbers of cells along and across; 0 where the margins leave no room."""
+        """Return the numbers of cells along and across; 0 where the margins leave no room."""
         along_m = rectangle.length_m - 2 * self.margin_along_m
         across_m = rectangle.width_m - 2 * self.margin_across_m
         whole = (along_m / self.pitch_along_m + 1e-6, across_m / self.pitch_across_m + 1e-6)
         return max(int(whole[0]), 0), max(int(whole[1]), 0)
 
     def region_m(self, rectangle: Rectangle) -> Array:
-        """Returns the lowest and highest (s, y) of the perforated region, (2, 2): whole cells."""
+        """Return the lowest and highest (s, y) of the perforated region, (2, 2), which consists of whole
+        cells."""
         middle = np.array([rectangle.length_m, rectangle.width_m]) / 2
         half = np.multiply(self.counts(rectangle), (self.pitch_along_m, self.pitch_across_m)) / 2
         return np.stack([middle - half, middle + half])
 
     def centres_m(self, rectangle: Rectangle) -> Array:
-        """Returns the material coordinates (openings, 2) of the openings' centers, row by row."""
+        """Return the material coordinates (openings, 2) of the openings' centers, row by row."""
         rows, columns = self.counts(rectangle)
         low, high = self.region_m(rectangle)
         row, column = (n.ravel() for n in np.mgrid[:rows, :columns])
@@ -120,7 +121,7 @@ class AperturePattern:
         return np.asarray(np.column_stack([s, y])[fits])
 
     def outline_m(self) -> Array:
-        """Returns one opening as a polygon (corners, 2) about its center, anticlockwise.
+        """Return one opening as a polygon (corners, 2) about its center, anticlockwise.
 
         Round ends are inscribed polygons with the fewest corners that keep 98 % of the area.
         """
@@ -140,7 +141,7 @@ class AperturePattern:
 
 
 def _lost_m2(radius_m: float, pieces: int) -> float:
-    """Returns the area of a circle less that of its inscribed polygon of 2 ``pieces`` sides."""
+    """Return the area of a circle less that of its inscribed polygon of 2 ``pieces`` sides."""
     return radius_m**2 * (math.pi - pieces * math.sin(math.pi / pieces))
 
 
@@ -183,7 +184,7 @@ class Foot:
 
 
 def foot_on_triangle(corners_m: Array, place_m: Array) -> Foot:
-    """Returns the foot of each point (n, 3) on the plane of its own triangle (n, 3, 3)."""
+    """Return the foot of each point (n, 3) on the plane of its own triangle (n, 3, 3)."""
     first, second, third = (corners_m[:, k] for k in range(3))
     edges_m = np.stack([second - first, third - first], axis=1)
     normal = np.cross(edges_m[:, 0], edges_m[:, 1])
@@ -197,7 +198,7 @@ def foot_on_triangle(corners_m: Array, place_m: Array) -> Foot:
 
 
 def closest_on_triangle(point_m: Array, corners_m: Array) -> Array:
-    """Returns barycentric weights (n, 3) of the point of triangle i closest to ``point_m`` i.
+    """Return barycentric weights (n, 3) of the point of triangle i closest to ``point_m`` i.
 
     ``point_m`` (n, 3), ``corners_m`` (n, 3, 3).  Ericson, C., Real-Time Collision Detection,
     Morgan Kaufmann 2005, section 5.1.5: the seven regions of a triangle, all points at once.
@@ -247,7 +248,7 @@ class Edges:
 
     @staticmethod
     def of(coordinates_m: Array, triangles: Indices) -> Edges:
-        """Returns the edges of triangles (m, 3), each once."""
+        """Return the edges of triangles (m, 3), each once."""
         all_of_them = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
         points = np.unique(np.sort(all_of_them, axis=1), axis=0)
         ends_m = coordinates_m[points]
@@ -258,8 +259,8 @@ TOUCHING = 1e-9  # of a box's size: rounding where a triangle stands against its
 
 
 def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
-    """Returns by how much (n,) spheres, (n, 3) and (n,), overlap the nearest of the triangles (m, 3, 3);
-    zero for spheres that overlap none."""
+    """Return the overlaps (n,) of spheres, (n, 3) and (n,), with the nearest of the triangles (m, 3, 3); zero
+    for spheres that overlap none."""
     from scipy.spatial import cKDTree
 
     deepest_m = np.zeros(len(position_m))
@@ -278,7 +279,7 @@ def overlap_m(position_m: Array, radius_m: Array, corners_m: Array) -> Array:
 
 
 def reach_into(corners_m: Array, box_m: Array) -> npt.NDArray[np.bool_]:
-    """Tells which (m,) of the triangles (m, 3, 3) reach into a box (2, 3: lowest and highest corner).
+    """Tell which (m,) of the triangles (m, 3, 3) reach into a box (2, 3: lowest and highest corner).
 
     Two convex bodies are apart if one of these directions parts them: the normals of both and the
     products of their edges (Akenine-Moeller, T., Journal of Graphics Tools 6, 2001, 29-33,

@@ -21,7 +21,7 @@ Indices = npt.NDArray[np.int64]
 
 
 class BrokenRecord(ValueError):
-    """A record has a wrong shape, a wrong dtype or a value that is not finite.
+    """An error of a record with a wrong shape, a wrong dtype or a value that is not finite.
 
     The message names the record, the field and the first bad point.
     """
@@ -70,7 +70,7 @@ class Motion:
         return len(self.position_m)
 
     def part(self, points: slice | Indices) -> Motion:
-        """Returns the motion of some of the points."""
+        """Return the motion of some of the points."""
         return Motion(self.position_m[points], self.velocity_m_per_s[points])
 
 
@@ -91,15 +91,15 @@ class Known:
 
     @staticmethod
     def nothing(points: int) -> Known:
-        """Returns the record of that many points of which none is known."""
+        """Return the record of that many points without any known motion."""
         return Known(Motion(*np.zeros((2, points, 3))), np.zeros(points, dtype=np.bool_))
 
     def part(self, points: slice | Indices) -> Known:
-        """Returns what is known of some of the points."""
+        """Return the known motion of some of the points."""
         return Known(self.motion.part(points), self.which[points])
 
     def among(self, points: int, at: Indices) -> Known:
-        """Returns these points as the numbers ``at`` among ``points``; the others are not known."""
+        """Return these points as the numbers ``at`` among ``points``; the others are not known."""
         known = Known.nothing(points)
         known.which[at] = self.which
         known.motion.position_m[at] = self.motion.position_m
@@ -107,7 +107,7 @@ class Known:
         return known
 
     def over(self, otherwise: Motion) -> Motion:
-        """Returns the motion of all points: ``otherwise`` where it is not known."""
+        """Return the motion of all points: ``otherwise`` where it is not known."""
         which = self.which[:, None]
         return Motion(
             np.where(which, self.motion.position_m, otherwise.position_m),
@@ -140,12 +140,13 @@ class Load:
 
     @staticmethod
     def zero(points: int) -> Load:
-        """Returns no force at that many points."""
+        """Return a load of zero at that many points."""
         return Load(np.zeros((points, 3)))
 
 
 def check_point_count(what: str, record: Motion | Load, points: int) -> None:
-    """Raises BrokenRecord, which names ``what`` and both numbers, for a record of other than ``points``."""
+    """Raise BrokenRecord for a record of other than ``points`` points; the message names ``what`` and both
+    numbers."""
     if len(record) != points:
         raise BrokenRecord(f"{what}: {points} points wanted, got {len(record)}")
 
@@ -284,13 +285,13 @@ class Inertia:
     held: Array
 
     def yielding(self, values: Array) -> Array:
-        """Returns the part of vectors (masses, 3) along which the masses yield."""
+        """Return the part of vectors (masses, 3) along which the masses yield."""
         along = np.einsum("mk,mk->m", values, self.held)
         return np.asarray(values - along[:, None] * self.held)
 
     @staticmethod
     def unknown(points: int) -> Inertia:
-        """Returns the record of that many points behind which no mass is known."""
+        """Return the record of that many points behind which no mass is known."""
         from scipy.sparse import csr_array  # takes long to import, and few commands need it
 
         return Inertia(csr_array((points, 0)), np.empty(0), np.empty((0, 3)))
@@ -321,7 +322,7 @@ class HermitePath:
     length_s: float
 
     def position_m(self, fraction: float) -> Array:
-        """Returns the places (points, 3) at ``fraction`` (0 ... 1) of the time."""
+        """Return the places (points, 3) at ``fraction`` (0 ... 1) of the time."""
         t, h = fraction, self.length_s
         value: Array = (
             (1 + 2 * t) * (1 - t) ** 2 * self.start.position_m
@@ -332,7 +333,7 @@ class HermitePath:
         return value
 
     def velocity_m_per_s(self, fraction: float) -> Array:
-        """Returns the velocities (points, 3) at ``fraction`` of the time."""
+        """Return the velocities (points, 3) at ``fraction`` of the time."""
         t, h = fraction, self.length_s
         value: Array = (
             6 * t * (t - 1) / h * (self.start.position_m - self.end.position_m)
@@ -342,7 +343,7 @@ class HermitePath:
         return value
 
     def acceleration_m_per_s2(self, fraction: float) -> Array:
-        """Returns the accelerations (points, 3) at ``fraction`` of the time."""
+        """Return the accelerations (points, 3) at ``fraction`` of the time."""
         t, h = fraction, self.length_s
         value: Array = (
             (12 * t - 6) / h**2 * (self.start.position_m - self.end.position_m)
@@ -352,5 +353,5 @@ class HermitePath:
         return value
 
     def at(self, fraction: float) -> Motion:
-        """Returns places and velocities at ``fraction`` of the time."""
+        """Return places and velocities at ``fraction`` of the time."""
         return Motion(self.position_m(fraction), self.velocity_m_per_s(fraction))

@@ -1,8 +1,8 @@
-"""Rigid bodies on bushings, linearised about the position they are drawn in:  M x'' + C x' + K x = load.
+"""Rigid bodies on bushings, linearised about their drawn position:  M x'' + C x' + K x = load.
 
-A body has the same coordinates as every other, some of six: three translations of its centre of
-mass, then three small rotations about world axes.  A bushing between bodies a and b (place p, rows
-of ``axes`` = spring axes) is stretched by  axes (u_b - u_a)  with  u = x + rotation x (p - centre).
+Every body has the same coordinates, a choice from six: three translations of its centre of mass, then three
+small rotations about world axes.  A bushing between bodies a and b (place p, rows of ``axes`` = spring axes)
+is stretched by  axes (u_b - u_a)  with  u = x + rotation x (p - centre).
 """
 
 from __future__ import annotations
@@ -23,8 +23,11 @@ SPACE = (0, 1, 2, 3, 4, 5)
 
 @dataclass(frozen=True)
 class LinearMachine:
-    """``stretch`` (3 bushings, coordinates): elongations along the spring axes per coordinate;
-    ``stiffness_N_per_m``, ``damping_N_s_per_m`` (3 bushings,); ``mass`` (coordinates, coordinates)."""
+    """A machine of linear equations in its bodies' coordinates.
+
+    ``stretch`` (3 bushings, coordinates): elongations along the spring axes per coordinate;
+    ``stiffness_N_per_m``, ``damping_N_s_per_m`` (3 bushings,); ``mass`` (coordinates, coordinates).
+    """
 
     stretch: Array
     stiffness_N_per_m: Array
@@ -51,11 +54,11 @@ class LinearMachine:
         return float(np.sqrt(max(highest, 0.0)))
 
     def sag(self, load: Array, in_play_N: float) -> Array:
-        """Return the static coordinates (coordinates,) under a constant load, the sum of forces of which the
-        sizes add up to ``in_play_N``.
+        """Return the static coordinates (coordinates,) under a constant load, the sum of forces whose sizes
+        add up to ``in_play_N``.
 
-        What those leave by rounding, and the panels by the tolerance of their resting shapes, need
-        not be held: a body that nothing loads may float freely in zero gravity.
+        Residuals from rounding, and from the tolerance of the panels' resting shapes, need not be held: a
+        body without load may float freely in zero gravity.
 
         Raises ValueError if the bushings cannot hold the load.
         """
@@ -78,9 +81,11 @@ class LinearMachine:
 
 
 def linearise(plan: FramesPlan, coordinates: tuple[int, ...], moving: Indices | None = None) -> LinearMachine:
-    """Return the linear machine of some bodies with these of their six coordinates, in this order.
+    """Return the linear machine of some bodies with the selected ones of their six coordinates, in that
+    order.
 
-    ``moving`` has the bodies' numbers, by default of those that no drive moves; the others stand.
+    ``moving`` has the numbers of the bodies that move, by default all bodies without a drive; the others
+    stand still.
     """
     import scipy.linalg
 
@@ -103,7 +108,7 @@ def linearise(plan: FramesPlan, coordinates: tuple[int, ...], moving: Indices | 
 
 
 def displacement(body: BodyPlan, place_m: Array) -> Array:
-    """Return (3, 6): how a point of the body moves per translation and small rotation."""
+    """Return the matrix (3, 6) of a body point's displacement per translation and small rotation."""
     return np.hstack([np.eye(3), -skew(place_m - body.center_of_mass_m)])
 
 
@@ -114,7 +119,7 @@ def skew(vector: Array) -> Array:
 
 
 def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
-    """Return the bodies' places in the plan, -1 for "ground".  ValueError for a name unknown."""
+    """Return the bodies' places in the plan, -1 for "ground".  Raises ValueError for an unknown name."""
     known = {body.name: number for number, body in enumerate(plan.bodies)} | {"ground": -1}
     if unknown := set(names) - set(known):
         raise ValueError(f"no such body: {sorted(unknown)}; there are {sorted(known)}")
@@ -124,17 +129,17 @@ def numbers(plan: FramesPlan, names: tuple[str, ...]) -> Indices:
 def driven(plan: FramesPlan) -> Indices:
     """Return the numbers of the bodies that drives move, in the order of the drives.
 
-    Raises ValueError for a body unknown, driven twice, or driven and excited.
+    Raises ValueError for a body that is unknown, driven twice, or driven and excited.
     """
     names = tuple(drive.body for drive in plan.drives)
-    found = numbers(plan, names)
-    if (found < 0).any():
+    bodies = numbers(plan, names)
+    if (bodies < 0).any():
         raise ValueError("the ground cannot be driven")
     if len(set(names)) < len(names):
         raise ValueError(f"one drive per body, got drives for {names}")
     if both := set(names) & {exciter.body for exciter in plan.exciters}:
         raise ValueError(f"driven and excited: {sorted(both)}; a drive leaves no choice")
-    return found
+    return bodies
 
 
 def free(plan: FramesPlan) -> Indices:

@@ -11,7 +11,7 @@ from orchestrator.ports.failures import SolverMissing
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """Yields the module ``gmsh``, quiet and on one thread; raises SolverMissing where it is not installed."""
+    """Yield the module ``gmsh``, quiet and on one thread; raise SolverMissing where it is not installed."""
     try:
         import gmsh
     except (ImportError, OSError) as missing:

@@ -92,7 +92,7 @@ class Panel(Solver, Protocol):
     mount: Mount
 
     def initial(self) -> PanelState:
-        """Returns the panel at rest between its clamps at t = 0.
+        """Return the panel at rest between its clamps at t = 0.
 
         Returns
         -------
@@ -102,7 +102,7 @@ class Panel(Solver, Protocol):
         ...
 
     def advance(self, interval: Interval, clamps: Motion, load: Load) -> PanelState:
-        """Carries the panel over one sync interval.
+        """Carry the panel over one sync interval.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class MeshedPanel(Panel, Protocol):
     """A panel with a mesh of its own, to which the particles' triangles are mapped."""
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Returns the matrix that takes values at the surface points to other points of the panel.
+        """Return the matrix that takes values at the surface points to other points of the panel.
 
         Parameters
         ----------
@@ -150,7 +150,7 @@ class Following(Protocol):
     """A panel with surface points that its clamps alone move, whatever loads them."""
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Tells where the points whose clamps are known are at the interval's end.
+        """Tell where the points whose clamps are known are at the interval's end.
 
         The answer is what ``advance`` with such clamps will give.  The call changes nothing.
 
@@ -174,12 +174,12 @@ class Inert(Protocol):
     """A panel that tells the masses behind its surface points."""
 
     def inertia(self) -> Inertia:
-        """Returns the free masses that carry the surface points; they never change."""
+        """Return the free masses that carry the surface points; they never change."""
         ...
 
 
 def surface_ahead(panel: Panel) -> Ahead:
-    """Returns ``panel.ahead``, or for a panel without it a call that knows no point ahead."""
+    """Return ``panel.ahead``, or for a panel without it a call that knows no point ahead."""
     if isinstance(panel, Following):
         return panel.ahead
     nothing = Known.nothing(len(panel.initial().surface))
@@ -187,7 +187,7 @@ def surface_ahead(panel: Panel) -> Ahead:
 
 
 def surface_inertia(panel: Panel) -> Inertia:
-    """Returns the masses behind a panel's surface points, unknown ones for a panel that tells none."""
+    """Return the masses behind a panel's surface points, or unknown masses for a panel that tells none."""
     if isinstance(panel, Inert):
         return panel.inertia()
     return Inertia.unknown(len(panel.initial().surface))

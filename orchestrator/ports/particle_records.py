@@ -85,7 +85,7 @@ class Overlaps:
     surface_per_diameter: float = 0.0
 
     def figures(self) -> dict[str, float]:
-        """Returns the table in ``summary.json``."""
+        """Return the table in ``summary.json``."""
         return {
             "between_m": self.between_m,
             "between_per_diameter": self.between_per_diameter,
@@ -94,18 +94,18 @@ class Overlaps:
         }
 
     def deepest(self, other: Overlaps) -> Overlaps:
-        """Returns the deepest of both times together."""
+        """Return the deepest contacts of two records together."""
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return Overlaps(*(max(pair) for pair in pairs))
 
 
 @dataclass(frozen=True)
 class Crossings:
-    """How often a particle's centre went through one of the surface's triangles since t = 0.
+    """The number of times that a particle's centre went through one of the surface's triangles since t = 0.
 
-    A contact pushes a centre back to the side that it is on, so a centre that comes to the other
-    side was pushed through by contacts too soft or jumped through in steps too long.  Who goes
-    through an opening, past a free edge or between two panels goes through no triangle.
+    A contact pushes a centre back to its present side of a triangle, so a centre that comes to the other side
+    was pushed through by contacts too soft or jumped through in steps too long.  A particle that goes through
+    an opening, past a free edge or between two panels goes through no triangle.
 
     Parameters
     ----------
@@ -122,16 +122,16 @@ class Crossings:
 
     @staticmethod
     def none() -> Crossings:
-        """Returns the record of particles of which none went through."""
+        """Return a record without crossings."""
         return Crossings(0, 0, 0.0, np.zeros(3))
 
     def first_in_words(self) -> str:
-        """Returns who was the first, where and when, for a message."""
+        """Return the first particle, its place and its time, in words for a message."""
         place = ", ".join(f"{x:.4g}" for x in self.first_position_m)
         return f"particle {self.first_id} at ({place}) m at t = {self.first_time_s:.6g} s"
 
     def figures(self) -> dict[str, Any]:
-        """Returns the entry of ``summary.json``; nulls where there was none."""
+        """Return the entry of ``summary.json``; nulls where there was none."""
         some = self.number > 0
         return {
             "number": self.number,
@@ -141,7 +141,7 @@ class Crossings:
         }
 
     def followed_by(self, later: Crossings) -> Crossings:
-        """Returns the record of these crossings and of ``later`` ones."""
+        """Return the record of these crossings and of ``later`` ones."""
         first = self if self.number else later
         return replace(first, number=self.number + later.number)
 
@@ -150,7 +150,7 @@ Bed = tuple[ParticleSnapshot, Overlaps]
 
 
 def sort_removed(parts: Sequence[Removed]) -> Removed:
-    """Returns the particles of several records (of none, too) in the order of time, then id."""
+    """Return the particles of several records (of none, too) in the order of time, then id."""
     nothing, nobody = np.empty(0), np.empty(0, dtype=np.int64)
     places = np.empty((0, 3))
     none = Removed(nobody, nothing, places, places, nothing, nothing, nobody, nobody)

@@ -106,7 +106,7 @@ class Particles(Solver, Protocol):
     """
 
     def initial(self) -> Load:
-        """Returns the particles' force on the surface at t = 0.
+        """Return the particles' force on the surface at t = 0.
 
         Returns
         -------
@@ -116,7 +116,7 @@ class Particles(Solver, Protocol):
         ...
 
     def advance(self, interval: Interval, path: HermitePath) -> Load:
-        """Carries the particles over one sync interval, while the surface follows a path.
+        """Carry the particles over one sync interval, while the surface follows a path.
 
         Parameters
         ----------
@@ -140,15 +140,15 @@ class Particles(Solver, Protocol):
         ...
 
     def snapshot(self) -> ParticleSnapshot:
-        """Returns all particles as they are at this sync point, complete on rank 0 only."""
+        """Return all particles at this sync point, complete on rank 0 only."""
         ...
 
     def removed(self) -> Removed:
-        """Returns the particles that were taken out since the last call, complete on rank 0 only."""
+        """Return the particles that were taken out since the last call, complete on rank 0 only."""
         ...
 
     def overlaps(self) -> Overlaps:
-        """Returns the deepest contacts of all steps since the last call, or since t = 0.
+        """Return the deepest contacts of all steps since the last call, or since t = 0.
 
         Returns
         -------
@@ -158,7 +158,7 @@ class Particles(Solver, Protocol):
         ...
 
     def crossings(self) -> Crossings:
-        """Returns how often particles went through the surface since t = 0.
+        """Return how often particles went through the surface since t = 0.
 
         Returns
         -------
@@ -172,7 +172,7 @@ class Wearing(Protocol):
     """Particles that wear the surface, built from a plan that asks for it."""
 
     def worn_m3(self) -> Array:
-        """Returns the volume worn off since t = 0, in m3, (surface points,), alike on every rank."""
+        """Return the volume worn off since t = 0, in m3, (surface points,), alike on every rank."""
         ...
 
 
@@ -180,7 +180,7 @@ class Predicting(Protocol):
     """Particles that predict their load, built from a plan that asks for it (``predicts_load``)."""
 
     def contact_tangent(self, length_s: float) -> ContactTangent:
-        """Predicts how the mean load over the next interval depends on the surface's velocity.
+        """Predict how the mean load over the next interval depends on the surface's velocity.
 
         The call changes nothing.  It comes at a sync point and is collective under MPI.
 

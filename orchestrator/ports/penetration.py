@@ -26,7 +26,7 @@ ON_RIM = 1e-9  # share of a corner: rounding on an edge that two triangles share
 
 @dataclass(frozen=True)
 class SurfaceBody:
-    """A panel or a rigid surface: its ``triangles`` (m, 3) of point numbers."""
+    """A panel or a rigid surface with its ``triangles`` (m, 3) of point numbers."""
 
     name: str
     triangles: Indices
@@ -53,7 +53,7 @@ class Penetration:
 
 
 class Penetrations:
-    """Finds panels that have gone through a surface since they were drawn.
+    """A search for panels that have gone through a surface since they were drawn.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class Penetrations:
     bodies
         Everything that has triangles.
     panels
-        What is looked at.
+        The panels with the points to be examined.
     """
 
     def __init__(self, drawn_m: Array, bodies: Sequence[SurfaceBody], panels: Sequence[ProbedPanel]) -> None:
@@ -75,13 +75,13 @@ class Penetrations:
         self._drawn_boxes_m = boxes_of(drawn_m[self._triangles])
 
     def deepest(self, position_m: Array) -> Penetration | None:
-        """Returns the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
+        """Return the deepest penetration with the points at ``position_m`` (n, 3); None without any."""
         boxes_m = np.stack([self._drawn_boxes_m, boxes_of(position_m[self._triangles])])
         deepest = (self._deepest_of(panel, position_m, boxes_m) for panel in self._panels)
         return max(filter(None, deepest), key=lambda each: each.thicknesses, default=None)
 
     def _deepest_of(self, panel: ProbedPanel, position_m: Array, boxes_m: Array) -> Penetration | None:
-        """Returns the deepest penetration of one panel; None without any."""
+        """Return the deepest penetration of one panel; None without any."""
         drawn_m, now_m = (points[panel.pairs].mean(axis=1) for points in (self._drawn_m, position_m))
         row, triangle = self._near(panel, drawn_m, now_m, boxes_m)
         was_m, is_m = (
@@ -107,10 +107,12 @@ class Penetrations:
     def _near(
         self, panel: ProbedPanel, drawn_m: Array, now_m: Array, boxes_m: Array
     ) -> tuple[Indices, Indices]:
-        """Returns pairs of a point (row) and a triangle (number) that it may have gone through: on
-        no axis is the point beyond the same side of the triangle's box before and after, or it
-        would be beyond it all the way.  ``boxes_m`` (2, m, 2, 3): of all triangles as drawn and
-        now, lowest and highest corner."""
+        """Return pairs of a point (row) and a triangle (number) that the point may have gone through.
+
+        On no axis is such a point beyond the same side of the triangle's box before and after, since it would
+        then be beyond it all the way.  ``boxes_m`` (2, m, 2, 3) has the lowest and highest corners of all
+        triangles as drawn and now.
+        """
         points_m = np.stack([drawn_m, now_m])  # (2, n, 3)
         others = np.flatnonzero(self._body != panel.body)
         if not len(now_m) or not len(others):
@@ -130,13 +132,15 @@ class Penetrations:
 
 
 def boxes_of(corners_m: Array) -> Array:
-    """Returns the lowest and highest corners (m, 2, 3) of the boxes around triangles (m, 3, 3)."""
+    """Return the lowest and highest corners (m, 2, 3) of the boxes around triangles (m, 3, 3)."""
     return np.stack([corners_m.min(axis=1), corners_m.max(axis=1)], axis=1)
 
 
 def height_m(corners_m: Array, triangle: Indices, place_m: Array) -> Array:
-    """Returns the heights (n,) of places (n, 3) over the planes of their own triangles, which are the
-    numbers ``triangle`` (n,) of ``corners_m`` (m, 3, 3); below is negative."""
+    """Return the heights (n,) of places (n, 3) over the planes of their own triangles; below is negative.
+
+    ``triangle`` (n,) has the numbers of these triangles in ``corners_m`` (m, 3, 3).
+    """
     first, second, third = (corners_m[:, k] for k in range(3))
     normal = np.cross(second - first, third - first)
     normal /= np.linalg.norm(normal, axis=1)[:, None]

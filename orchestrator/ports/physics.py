@@ -19,12 +19,12 @@ STANDARD_GRAVITY_M_PER_S2 = 9.80665
 
 
 def sphere_volume_m3(diameter_m: Number) -> Number:
-    """Returns the volume of a sphere, or of each of several, from the diameter in m."""
+    """Return the volume of one or several spheres from the diameter in m."""
     return math.pi / 6 * diameter_m**3
 
 
 def sphere_mass_kg(diameter_m: Number, density_kg_per_m3: Number | float) -> Number:
-    """Returns the mass of a sphere, or of each of several, from diameter in m and density in kg/m3."""
+    """Return the mass of one or several spheres from diameter in m and density in kg/m3."""
     return math.pi / 6 * density_kg_per_m3 * diameter_m**3
 
 

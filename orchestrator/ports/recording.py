@@ -18,15 +18,18 @@ from orchestrator.ports.geometry import Rectangle
 
 @dataclass(frozen=True)
 class RecordedGrid:
-    """A grid of ``rows_m`` (a,) and ``columns_m`` (b,), both increasing, from clamp's outer edge to clamp's
-    outer edge and from side to side; points are numbered with y running fastest."""
+    """A grid of ``rows_m`` (a,) and ``columns_m`` (b,), both increasing.
+
+    It reaches from clamp's outer edge to clamp's outer edge and from side to side; points are numbered with y
+    running fastest.
+    """
 
     rows_m: Array
     columns_m: Array
 
     @staticmethod
     def of(rectangle: Rectangle, cells: tuple[int, int]) -> RecordedGrid:
-        """Returns the grid of ``cells`` equal cells along and across, and one row under each clamp."""
+        """Return the grid of ``cells`` equal cells along and across, and one row under each clamp."""
         free = np.linspace(0.0, rectangle.length_m, cells[0] + 1)
         under = [rectangle.clamp_m] if rectangle.clamp_m > 0 else []
         rows = [*(-c for c in under), *free, *(rectangle.length_m + c for c in under)]
@@ -39,20 +42,20 @@ class RecordedGrid:
         return np.column_stack([s.ravel(), y.ravel()])
 
     def corners_m(self, rectangle: Rectangle) -> Array:
-        """Returns the material coordinates (corners, 2) of the clamps' corners, row by row."""
+        """Return the material coordinates (corners, 2) of the clamps' corners, row by row."""
         return np.array([(s, y) for s in _edges_m(rectangle) for y in (0.0, rectangle.width_m)])
 
     def carried(self, rectangle: Rectangle) -> Array:
-        """Returns N (points, corners): points = N @ corners where the clamps alone carry them."""
+        """Return the matrix N (points, corners) for which the clamps alone carry  points = N @ corners."""
         s, y = self.points_m.T
         along = hats(s, _edges_m(rectangle))
         across = hats(y, np.array([0.0, rectangle.width_m]))
         return both_ways(along, across)
 
     def mass_kg(self, rectangle: Rectangle, per_area_kg_per_m2: float, share: float) -> Array:
-        """Returns the lumped masses (points,): every cell gives a quarter to each of its corners.
+        """Return the lumped masses (points,): every cell gives a quarter to each of its corners.
 
-        ``share`` is how much of the free length openings leave.
+        ``share`` is the share of the free length's material that openings leave.
         """
         middle = (self.rows_m[1:] + self.rows_m[:-1]) / 2
         free = (middle > 0) & (middle < rectangle.length_m)
@@ -107,12 +110,12 @@ class Playback:
 
 
 def hats(places: Array, nodes: Array) -> Array:
-    """Returns linear interpolation between increasing nodes as a matrix (places, nodes)."""
+    """Return linear interpolation between increasing nodes as a matrix (places, nodes)."""
     return np.column_stack([np.interp(places, nodes, unit) for unit in np.eye(len(nodes))])
 
 
 def both_ways(along: Array, across: Array) -> Array:
-    """Returns, row by row, all products of (n, a) and (n, b): (n, a b)."""
+    """Return, row by row, all products of (n, a) and (n, b): (n, a b)."""
     return np.asarray((along[:, :, None] * across[:, None, :]).reshape(len(along), -1))
 
 
@@ -122,7 +125,7 @@ def _edges_m(rectangle: Rectangle) -> Array:
 
 
 def _halves(lengths: Array) -> Array:
-    """Returns what each node has of the lengths between them: half of those on both sides."""
+    """Return each node's part of the lengths between nodes: half of the length on either side."""
     shares = np.zeros(len(lengths) + 1)
     shares[:-1] += lengths / 2
     shares[1:] += lengths / 2

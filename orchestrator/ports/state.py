@@ -1,7 +1,7 @@
-"""The state of solvers and books as plain arrays, and back: what ``Restorable`` is made of.
+"""The state of solvers and books as plain arrays, and back, as ``Restorable`` needs it.
 
-``save_attributes`` copies named attributes into arrays, ``restore_attributes`` sets them again from
-these.  An attribute is an array, a number, a text, a record (a dataclass) or a dictionary of these.
+``save_attributes`` copies named attributes into arrays, ``restore_attributes`` sets them again from these.
+An attribute is an array, a number, a text, a record (a dataclass) or a dictionary of these.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Restorable(Protocol):
     """
 
     def save(self) -> Saved:
-        """Returns copies of all that decides how the solver goes on.  The call changes nothing.
+        """Return copies of all that decides how the solver goes on.  The call changes nothing.
 
         Returns
         -------
@@ -38,7 +38,7 @@ class Restorable(Protocol):
         ...
 
     def restore(self, saved: Saved) -> None:
-        """Takes this solver to the sync point at which ``saved`` was made.
+        """Take this solver to the sync point at which ``saved`` was made.
 
         Parameters
         ----------
@@ -49,19 +49,19 @@ class Restorable(Protocol):
 
 
 class Solver(Restorable, Protocol):
-    """What the members of every port answer."""
+    """The calls that the members of every port answer."""
 
     def account(self) -> Account:
-        """Returns what the solver owns now, and what went through it since t = 0."""
+        """Return what the solver owns now, and the flows through it since t = 0."""
         ...
 
     def close(self) -> None:
-        """Releases what the solver holds; no call follows."""
+        """Release everything that the solver holds; no call follows."""
         ...
 
 
 def save_attributes(owner: object, *names: str) -> Saved:
-    """Returns copies of some attributes of ``owner`` as arrays, or dictionaries of these, by name.
+    """Return copies of some attributes of ``owner`` as arrays, or dictionaries of these, by name.
 
     The keys lack the underscore that marks attributes as private.
 
@@ -79,16 +79,17 @@ def save_attributes(owner: object, *names: str) -> Saved:
 
 
 def restore_attributes(owner: object, saved: Saved, *names: str) -> None:
-    """Sets attributes to what ``save_attributes`` returned; raises KeyError where ``saved`` lacks one.
+    """Set attributes to the values that ``save_attributes`` returned; raise KeyError where ``saved`` lacks
+    one.
 
-    The present values tell of which kind the restored ones must be.
+    The present values tell the kinds of the restored values.
     """
     for name in names:
         setattr(owner, name, like(getattr(owner, name), saved[name.lstrip("_")]))
 
 
 def as_arrays(value: Any) -> Any:
-    """Returns copies of all that a value holds, in arrays."""
+    """Return copies of all contents of a value as arrays."""
     if is_dataclass(value):
         return {field.name: as_arrays(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Mapping):
@@ -97,7 +98,7 @@ def as_arrays(value: Any) -> Any:
 
 
 def like(present: Any, saved: Any) -> Any:
-    """Returns a value of the kind of ``present`` with the saved arrays in it."""
+    """Return a value of the kind of ``present`` with the saved arrays in it."""
     if is_dataclass(present) and not isinstance(present, type):
         names = [field.name for field in fields(present)]
         return replace(present, **{n: like(getattr(present, n), saved[n]) for n in names})
@@ -114,12 +115,12 @@ class SavedAttributes:
     STATE: ClassVar[tuple[str, ...]] = ()
 
     def save(self) -> Saved:
-        """Returns copies of the attributes."""
+        """Return copies of the attributes."""
         return save_attributes(self, *self.STATE)
 
     def restore(self, saved: Saved) -> None:
-        """Takes the solver back to what was saved."""
+        """Take the solver back to a saved state."""
         restore_attributes(self, saved, *self.STATE)
 
     def close(self) -> None:
-        """Does nothing: there is nothing to close."""
+        """Do nothing, since nothing is open."""

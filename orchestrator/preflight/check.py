@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Returns all that must be put right before the case can run."""
+    """Return all that must be put right before the case can run."""
     case, folder = loaded.case, loaded.folder
     whole = case.whole  # as the user gave it; what counts of a slice is looked at in the case
     if problems := find_table_problems(loaded):
@@ -61,7 +61,7 @@ def find_problems(loaded: JudgedCase) -> list[CaseProblem]:
 
 
 def find_table_problems(loaded: JudgedCase) -> list[CaseProblem]:
-    """Returns the problems of the first round alone, which reads no files and places no particles."""
+    """Return the problems of the first round alone, which reads no files and places no particles."""
     problems = [problem for rule in TABLE_RULES for problem in rule(loaded.case.whole)]
     return _as_given(loaded, [*loaded.choice.problems, *problems])
 
@@ -73,20 +73,20 @@ def find_problems_at_rest(
     penetrations: Penetrations,
     particles: ParticleList,
 ) -> list[CaseProblem]:
-    """Returns what the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
+    """Return what the panels, open and at rest, reach into; ``surface`` is all that particles touch."""
     problems = list(surfaces.beyond_surfaces(loaded.case, penetrations, surface))
     problems += surfaces.in_hanging_panels(loaded.case, surface, panel_of_triangle, particles)
     return _as_given(loaded, problems)
 
 
 def _as_given(loaded: JudgedCase, problems: list[CaseProblem]) -> list[CaseProblem]:
-    """Returns the problems with keys as the user gave them."""
+    """Return the problems with keys as the user gave them."""
     decks = loaded.layers.merged["screen"].get("decks", {})
     return loaded.layers.named([as_given(problem, decks) for problem in problems])
 
 
 def warnings(loaded: JudgedCase) -> list[str]:
-    """Returns what is allowed but doubtful, with numbers; for a case without problems.  The sync
+    """Return what is allowed but doubtful, with numbers; for a case without problems.  The sync
     interval has a report of its own: stability/report.py."""
     case = loaded.case
     return [

@@ -1,7 +1,7 @@
 """What a run will take: processor time of the whole of it, part by part, before anything runs.
 
 The parts are those of ``wall_by_part_s``.  Solvers' shares are asked of their adapters
-(``ports/plans``); what the orchestrator does itself has its constants here.  All were
+(``ports/plans.py``); what the orchestrator does itself has its constants here.  All were
 measured on drafts of shipped cases on one core of a 2-core AMD EPYC machine, busy with other work;
 ``python -m tools.cost_series`` measures what was predicted over what was taken.  How long material
 stays on the deck is known after the run only: the estimate lies between a thin dry layer and a
@@ -19,7 +19,7 @@ import numpy as np
 from orchestrator.case.bed.adhesion import adhesion_law
 from orchestrator.case.bed.size_distribution import mean_mass_kg
 from orchestrator.case.bed.sources import initial_particles, inlets
-from orchestrator.case.deck.panels import TRANSPORT_M_S, single_panels, stay_s
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, single_panels, stay_s
 from orchestrator.case.deck.triangle_grid import surface_grids
 from orchestrator.case.solver_plans import material_numbers, mesh_sizes, particle_step_s
 from orchestrator.case.tables.case import Case, has_particles
@@ -44,11 +44,11 @@ ROW_S, ROW_PANEL_S, ROW_BODY_S = 1.5e-4, 6e-5, 5e-5
 """Of the time series."""
 OUTPUT_S, OUTPUT_BED_S, OUTPUT_PARTICLE_S, OUTPUT_TRIANGLE_S = 8e-3, 5e-3, 6e-6, 2e-7
 """Of an output time."""
-SAVE_S = 0.04
+CHECKPOINT_S = 0.04
 """At the end."""
 
 
-THICK, THIN = TRANSPORT_M_S, 1.5
+THICK, THIN = TRANSPORT_M_PER_S, 1.5
 """Speeds in m/s at which material moves along the deck: a thick bed that creeps, and single dry
 particles, thrown (level dry of cases/ffs0827-slice)."""
 TIMES = 2000  # places in time at which particles are counted
@@ -68,7 +68,7 @@ class BedCost:
 
 
 def bed_cost(case: Case, at_start: int, transport_m_per_s: float) -> BedCost:
-    """Returns the cost of a bed with ``at_start`` particles at t = 0, which leave as others do where
+    """Return the cost of a bed with ``at_start`` particles at t = 0, which leave as others do where
     there are exits."""
     time_s = np.linspace(0.0, case.duration_s, TIMES)
     stays_s = stay_s(case, transport_m_per_s)
@@ -101,7 +101,7 @@ load that was found."""
 
 
 def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THICK) -> dict[str, float]:
-    """Returns the processor time by part, "start" first (importing, which no wall time counts), of a
+    """Return the processor time by part, "start" first (importing, which no wall time counts), of a
     run with ``at_start`` particles at t = 0.  Pictures and the report are made apart."""
     case = case_with_scheme(case)
     intervals = case.duration_s / case.coupling.sync_interval_s
@@ -127,21 +127,21 @@ def predicted_parts_s(case: Case, at_start: int, transport_m_per_s: float = THIC
     stopped = sum(bool(panel.table.stops) for panel in panels)
     parts_s["panel"] += tries.panel * intervals * STOPPED_PANEL_S * stopped
     parts_s["rest"] += sum(cost.opening_s for cost in costs.values())
-    return parts_s | {"output": _output_s(case, mean), "saves": SAVE_S}
+    return parts_s | {"output": _output_s(case, mean), "checkpoints": CHECKPOINT_S}
 
 
 def predicted_s(case: Case, at_start: int) -> float:
-    """Returns the processor time of the whole run, with a thick bed."""
+    """Return the processor time of the whole run, with a thick bed."""
     return sum(predicted_parts_s(case, at_start).values())
 
 
 def particles_at_start(case: Case) -> int:
-    """Returns how many there are at t = 0."""
+    """Return how many there are at t = 0."""
     return len(initial_particles(case, material_numbers(case))) if has_particles(case) else 0
 
 
 def in_words(time_s: float) -> str:
-    """Returns a time to be read: in seconds below two minutes, in minutes below two hours, in hours
+    """Return a time to be read: in seconds below two minutes, in minutes below two hours, in hours
     below two days, else in days."""
     for unit, unit_s, end_s in (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 172_800)):
         if time_s < end_s:
@@ -182,7 +182,7 @@ def _particles_work(case: Case, mean: float, tries: float, triangles: int) -> Pa
 
 
 def _triangles(case: Case) -> int:
-    """Returns how many triangles of panels particles may touch; as many as without openings where no
+    """Return how many triangles of panels particles may touch; as many as without openings where no
     mesher is there."""
     try:
         return sum(len(grid.triangles) for grid in surface_grids(case).values())

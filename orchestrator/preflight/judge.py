@@ -14,10 +14,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from orchestrator.case.file.deck_layout import laid_out
-from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, shown
-from orchestrator.case.file.layers import Layers, Origin, changed
-from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, validated
+from orchestrator.case.file.deck_layout import lay_out_decks
+from orchestrator.case.file.errors import CaseError, CaseProblem, Key, did_you_mean, show_value
+from orchestrator.case.file.layers import Layers, Origin, find_changes
+from orchestrator.case.load import AskedEffects, InvalidTables, Level, LoadedCase, load, validate
 from orchestrator.case.scalars import SCALARS, scalar
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.checks import TABLE_RULES
@@ -121,11 +121,11 @@ def judge(loaded: LoadedCase) -> JudgedCase:
     broken = choice.problems or any(True for rule in TABLE_RULES for _ in rule(case.whole))
     if loaded.asked.effects is not None and not broken:
         choice = _choose(layers, loaded)
-        case = validated(layers)
+        case = validate(layers)
     left_out = find_left_out(case)
     for name, why in choice.left_out.items():
         left_out[name] = f"{left_out[name]}; {why}" if name in left_out else why
-    physics = (key for key in changed(loaded.origin.given, layers.merged) if key[0] not in NO_PHYSICS)
+    physics = (key for key in find_changes(loaded.origin.given, layers.merged) if key[0] not in NO_PHYSICS)
     return JudgedCase(
         name=loaded.name,
         folder=loaded.folder,
@@ -196,7 +196,7 @@ def _wrong_level(level: Level | None) -> Iterator[CaseProblem]:
     source = f"levels/{level.name}.toml"
     try:
         needed = find_left_out_by_level(
-            *(laid_out(Case.model_validate(c)) for c in (level.before, level.after))
+            *(lay_out_decks(Case.model_validate(c)) for c in (level.before, level.after))
         )
     except (ValidationError, CaseError):
         return  # without the level or --set it is no case
@@ -225,12 +225,12 @@ def _wrong_effects(asked: AskedEffects) -> Iterator[CaseProblem]:
 def _misnamed(asked: Any) -> Iterator[CaseProblem]:
     """Yield what is neither "auto" nor a list of names of effects, and laws that exclude each other."""
     if not isinstance(asked, list) or not all(isinstance(word, str) for word in asked):
-        yield CaseProblem(KEY, f'{shown(asked)} is wrong, "auto" or a list of names is wanted')
+        yield CaseProblem(KEY, f'{show_value(asked)} is wrong, "auto" or a list of names is wanted')
         return
     chosen: dict[str, str] = {}
     for word in dict.fromkeys(asked):
         if word not in EFFECTS and word not in OF_LAW:
-            yield CaseProblem(KEY, f"no effect {shown(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
+            yield CaseProblem(KEY, f"no effect {show_value(word)}", did_you_mean(word, [*EFFECTS, *OF_LAW]))
         elif word in OF_LAW and (other := chosen.setdefault(OF_LAW[word], word)) != word:
             what = f'"{other}" and "{word}" exclude each other: both are laws of {OF_LAW[word]}'
             yield CaseProblem(KEY, what, "name one of them")
@@ -259,5 +259,5 @@ def _other_laws(layers: Layers, laws: Sequence[str]) -> Iterator[CaseProblem]:
             for key, wanted in keys.items():
                 given = layers.merged.get(table, {}).get(key, wanted)
                 if given != wanted:
-                    what = f'"{law}" is named, and {table}.{key} is {shown(given)}'
+                    what = f'"{law}" is named, and {table}.{key} is {show_value(given)}'
                     yield CaseProblem(KEY, what, f"({layers.source((table, key))}); take one away")

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import tomli_w
 
-from orchestrator.case.file.deck_layout import laid_out
+from orchestrator.case.file.deck_layout import lay_out_decks
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.layers import Layers, parsed, read_toml
+from orchestrator.case.file.layers import Layers, parse_override, read_toml
 from orchestrator.case.tables.case import Case
 from orchestrator.preflight.judge import JudgedCase
 from orchestrator.preflight.judgement.catalogue import find_left_out_by_level
@@ -29,11 +29,11 @@ def write_level(loaded: JudgedCase, name: str, sets: Sequence[str], about: str) 
     overlay = {key: value for key, value in overlay.items() if key not in ("about", "without")}
     level = Layers(overlay, file.name)
     for each in sets:
-        level.lay(parsed(each), "--set")
+        level.lay(parse_override(each), "--set")
     bare = read_toml(loaded.folder / "case.toml", loaded.folder)
     whole = Layers(bare, "case.toml")
     whole.lay(level.merged, file.name)
-    cases = (laid_out(Case.model_validate(table)) for table in (bare, whole.merged))
+    cases = (lay_out_decks(Case.model_validate(table)) for table in (bare, whole.merged))
     without = [*find_left_out_by_level(*cases)]
     head = {"about": about} | ({"without": without} if without else {})
     file.parent.mkdir(exist_ok=True)

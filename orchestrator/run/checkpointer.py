@@ -30,7 +30,7 @@ class Schedule:
         self._last_s = time.monotonic()
 
     def due(self, done: int) -> bool:
-        """Returns whether one is due after ``done`` sync intervals; alike on all ranks."""
+        """Return whether one is due after ``done`` sync intervals; alike on all ranks."""
         if self._every and done % self._every == 0:
             return True
         return self._wall_s > 0 and first_rank_does(
@@ -38,7 +38,7 @@ class Schedule:
         )
 
     def done(self) -> None:
-        """Notes that a checkpoint has been written now."""
+        """Note that a checkpoint has been written now."""
         self._last_s = time.monotonic()
 
 
@@ -65,7 +65,7 @@ class Checkpointer:
         self._last = self._good = -1
 
     def save(self, state: State, done: int) -> None:
-        """Writes a checkpoint after ``done`` sync intervals, once.  The last one from before anything was
+        """Write a checkpoint after ``done`` sync intervals, once.  The last one from before anything was
         amiss stays.  Raises OSError."""
         if done == self._last:
             return
@@ -76,13 +76,13 @@ class Checkpointer:
         self._last = done
 
     def _state(self, state: State) -> Saved:
-        """Returns all that decides how the run goes on, of this rank."""
+        """Return all that decides how the run goes on, of this rank."""
         members = {name: member.save() for name, member in self._members.items()}
         saved = {"members": members, "coupling": as_arrays(state)}
         return saved | {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, checkpoint: Checkpoint, start: State) -> State:
-        """Takes back all that was saved, into a machine freshly opened whose state is ``start``.
+        """Take back all that was saved, into a machine freshly opened whose state is ``start``.
         Returns the state at the sync point of the checkpoint.  Raises ValueError where a checkpoint of
         this run has other arrays."""
         saved = checkpoint.state(self._world)

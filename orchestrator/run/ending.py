@@ -40,7 +40,7 @@ class Ending:
     console: Console
 
     def write(self, progress: Progress, status: str, reason: str) -> dict[str, Any]:
-        """Writes ``summary.json`` and the pictures, and returns the summary.
+        """Write ``summary.json`` and the pictures, and return the summary.
 
         ``status`` is "done", "interrupted" or "failed", with the ``reason``.  A run that is done
         may turn out to be doubtful or incomplete (``trust.py``).
@@ -78,7 +78,7 @@ class Ending:
         return figures
 
     def _add_results(self, figures: dict[str, Any]) -> None:
-        """Adds the results to ``figures`` and to ``history.h5``.
+        """Add the results to ``figures`` and to ``history.h5``.
 
         What could not be made is reported on the console and in the log, and nothing else is lost.
         """
@@ -96,7 +96,7 @@ class Ending:
         self._report_missing(figures, failed)
 
     def _report_missing(self, figures: dict[str, Any], failed: Mapping[str, str]) -> None:
-        """Reports which results an internal error prevented; the ``reason`` of a run that came to its
+        """Report which results an internal error prevented; the ``reason`` of a run that came to its
         end is the same."""
         for part, error in failed.items():
             LOG.error("results not made: %s: %s", part, error)
@@ -106,7 +106,7 @@ class Ending:
             figures["reason"] = figures["reason"] or what
 
     def _check_effects(self, figures: dict[str, Any]) -> None:
-        """Judges the effects again by what the run recorded.  Under a run that failed, that stands
+        """Judge the effects again by what the run recorded.  Under a run that failed, that stands
         in the log only: the last lines of the console are why it failed and how to go on."""
         after = checked_by_run(self.effects, self.loaded.described, self.folder, figures["results"])
         figures["effects"] = {name: entry.figures() for name, entry in after.items()}
@@ -118,7 +118,7 @@ class Ending:
 
 @contextmanager
 def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
-    """Records the error that prevents a part of the results, and goes on; the log has its traceback.
+    """Record the error that prevents a part of the results, and go on; the log has its traceback.
     OSError is raised: nothing more can be written."""
     try:
         yield
@@ -130,7 +130,7 @@ def _record_error(failed: dict[str, str], part: str) -> Iterator[None]:
 
 
 def _draw_pictures(folder: Path) -> None:
-    """Draws the pictures in a process of their own; one that fails is a warning in the log."""
+    """Draw the pictures in a process of their own; one that fails is a warning in the log."""
     drawn = python("-m", "orchestrator.output.report.pictures", str(folder), capture_output=True)
     if drawn.returncode:
         LOG.warning("no pictures: %s", drawn.stderr.strip().splitlines()[-1:])

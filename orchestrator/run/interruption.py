@@ -32,7 +32,7 @@ class ImmediateStop(KeyboardInterrupt):
 
 
 def immediate_stop(error: BaseException | None) -> KeyboardInterrupt | None:
-    """Returns the signal behind an error that did not wait for a sync point, if any.  Libraries that it
+    """Return the signal behind an error that did not wait for a sync point, if any.  Libraries that it
     interrupts may raise another error on top of it."""
     while error is not None:
         if isinstance(error, KeyboardInterrupt):
@@ -72,7 +72,7 @@ class StopRequest:
         self.signal = number
 
     def check(self, world: Any, state: State) -> None:
-        """Raises Interrupted on all ranks as soon as one of them got a signal."""
+        """Raise Interrupted on all ranks as soon as one of them got a signal."""
         number = self.signal
         if world is not None:
             number = max(world.allgather(number or 0)) or None

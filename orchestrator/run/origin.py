@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from orchestrator.case.file.errors import shown
+from orchestrator.case.file.errors import show_value
 from orchestrator.case.provenance import provenance
 from orchestrator.output.checkpoints import SAID_OF_ORIGIN, Checkpoint
 from orchestrator.output.records.run_folder import RECORDING, FolderUnusable, resolved_case
@@ -22,7 +22,7 @@ SAME_BITS = tuple(name for name in SAID_OF_ORIGIN if name != "ranks")
 
 
 def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
-    """Returns what ``save.json`` says of it; ``run`` is the folder with the resolved case and its files."""
+    """Return where a checkpoint comes from, for ``checkpoint.json``; ``run`` is the folder of the run."""
     return {
         "name": loaded.name,
         "level": loaded.level,
@@ -33,11 +33,11 @@ def origin(loaded: JudgedCase, run: Path, world: Any) -> dict[str, Any]:
 
 
 def refuse_another_run(checkpoint: Checkpoint, now: Mapping[str, Any]) -> None:
-    """Raises FolderUnusable with all that is different, where ``now`` (of ``origin``) is another run."""
+    """Raise FolderUnusable with all that is different, where ``now`` (of ``origin``) is another run."""
     about = checkpoint.about
     ranks, then = now["provenance"]["ranks"], about["provenance"]["ranks"]
     differing = [
-        f"  {key}: {shown(before)} was saved, now it is {shown(after)}"
+        f"  {key}: {show_value(before)} was saved, now it is {show_value(after)}"
         for key, before, after in differences(about["case"], now["case"])
         if not _may_change(key, after, checkpoint.simulated_s)
     ]
@@ -56,7 +56,7 @@ def refuse_another_run(checkpoint: Checkpoint, now: Mapping[str, Any]) -> None:
 
 
 def warnings(checkpoint: Checkpoint, now: Mapping[str, Any]) -> list[str]:
-    """Returns a line for each difference that may change the last bits."""
+    """Return a line for each difference that may change the last bits."""
     then = checkpoint.about["provenance"]
     return [
         f"saved with {key} {before}, now it is {after}: the last bits may differ"
@@ -66,7 +66,7 @@ def warnings(checkpoint: Checkpoint, now: Mapping[str, Any]) -> list[str]:
 
 
 def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[tuple[str, Any, Any]]:
-    """Returns the dotted keys that differ, with both values, None where there is none."""
+    """Return the dotted keys that differ, with both values, None where there is none."""
     flat = _flat(before), _flat(after)
     keys = sorted(flat[0].keys() | flat[1].keys())
     values = ((key, flat[0].get(key), flat[1].get(key)) for key in keys)
@@ -90,6 +90,6 @@ def _flat(value: Any, within: str = "") -> dict[str, Any]:
 
 
 def _checksums(run: Path) -> dict[str, str]:
-    """Returns checksums of the files that the case names."""
+    """Return checksums of the files that the case names."""
     named = [*run.glob("*.stl"), *run.glob(RECORDING)]
     return {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in named}

@@ -44,12 +44,12 @@ class Progress:
         return float(self.figures["simulated_s"])
 
     def sync_point(self, done: int, time_s: float, particle_steps: int) -> None:
-        """Counts sync point ``done``, after so many more steps of each particle."""
+        """Count sync point ``done``, after so many more steps of each particle."""
         self.particle_steps += particle_steps * self.figures["particles"]
         self.figures |= {"sync_intervals": done, "simulated_s": time_s}
 
     def as_json(self) -> dict[str, Any]:
-        """Returns all of it, for a checkpoint."""
+        """Return all of it, for a checkpoint."""
         return {
             "figures": self.figures,
             "particle_steps": self.particle_steps,
@@ -58,7 +58,7 @@ class Progress:
         }
 
     def restore(self, saved: dict[str, Any]) -> None:
-        """Takes back what ``as_json`` gave."""
+        """Take back what ``as_json`` gave."""
         self.figures = dict(saved["figures"])
         self.particle_steps = saved["particle_steps"]
         self._before_s = saved["wall_s"]
@@ -93,7 +93,7 @@ class ProgressBar:
         self._bar.stop()
 
     def update(self, done: int) -> None:
-        """Shows that ``done`` of all intervals are done."""
+        """Show that ``done`` of all intervals are done."""
         self._bar.update(self._task, completed=done)
         now = time.monotonic()
         if now - self._last_line < LINE_EVERY_S:

@@ -64,7 +64,7 @@ class Run:
         self._schedule = Schedule(self._case.checkpoint, self._interval_s, world)
 
     def go(self) -> None:
-        """Runs to the end.  Raises CaseError or SolverMissing before anything is computed;
+        """Run to the end.  Raises CaseError or SolverMissing before anything is computed;
         SolverFailed, OSError or Interrupted with everything written up to the last output time.
         """
         self._console.print("opening the solvers")
@@ -105,7 +105,7 @@ class Run:
             raise interrupted
 
     def _start(self, checkpointer: Checkpointer, recorder: Recorder, monitor: Monitor, state: State) -> State:
-        """Returns the state that the run goes on from."""
+        """Return the state that the run goes on from."""
         if self.resumes is None:
             self._record(recorder, monitor, state, 0, 0)
             return state
@@ -147,7 +147,7 @@ class Run:
 
     @contextmanager
     def _advised(self) -> Iterator[None]:
-        """Adds to a failure inside what helps, where the case is beyond what is sure to be stable."""
+        """Add to a failure inside what helps, where the case is beyond what is sure to be stable."""
         try:
             yield
         except SolverFailed as error:
@@ -157,12 +157,12 @@ class Run:
 
     def _save(self, checkpointer: Checkpointer, state: State) -> None:
         time_s = self._progress.simulated_s
-        with self._progress.stopwatch("saves"), write_failure_context("save", time_s):
+        with self._progress.stopwatch("checkpoints"), write_failure_context("checkpoint", time_s):
             checkpointer.save(state, self._progress.done)
         self._schedule.done()
 
     def _about(self) -> dict[str, Any]:
-        """Returns what a checkpoint is of, at this moment; only the first rank has it."""
+        """Return what a checkpoint is of, at this moment; only the first rank has it."""
         if not is_first(self._world):
             return {}
         return self._origin | {"progress": self._progress.as_json()}
@@ -172,7 +172,7 @@ class Run:
         return origin(self._loaded, self._folder, self._world)
 
     def _record(self, recorder: Recorder, monitor: Monitor, state: State, done: int, steps: int) -> None:
-        """Records sync point ``done``, after so many steps of each particle.  Every ``_every``-th of
+        """Record sync point ``done``, after so many steps of each particle.  Every ``_every``-th of
         them is an output time, and so is the last."""
         time_s = float(done * exact(self._interval_s))
         figures = self._progress.figures
@@ -189,9 +189,9 @@ class Run:
 
     @property
     def simulated_s(self) -> float:
-        """Returns the simulated time so far."""
+        """Return the simulated time so far."""
         return self._progress.simulated_s
 
     def finish(self, status: str, reason: str = "") -> dict[str, Any]:
-        """Writes what the run leaves at its end (``Ending.write``); is called on one rank."""
+        """Write what the run leaves at its end (``Ending.write``); is called on one rank."""
         return self._ending.write(self._progress, status, reason)

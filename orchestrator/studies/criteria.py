@@ -104,7 +104,7 @@ class Criteria(Table):
 
 
 def read_criteria(case: Path) -> Criteria:
-    """Returns the criteria of a case, given its folder or its file.  Raises CaseError."""
+    """Return the criteria of a case, given its folder or its file.  Raises CaseError."""
     folder = case if case.is_dir() else case.parent
     file = folder / FILE
     if not file.exists():
@@ -136,7 +136,7 @@ def read_criteria(case: Path) -> Criteria:
 
 
 def refuse_former(folder: Path) -> None:
-    """Raises CaseError where a folder has a file that an earlier version read."""
+    """Raise CaseError for a folder with a file that only an earlier version read."""
     for name in FORMER:
         if (folder / name).exists():
             what = f"is {FILE} now, in one language for papers, benchmarks and answers"
@@ -144,7 +144,7 @@ def refuse_former(folder: Path) -> None:
 
 
 def known_answers(case: Path) -> tuple[Criterion, ...]:
-    """Returns the criteria of a case, if it has any, whose reference is the exact answer for the
+    """Return the criteria of a case, if it has any, whose reference is the exact answer for the
     case as it is.  Raises CaseError."""
     folder = case if case.is_dir() else case.parent
     if not (folder / FILE).is_file():
@@ -160,7 +160,7 @@ def known_answers(case: Path) -> tuple[Criterion, ...]:
 
 
 def answer_error(row: Criterion, run: Path) -> float | None:
-    """Returns the relative error of a run against a known answer; None where it does not tell."""
+    """Return the relative error of a run against a known answer; None where the run does not tell it."""
     try:
         measured = number_of(row, run) / UNITS[row.unit]
     except Unknown:
@@ -176,15 +176,17 @@ class Runs:
     vary: Vary | None = None
 
     def at(self, value: str) -> Runs:
-        """Returns the run of this value alone.  Raises Unknown."""
+        """Return the run of this value alone.  Raises Unknown."""
         points = tuple(each for each in self.points if each.value == value)
         if not points:
             raise Unknown(f"no run with {self.vary.name if self.vary else 'value'} = {value}")
         return Runs(points, self.vary)
 
     def between(self, limits: tuple[float, float] | None) -> Runs:
-        """Returns the runs of values in a range, in order of their values.  Values that are no
-        numbers stay in the order in which they are given; with limits they raise Unknown."""
+        """Return the runs of values in a range, in order of their values.
+
+        Values that are no numbers stay in the order in which they are given; with limits they raise Unknown.
+        """
         low, high = limits or (-np.inf, np.inf)
         try:
             inside = [each for each in self.points if low <= _number_in(each) <= high]
@@ -210,8 +212,10 @@ def _number_in(point: Point) -> float:
 def wanted_runs(
     criteria: Criteria, study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end
 ) -> dict[str, Runs]:
-    """Returns what must be run for criteria, checked, by name; nothing is run here.  ``ended`` tells
-    of a folder whether its run is over.  Raises CaseError."""
+    """Return the runs that criteria need, checked, by name; nothing is run here.
+
+    ``ended`` tells of a folder whether its run is over.  Raises CaseError.
+    """
     runs = {}
     for name, wanted in criteria.runs.items():
         sets = [*wanted.sets]
@@ -230,7 +234,7 @@ def wanted_runs(
 
 
 def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> list[str]:
-    """Returns ``--set`` overlays of a sync interval of so many times the largest safe one.  Raises
+    """Return ``--set`` overlays of a sync interval of so many times the largest safe one.  Raises
     CaseError where nothing limits it."""
     loaded = study.check(sets)
     interval_s = multiple * stability_report(loaded.case).safe_s
@@ -241,7 +245,7 @@ def interval_sets(study: CaseStudy, sets: Sequence[str], multiple: float) -> lis
 
 
 def _interrupted(whole: Point, resume_at_s: float) -> Point:
-    """Returns the point with an end in between, where it is resumed."""
+    """Return the point with an interruption, after which it is resumed."""
     first = (*whole.words, "--set", f"duration_s={resume_at_s!r}")
     end = f"duration_s={whole.loaded.case.duration_s!r}"
     then = ("resume", str(whole.folder.resolve()), "--set", end)
@@ -253,7 +257,7 @@ def _interrupted(whole: Point, resume_at_s: float) -> Point:
 
 
 def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
-    """Returns the number of a criterion, in SI units.  Raises Unknown."""
+    """Return the number of a criterion, in SI units.  Raises Unknown."""
     every = runs[row.run]
     chosen = every.at(row.at) if row.at else every.between(row.between)
     run = chosen.points[0].folder
@@ -274,7 +278,7 @@ def evaluate(row: Criterion, runs: Mapping[str, Runs]) -> float:
 
 
 def _lowest_at(numbers: Array, chosen: Runs) -> float:
-    """Returns the place of the minimum of a parabola through the least number and its neighbours."""
+    """Return the place of the minimum of a parabola through the least number and its neighbours."""
     least = int(np.clip(numbers.argmin(), 1, len(numbers) - 2))
     near = slice(least - 1, least + 2)
     a, b, _ = np.polyfit(chosen.values[near], numbers[near], 2)

@@ -1,7 +1,7 @@
-"""What the commands take alike: a case with its level and overlays, and how a study is run.
+"""Options that the commands share: a case with its level and overlays, and how a study is run.
 
-A command of a study has a parameter of type ``CaseStudy`` for all of these options, or one of type
-``Crew`` for those of the workers alone.
+A command of a study has a parameter of type ``CaseStudy`` for all of these options, or one of type ``Crew``
+for the workers' options alone.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ Scheduler = Annotated[
 
 
 def crew(workers: Workers = None, scheduler: Scheduler = "") -> Crew:
-    """Returns the workers that were asked for; by default as many as the machine bears."""
+    """Return the requested workers; by default as many as the machine bears."""
     from orchestrator.studies.points import Crew, workers_that_fit
 
     return Crew(workers or workers_that_fit(), scheduler)
@@ -59,15 +59,15 @@ def case_study(
     scheduler: Scheduler = "",
     overrides: Overrides = None,
 ) -> CaseStudy:
-    """Returns the study that was asked for."""
+    """Return the requested study."""
     from orchestrator.studies.points import CaseStudy
 
     return CaseStudy(case, level, tuple(overrides or ()), out, crew(workers, scheduler))
 
 
 def with_options(command: Callable[..., StudyOutput], name: str) -> Callable[..., StudyOutput]:
-    """Returns a study's command as a function of single options, as Typer wants it; ``name`` is that
-    of the study."""
+    """Return a study's command as a function of single options, as Typer wants it; ``name`` is the study's
+    name."""
     from orchestrator.studies.points import CaseStudy, Crew
 
     # the parameters of these functions are the options that stand for a parameter of the type

@@ -62,16 +62,16 @@ Sets = tuple[str, ...]
 
 
 class NoPair(Exception):
-    """The runs cannot be made, or cannot be relied upon; the message says why."""
+    """An error of a pair whose runs cannot be made, or cannot be relied upon; the message says why."""
 
 
 @dataclass
 class Pairs:
-    """Makes pairs, remembers them, and shares runs among them.
+    """A maker of pairs, which remembers them and shares runs among them.
 
-    ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each
-    run; ``forget`` asks again for what is remembered.  ``spent_s``: processor time of all runs so
-    far, also of those that came to nothing.
+    ``limit_s``: processor time that a run may take as predicted; ``say`` gets a line before each run;
+    ``forget`` ignores the remembered results.  ``spent_s``: processor time of all runs so far, also of runs
+    that failed.
     """
 
     limit_s: float = LIMIT_S
@@ -81,12 +81,12 @@ class Pairs:
     _runs: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Files may have changed since another engine read them."""
+        """Clear caches, since files may have changed after another engine read them."""
         _load.cache_clear()
         _predicted_s.cache_clear()
 
     def of(self, loaded: JudgedCase, effect: str) -> Pair:
-        """Returns the pair of a case and an effect that it has, from memory if it is known."""
+        """Return the pair of a case and an effect that it has, from memory if it is known."""
         key = key_of(loaded.origin.read(), effect)
         known = None if self.forget else recall(key)
         if known is not None and not (known.refused and known.limit_s < self.limit_s):
@@ -110,7 +110,7 @@ class Pairs:
         return Pair(effect, level, sets, "", used_s, self.limit_s, with_it, without)
 
     def _summary(self, folder: Path, level: str, sets: Sets, what: str) -> dict[str, Any]:
-        """Returns the summary of the run of a case with ``sets``.  Raises NoPair."""
+        """Return the summary of the run of a case with ``sets``.  Raises NoPair."""
         loaded = _load(folder, level, sets)
         if wrong := find_problems(loaded):
             raise NoPair(f"{what} cannot be run: {wrong[0]}")
@@ -127,14 +127,16 @@ class Pairs:
 
 
 def _of_children_s() -> float:
-    """Returns the processor time of all processes that this one has waited for."""
+    """Return the processor time of all processes that this one has waited for."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def _run(folder: Path, level: str, sets: Sets, patience_s: float, what: str) -> dict[str, Any]:
-    """Returns the summary of a run that is to be trusted, but for what the pair left out on purpose.
-    Raises NoPair."""
+    """Return the summary of a run that is trustworthy apart from the deliberate omissions of the pair.
+
+    Raises NoPair.
+    """
     try:
         summary = run_in_scratch(folder, level, sets, patience_s)
     except RunFailed as why:
@@ -147,7 +149,7 @@ def _run(folder: Path, level: str, sets: Sets, patience_s: float, what: str) -> 
 
 
 def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, Sets]:
-    """Returns level and overlays at which the pair is run.  Raises NoPair."""
+    """Return level and overlays at which the pair is run.  Raises NoPair."""
     why = f"the case does not have {effect}"
     levels = [name for name in (CHEAP_LEVEL,) if name in level_names(loaded.folder)]
     for level in dict.fromkeys([*levels, loaded.level]):
@@ -162,7 +164,7 @@ def _cheap(loaded: JudgedCase, effect: str, limit_s: float) -> tuple[str, Sets]:
 
 
 def _sets(loaded: JudgedCase, level: str, effect: str, limit_s: float, cheaper: bool) -> Sets:
-    """Raises NoPair and CaseError."""
+    """Return the overlays of the pair.  Raises NoPair and CaseError."""
     folder, sets = loaded.folder, loaded.origin.others
     # with all that the case describes, whatever its key ``effects`` says: nothing asks in turn
     case = _load(folder, level, (*sets, _with_effects(_present(folder, level, sets)))).case
@@ -185,12 +187,12 @@ def _sets(loaded: JudgedCase, level: str, effect: str, limit_s: float, cheaper: 
 
 @lru_cache(maxsize=256)
 def _load(folder: Path, level: str, sets: Sets) -> JudgedCase:
-    """Returns a case as ``load_judged``; pairs of many effects ask for the same ones."""
+    """Return a case as ``load_judged``; pairs of many effects ask for the same ones."""
     return load_judged(folder, level, sets)
 
 
 def _present(folder: Path, level: str, sets: Sets) -> list[str]:
-    """Returns the effects that the case describes."""
+    """Return the effects that the case describes."""
     case = _load(folder, level, (*sets, AUTO)).described
     return [name for name in EFFECTS if has_effect(case, name)]
 
@@ -206,7 +208,8 @@ def _predicted_s(folder: Path, level: str, sets: Sets) -> float:
 
 
 def _output_sets(case: Case) -> Iterator[str]:
-    """Yields what a short run writes: rows often enough, a probe on a panel, and nothing else."""
+    """Yield overlays for the output of a short run: rows often enough, a probe on a panel, and nothing
+    else."""
     yield "output.pictures=false"
     yield "checkpoint.wall_min=0.0"
     yield f"output.series_s={float(sample_s(case.coupling.sync_interval_s))!r}"
@@ -217,7 +220,7 @@ def _output_sets(case: Case) -> Iterator[str]:
 
 
 def _shorter(case: Case, cost_s: float, limit_s: float) -> str:
-    """Returns a duration as long as the limit allows, of whole output intervals, if enough cycles of
+    """Return a duration as long as the limit allows, of whole output intervals, if enough cycles of
     the machine are in it.  Raises NoPair."""
     machine = turning(case)
     fewest_s = 0.0
@@ -254,9 +257,11 @@ class TriedEffects:
 
 
 def rank_effects(judged: Sequence[Judged]) -> list[str]:
-    """Returns effects to be tried, those first of which estimates say least that they matter: what
-    cannot be judged, then what matters, from the lowest value over its threshold up.  Not among them
-    is what surely may be left out."""
+    """Return effects to be tried, in ascending order of their estimated weight.
+
+    Effects that cannot be judged come first, then effects that matter, from the lowest value over its
+    threshold up.  Effects that may surely be left out are omitted.
+    """
 
     def place(each: Judged) -> tuple[bool, float]:
         value = each.verdict.value
@@ -272,8 +277,7 @@ def rank_effects(judged: Sequence[Judged]) -> list[str]:
 
 
 def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Returns the pairs of effects in turn, until the budget is used; what is remembered costs
-    nothing."""
+    """Return the pairs of effects in turn, until the budget is used; remembered pairs cost nothing."""
     tried = known_pairs(loaded.origin, effects)
     omitted = []
     for name in effects:
@@ -285,14 +289,17 @@ def try_effects(loaded: JudgedCase, effects: Sequence[str], pairs: Pairs, budget
 
 
 def try_all_effects(loaded: JudgedCase, pairs: Pairs, budget_s: float) -> TriedEffects:
-    """Returns the pairs of all effects of the case that a pair could decide about."""
+    """Return the pairs of all effects of the case that a pair could decide about."""
     judged = list(weigh_effects(loaded.described).values())
     return try_effects(loaded, rank_effects(judged), pairs, budget_s)
 
 
 def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
-    """Returns the effects that "auto" tries out before a run of this case: those that it cannot
-    decide about and that would save time, if the run is long enough; none that are known already."""
+    """Return the effects that "auto" tries out before a run of this case.
+
+    They are the effects that it cannot decide about and that would save time, if the run is long enough;
+    effects that are known already are omitted.
+    """
     names = loaded.choice.undecided
     if not names:
         return ()
@@ -301,7 +308,7 @@ def effects_to_try(loaded: JudgedCase) -> tuple[str, ...]:
 
 
 def try_before_run(loaded: JudgedCase, say: Say) -> dict[str, Pair]:
-    """Tries them out; what came of it is remembered, so that the case loaded again has it."""
+    """Try effects out before a run; the results are remembered, so that the case loaded again has them."""
     names = effects_to_try(loaded)
     if names:
         say(

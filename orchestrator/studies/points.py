@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from orchestrator.case.file.errors import CaseError, CaseProblem
-from orchestrator.case.file.layers import changed
+from orchestrator.case.file.layers import find_changes
 from orchestrator.case.tables.case import Case
 from orchestrator.output.records import trust
 from orchestrator.output.records.run_folder import (
@@ -47,15 +47,20 @@ SAMPLES_PER_S = 2500  # of shapes and series: enough for accelerations to 500 Hz
 
 @dataclass(frozen=True)
 class Crew:
-    """``workers`` at a time on this machine, or those of the ``scheduler`` at an address, which
-    must see the same files under the same names."""
+    """Workers for pieces of work.
+
+    ``workers`` run at a time on this machine, or on the ``scheduler`` at an address, which must see the same
+    files under the same names.
+    """
 
     workers: int = 1
     scheduler: str = ""
 
     def each(self, work: Iterable[Callable[[], str]]) -> Iterator[str]:
-        """Yields what each piece of work returns, in the order in which they end.  A piece is begun
-        when a worker is free.  Interrupted, no more pieces are begun."""
+        """Yield the result of each piece of work, in the order in which they end.
+
+        A piece is begun when a worker is free.  After an interruption, no more pieces are begun.
+        """
         if self.workers == 1 and not self.scheduler:
             yield from (piece() for piece in work)
             return
@@ -85,7 +90,7 @@ class Crew:
 
 
 def workers_that_fit() -> int:
-    """Returns how many runs at a time this machine bears: a processor and a gigabyte of memory for
+    """Return the number of runs at a time that this machine bears: a processor and a gigabyte of memory for
     each."""
     processors = len(os.sched_getaffinity(0))
     free_MiB = os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**20
@@ -93,8 +98,10 @@ def workers_that_fit() -> int:
 
 
 def summary_of(folder: Path) -> dict[str, Any]:
-    """Returns what ``summary.json`` of a run's folder holds; empty without a readable one.  Raises
-    OtherFormat where another version of flipflow wrote it."""
+    """Return the content of ``summary.json`` of a run's folder; empty without a readable file.
+
+    Raises OtherFormat where another version of flipflow wrote it.
+    """
     try:
         return RunReader(folder).summary
     except (OSError, ValueError):
@@ -102,12 +109,12 @@ def summary_of(folder: Path) -> dict[str, Any]:
 
 
 def status(folder: Path) -> str:
-    """Returns the state of the run in a folder, as in its summary; "missing" without one."""
+    """Return the state of the run in a folder, as in its summary; "missing" without one."""
     return str(summary_of(folder).get("status", "missing"))
 
 
 def came_to_its_end(folder: Path) -> bool:
-    """Returns whether the run of a folder need not be made again; it may still be doubtful."""
+    """Return whether the run of a folder need not be made again; it may still be doubtful."""
     return trust.came_to_its_end(status(folder))
 
 
@@ -127,8 +134,10 @@ class Point:
     ended: Callable[[Path], bool] = came_to_its_end
 
     def done(self) -> bool:
-        """Returns whether it has been run to its end.  Raises FolderUnusable if the folder holds a
-        finished run of another case."""
+        """Return whether the point has been run to its end.
+
+        Raises FolderUnusable if the folder holds a finished run of another case.
+        """
         if not self.ended(self.folder):
             return False
         if differing := self._differing():
@@ -139,21 +148,21 @@ class Point:
         return True
 
     def _differing(self) -> str:
-        """Returns keys in which the folder's case differs.  Keys that cases got since it was run
-        have their defaults there."""
+        """Return keys in which the folder's case differs.  Keys introduced later have their defaults
+        there."""
         try:
             there = resolved_case(load_judged(self.folder / "case.toml"))
         except CaseError as error:
             return ", ".join(".".join(map(str, problem.key)) for problem in error.problems[:3])
-        keys = list(changed(there, resolved_case(self.loaded)))
+        keys = list(find_changes(there, resolved_case(self.loaded)))
         return ", ".join(".".join(key) for key in keys[:3])
 
     def status(self) -> str:
-        """Returns its state, as in its summary; "missing" without one."""
+        """Return the state of the run, as in its summary; "missing" without one."""
         return status(self.folder)
 
     def side_by_side(self) -> int:
-        """Returns how many points were run at a time when this one was; 0 where nobody wrote it
+        """Return the number of points that ran at the same time as this point; 0 where nobody wrote it
         down."""
         try:
             return int(json.loads(_about(self.folder).read_text())["side_by_side"])
@@ -182,41 +191,43 @@ class CaseStudy:
         return self.out or Path("runs") / f"{self.case.resolve().name}-{self.name}"
 
     def check(self, sets: Sequence[str] = ()) -> JudgedCase:
-        """Returns the case with more overlays.  Raises CaseError with all that is wrong with it."""
+        """Return the case with more overlays.  Raises CaseError with all that is wrong with it."""
         loaded = load_judged(self.case, self.level, [*self.sets, *sets])
         if wrong := find_problems(loaded):
             raise CaseError(wrong)
         return loaded
 
     def point(self, value: str, sets: Sequence[str] = (), folder: str = "") -> Point:
-        """Returns the run of the case with more overlays, in a ``folder`` of the study that is
+        """Return the run of the case with more overlays, in a ``folder`` of the study that is
         called like the value by default.  Raises CaseError for a case that is wrong."""
         loaded, place = self.check(sets), self.folder / (folder or value)
         return Point(value, loaded, run_words(self.case, loaded.level, (*self.sets, *sets), place), place)
 
     def run(self, points: Sequence[Point]) -> Iterator[str]:
-        """Runs the points that are not done, and yields a line when one has ended.  Raises
+        """Run the points that are not done, and yield a line when one has ended.  Raises
         FolderUnusable."""
         with study_folder(self.folder):
             yield from run_points(points, self.crew)
 
 
 def run_words(case: Path, level: str, sets: Sequence[str], out: Path) -> tuple[str, ...]:
-    """Returns the command that runs a case in a folder."""
+    """Return the command that runs a case in a folder."""
     options = [word for each in sets for word in ("--set", each)]
     at_level = ["--level", level] if level else []
     return ("run", str(case.resolve()), *at_level, *options, "--out", str(out.resolve()))
 
 
 class RunFailed(Exception):
-    """A run that left nothing; the message says why."""
+    """An error of a run without any result; the message says why."""
 
 
 def run_in_scratch(
     case: Path, level: str, sets: Sequence[str], patience_s: float | None = None
 ) -> dict[str, Any]:
-    """Returns the summary of a run in a folder that is gone afterwards.  Raises RunFailed where it
-    leaves none, or takes longer than ``patience_s``."""
+    """Return the summary of a run in a folder that is removed afterwards.
+
+    Raises RunFailed where the run leaves no summary, or takes longer than ``patience_s``.
+    """
     with tempfile.TemporaryDirectory(prefix="flipflow-trial-") as scratch:
         folder = Path(scratch) / "run"
         words = ("-c", MAIN, *run_words(case, level, sets, folder))
@@ -233,8 +244,10 @@ def run_in_scratch(
 
 
 def run_points(points: Sequence[Point], crew: Crew) -> Iterator[str]:
-    """Runs those that are not done, side by side, and yields a line when one has ended.  What an
-    unfinished run left is kept under another name.  Raises FolderUnusable before anything is run."""
+    """Run the points that are not done, side by side, and yield a line when one has ended.
+
+    Files of an unfinished run are kept under another name.  Raises FolderUnusable before anything is run.
+    """
     waiting: list[Point] = []
     done: list[Point] = []
     for each in points:
@@ -290,7 +303,7 @@ class Vary:
         return self.key.rpartition(".")[2]
 
     def points(self, study: CaseStudy, sets: Sequence[str] = ()) -> list[Point]:
-        """Returns the run of each value; nothing is run if one of them is wrong.  Raises
+        """Return the run of each value; nothing is run if one of them is wrong.  Raises
         CaseError."""
         return [
             study.point(value, [*sets, f"{self.key}={value}"], self._folder(value)) for value in self.values
@@ -301,7 +314,7 @@ class Vary:
 
 
 def parse_vary(text: str) -> Vary:
-    """Reads 'key=a,b,c' or 'key=first:last:step', both ends included.  Raises CaseError."""
+    """Read 'key=a,b,c' or 'key=first:last:step', both ends included.  Raises CaseError."""
     key, equals, values = text.partition("=")
     if not equals or not key.strip() or not values.strip():
         raise _wrong(text, "is not key=values")
@@ -315,7 +328,7 @@ def parse_vary(text: str) -> Vary:
 
 
 def _range(text: str, values: str) -> tuple[str, ...]:
-    """Counts in exact fractions: 0.1:0.3:0.1 has three values."""
+    """Return the values of a range in exact fractions: 0.1:0.3:0.1 has three values."""
     try:
         first, last, step = (Fraction(part.strip()) for part in values.split(":"))
     except (ValueError, ZeroDivisionError):
@@ -327,7 +340,7 @@ def _range(text: str, values: str) -> tuple[str, ...]:
 
 
 def _apart(values: str) -> list[str]:
-    """Splits at commas outside of brackets."""
+    """Split at commas outside of brackets."""
     parts, depth = [""], 0
     for letter in values:
         depth += (letter in "[{") - (letter in "]}")
@@ -344,7 +357,7 @@ def _wrong(text: str, what: str) -> CaseError:
 
 
 def seed_sets(case: Case, number: int) -> tuple[str, ...]:
-    """Returns ``--set`` overlays of another choice of random numbers; 0 is the case's own."""
+    """Return ``--set`` overlays of another choice of random numbers; 0 is the case's own."""
     if number == 0:
         return ()
     tables = (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
@@ -354,17 +367,17 @@ def seed_sets(case: Case, number: int) -> tuple[str, ...]:
 
 
 def is_random(case: Case) -> bool:
-    """Returns whether seeds change anything."""
+    """Return whether seeds change anything."""
     return bool(seed_sets(case, 1)) and case.particles.adapter is not None
 
 
 def sample_s(interval_s: float) -> Fraction:
-    """Returns the time between two samples: whole sync intervals of this length."""
+    """Return the time between two samples: whole sync intervals of this length."""
     return max(1, round(1 / SAMPLES_PER_S / interval_s)) * exact(interval_s)
 
 
 def sampling_sets(interval_s: float) -> tuple[str, ...]:
-    """Returns ``--set`` overlays of a run that is to be measured: rows often enough, at whole sync
-    intervals, and no pictures."""
+    """Return ``--set`` overlays of a run for measurement: rows often enough, at whole sync intervals, and no
+    pictures."""
     every_s = float(sample_s(interval_s))
     return (f"output.series_s={every_s!r}", f"output.shapes_s={every_s!r}", "output.pictures=false")

@@ -33,7 +33,7 @@ from orchestrator.studies.points import summary_of
 
 
 class Unknown(Exception):
-    """A number that a run does not tell; the message says why."""
+    """An error of a number that a run does not tell; the message says why."""
 
 
 class Question(Table):
@@ -66,8 +66,11 @@ TAKES: dict[str, Callable[[Array, Array], float]] = {
 
 
 def number_of(question: Question, run: Path) -> float:
-    """Returns the number that is asked of one run.  Only a run that can be trusted has one, unless
-    the question is just that.  Raises Unknown."""
+    """Return the number that a question asks of one run.
+
+    Only a trustworthy run has a number, unless the question asks whether the run is trustworthy.  Raises
+    Unknown.
+    """
     state = str(summary_of(run).get("status", "missing"))
     if question.measure not in ABOUT_TRUST and state != trust.DONE:
         raise Unknown(f"{run.name}: {state}")
@@ -75,7 +78,7 @@ def number_of(question: Question, run: Path) -> float:
 
 
 def _value_at(run: Path, path: str) -> float:
-    """Returns a number of summary.json; per cents are shares."""
+    """Return a number of summary.json; percentages are converted to shares."""
     value = value_at(summary_of(run), path)
     if value is None:
         raise Unknown(f"{run.name}: {path} is not known")
@@ -123,7 +126,7 @@ def _rise(question: Question, run: Path) -> float:
 
 
 def read_dataset(run: Path, name: str) -> Array:
-    """Returns a dataset of ``history.h5``.  Raises Unknown where there is none."""
+    """Return a dataset of ``history.h5``.  Raises Unknown where there is none."""
     try:
         with RunReader(run) as reader:
             return np.asarray(reader.read(name), dtype=float)
@@ -132,13 +135,13 @@ def read_dataset(run: Path, name: str) -> Array:
 
 
 def _energy_J(run: Path) -> dict[str, Array]:
-    """Returns the accounts of the energy ledger at all output times."""
+    """Return the accounts of the energy ledger at all output times."""
     with RunReader(run) as reader:
         return {name: reader.read(f"energy/{name}") for name in reader.names("energy")}
 
 
 def _largest_sum_J(run: Path, **signs: float) -> float:
-    """Returns the largest size of the sum over whole accounts, each with its sign."""
+    """Return the largest size of the sum over whole accounts, each with its sign."""
     accounts = ((name.partition(".")[0], values_J) for name, values_J in _energy_J(run).items())
     terms = [signs[account] * values_J for account, values_J in accounts if account in signs]
     return float(np.abs(np.sum(terms, axis=0)).max())
@@ -159,10 +162,10 @@ INTERNAL_ERROR = "internal error"
 
 
 def outcome(run: Path) -> Outcome:
-    """Returns how a run came out.
+    """Return the outcome of a run.
 
-    ``stable``: it came to its end, the monitor of the coupling had nothing to say of its energy and
-    modes, and it is not doubtful; ``warned``: it came to its end, and one of them; ``stopped``: it
+    ``stable``: the run came to its end, the monitor of the coupling had nothing to say of its energy and
+    modes, and it is not doubtful; ``warned``: it came to its end, but a condition failed; ``stopped``: it
     ended early with a reason (exit code 4); ``not run``: interrupted, missing, or an internal error.
     """
     summary = summary_of(run)
@@ -247,7 +250,7 @@ class Metrics:
 
 
 def measure(folder: Path) -> Metrics:
-    """Returns the metrics of a finished run with ``output.shapes_s``.  Raises KeyError without."""
+    """Return the metrics of a finished run with ``output.shapes_s``.  Raises KeyError without."""
     with RunReader(folder) as run:
         summary, case, history = run.summary, run.case, run.history
         end_s, cycle = summary["simulated_s"], cycle_s(case)
@@ -271,13 +274,15 @@ def measure(folder: Path) -> Metrics:
 
 
 def is_resolved(name: str, value: float) -> bool:
-    """Whether the value of a quantity is more than rounding and the solvers' noise."""
+    """Return whether the value of a quantity is more than rounding and the solvers' noise."""
     return abs(value) > QUANTITIES[name].resolved
 
 
 def happens(values: Mapping[str, float | None]) -> bool:
-    """Returns whether anything that can be resolved moves in a run with such ``values`` (by
-    QUANTITIES), or changes the pull of a clamp, as a particle does on a rigid panel."""
+    """Return whether anything resolvable happens in a run with such ``values`` (by QUANTITIES).
+
+    It is something that moves or changes the pull of a clamp, as a particle does on a rigid panel.
+    """
     if any((value := values.get(name)) is not None and is_resolved(name, value) for name in MOVING):
         return True
     peak_N, rms_N = values.get("clamp_peak_N"), values.get("clamp_rms_N")
@@ -287,13 +292,13 @@ def happens(values: Mapping[str, float | None]) -> bool:
 
 
 def relative(values: Array, reference: Array) -> float:
-    """Returns the L2 norm of the difference over that of the reference about its mean over time."""
+    """Return the L2 norm of the difference over that of the reference about its mean over time."""
     size = float(np.linalg.norm(reference - reference.mean(axis=0)))
     return float(np.linalg.norm(values - reference)) / size if size else math.inf
 
 
 def _frame_m(history: Any, start_s: float) -> float:
-    """Returns half the range, as a vector's size, of the frame that moves most."""
+    """Return half the range, as a vector's size, of the frame that moves most."""
     return max(
         float(np.linalg.norm(np.ptp(group["displacement_m"][:][group["time_s"][:] >= start_s], axis=0) / 2))
         for group in history["frames"].values()
@@ -301,7 +306,7 @@ def _frame_m(history: Any, start_s: float) -> float:
 
 
 def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s: float) -> dict[str, float]:
-    """Returns what the run's own results say, as far as it is defined, and the mass that left
+    """Return the values that the run's own results tell, as far as they are defined, and the mass that left
     through exits, over time, if any did."""
     known = {
         "efficiency_percent": value_at(summary, "efficiency"),
@@ -319,7 +324,7 @@ def _exit_values(history: Any, summary: Mapping[str, Any], start_s: float, end_s
 def _panel_metrics(
     history: Any, case: Case, panel: SinglePanel, start_s: float, cycle: float
 ) -> tuple[dict[str, float], Array]:
-    """Returns values by ``QUANTITIES``, and the shape (rows, values) of the middle line, from
+    """Return values by ``QUANTITIES``, and the shape (rows, values) of the middle line, from
     ``start_s`` on, of a run with ``output.shapes_s``; ``cycle`` in s."""
     shapes = history[f"shapes/{panel.name}"]
     time_s = shapes["time_s"][:]
@@ -349,7 +354,7 @@ def _panel_metrics(
 
 
 def _cycle_mean(statistic: Callable[[Array], Any], values: Array, time_s: Array, cycle: float) -> float:
-    """Returns the mean over the cycles of a statistic of each."""
+    """Return the mean over the cycles of a statistic of each cycle."""
     number = cycle_numbers(time_s, cycle, float(time_s[0]))
     return float(np.mean([statistic(values[number == each]) for each in range(max(1, number.max()))]))
 

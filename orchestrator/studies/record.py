@@ -34,14 +34,17 @@ ALIKE = 0.01  # of its own motion: a difference that counts as repeating
 
 
 class TooShort(Exception):
-    """A run in which so many cycles do not fit."""
+    """An error of a run that is too short for the requested number of cycles."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """The last whole cycles of a run, ``length_s`` long, with the times ``sampled_s`` that belong to
-    equal angles from 0; what is at ``earlier_s``, one window before, is faded in with a ``share``
-    (samples,), which changes at the rate ``rate_per_s``."""
+    """The last whole cycles of a run.
+
+    They are ``length_s`` long, with the times ``sampled_s`` that belong to equal angles from 0.  The motion
+    at ``earlier_s``, one window before, is faded in with a ``share`` (samples,), which changes at the rate
+    ``rate_per_s``.
+    """
 
     cycles: int
     sampled_s: Array
@@ -51,13 +54,13 @@ class Window:
 
     @property
     def earlier_s(self) -> Array:
-        """The same times one window earlier."""
+        """The times one window earlier."""
         return self.sampled_s - self.length_s
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """``change``: by panel, how much the shape changed from window to window where they are
+    """A recording.  ``change`` has, by panel, the change of the shape from window to window where they are
     faded, relative to its own motion (rms)."""
 
     cycles: int
@@ -66,7 +69,7 @@ class Recorded:
 
 
 def record(run: Path, cycles: int | None) -> Recorded:
-    """Returns a recording of all panels; without ``cycles`` of as many as it takes them to repeat
+    """Return a recording of all panels; without ``cycles`` of as many as it takes them to repeat
     themselves, or to come nearest to it.  Raises CaseError for a run that does not hold what is
     needed."""
     case = load_judged(run).case
@@ -148,7 +151,7 @@ def _window(time_s: Array, machine: Turning, cycles: int) -> Window:
 
 
 def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, float]:
-    """Returns shape and velocity (samples, points, 3), and how much was faded over."""
+    """Return shape and velocity (samples, points, 3), and the size of the faded difference."""
     velocity, before_s = spline.derivative(), np.maximum(window.earlier_s, spline.x[0])
     share, rate_per_s = window.share[:, None, None], window.rate_per_s[:, None, None]
     now_m = spline(window.sampled_s)
@@ -163,7 +166,7 @@ def _close(window: Window, spline: CubicHermiteSpline) -> tuple[Array, Array, fl
 def _pull(
     history: Any, case: Case, panel: SinglePanel, shapes: dict[str, Array], grid: RecordedGrid
 ) -> tuple[Array, Array, Array]:
-    """Returns times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
+    """Return times (n,) and pull (n, 3) in the panel's axes, and that at rest: half the difference of
     the clamps' forces, less what weight and inertia give by the lever rule."""
     at, time_s = panel.rectangle, shapes["time_s"]
     share = panel.apertures.material_share(at) if panel.apertures else 1.0
@@ -191,8 +194,10 @@ def _refusal(run: Path, why: str) -> CaseError:
 
 
 def drives(folder: Path) -> list[str]:
-    """Returns ``--set`` overlays of drives that move frames alike, one for each frame: the first
-    harmonics of a run in deck axes.  Raises CaseError for a run too short."""
+    """Return ``--set`` overlays of drives that move frames alike, one drive for each frame.
+
+    The drives are the first harmonics of a run in deck axes.  Raises CaseError for a run too short.
+    """
     overlays = []
     with RunReader(folder) as run:
         case, (start_s, end_s) = run.case, run.second_half_s

@@ -18,13 +18,13 @@ Cell = str | float | int | None
 
 
 def align_rows(rows: Sequence[Mapping[str, Cell]]) -> list[dict[str, Cell]]:
-    """Returns rows that all have the columns of all of them; None where something is not known."""
+    """Return rows that all have all columns; None where a value is not known."""
     columns = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
-    """Writes rows, whose columns may differ; a cell that is not known is empty."""
+    """Write rows, whose columns may differ; a cell without a known value is empty."""
     lines = align_rows(rows)
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.DictWriter(text, [*lines[0]] if lines else [])
@@ -34,7 +34,7 @@ def write_csv(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
 
 
 def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
-    """Writes the same rows for programs that want types."""
+    """Write the rows in typed columns, for programs that want types."""
     import pyarrow
     from pyarrow import parquet
 
@@ -45,7 +45,7 @@ def write_parquet(rows: Sequence[Mapping[str, Cell]], file: Path) -> Path:
 def console_table(
     title: str, head: Iterable[str], rows: Iterable[Iterable[str]], left: Collection[str] = ()
 ) -> Table:
-    """Returns a table for the terminal; columns that are not ``left`` are numbers."""
+    """Return a table for the terminal; columns that are not ``left`` are numbers."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for number, name in enumerate(head):
         text = number == 0 or name in left
@@ -56,21 +56,21 @@ def console_table(
 
 
 def markdown_table(head: Sequence[str], rows: Iterable[Iterable[str]]) -> str:
-    """Returns the same for the manual."""
+    """Return the table in Markdown for the manual."""
     cells = (" | ".join(cell.replace("|", "\\|") for cell in row) for row in (head, *rows))
     first, *others = (f"| {line} |" for line in cells)
     return "\n".join([first, "|" + "---|" * len(head), *others]) + "\n"
 
 
 def percent(share: float | None) -> str:
-    """Returns a share in per cent with two digits; empty where there is none."""
+    """Return a share in per cent with two digits; empty where there is none."""
     if share is None:
         return ""
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
 
 
 def figure_parts(count: int, columns: int, width: float, height: float) -> tuple[Any, list[Any]]:
-    """Returns a figure of ``count`` parts, each so wide and high in inches, and their axes."""
+    """Return a figure of ``count`` parts, each so wide and high in inches, and their axes."""
     rows = -(-count // columns)
     drawn, grid = figure(rows, columns, width * columns, height * rows)
     for axis in grid.flat[count:]:
@@ -79,7 +79,7 @@ def figure_parts(count: int, columns: int, width: float, height: float) -> tuple
 
 
 def write_page(template: str, file: Path, **values: Any) -> Path:
-    """Fills a template that extends ``studies/page.html``, named by its place in ``studies/``.  It
+    """Fill a template that extends ``studies/page.html``, named by its place in ``studies/``.  It
     can embed pictures, given as files: ``picture(file)``."""
     write_text(file, fill_template(f"studies/{template}", picture=_picture, **values))
     return file

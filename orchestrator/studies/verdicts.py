@@ -34,7 +34,7 @@ class CriterionResult:
 
     @property
     def is_inside(self) -> bool:
-        """Whether there is a number, in the band if there is one."""
+        """Whether there is a number, in the band if there is a band."""
         if self.measured is None:
             return False
         low, high = self.row.band or self.row.ratio or (None, None)
@@ -43,12 +43,12 @@ class CriterionResult:
 
     @property
     def is_good(self) -> bool:
-        """Whether it is met, fitted, or not met for the known reason."""
+        """Whether the criterion is met, fitted, or not met for the known reason."""
         return self.row.fitted or self.is_inside != bool(self.row.known_failure)
 
     @property
     def verdict(self) -> str:
-        """What the band makes of the number, in words."""
+        """The verdict of the band on the number, in words."""
         row = self.row
         if row.known_failure:
             return "MET, but marked as failing" if self.is_inside else "known failure"
@@ -65,7 +65,7 @@ class CriterionResult:
 
     @property
     def run(self) -> str:
-        """The run or runs that the number is of."""
+        """The run or runs from which the number comes."""
         return " ".join(filter(None, [self.row.run, self.row.at]))
 
     @property
@@ -86,7 +86,7 @@ class CriterionResult:
 
     @property
     def answer(self) -> str:
-        """What was measured, or why there is nothing, in words."""
+        """The measured value, or the reason why there is none, in words."""
         if self.measured is None:
             return self.why
         shown = self._in_unit(self.measured)
@@ -128,16 +128,16 @@ class CaseCriteria:
 
     @property
     def points(self) -> list[Point]:
-        """All runs that it needs."""
+        """All runs that the case needs."""
         return [point for runs in self.runs.values() for point in runs.points]
 
     def results(self) -> list[CriterionResult]:
-        """Returns every criterion, as far as the runs are made."""
+        """Return every criterion, as far as the runs are made."""
         return [judge(self.name, row, self.runs) for row in self.criteria.criteria]
 
 
 def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResult:
-    """Returns a criterion with its number, as far as the runs are made."""
+    """Return a criterion with its number, as far as the runs are made."""
     try:
         return CriterionResult(case, row, evaluate(row, runs) / UNITS[row.unit])
     except Unknown as error:
@@ -145,7 +145,7 @@ def judge(case: str, row: Criterion, runs: Mapping[str, Runs]) -> CriterionResul
 
 
 def case_criteria(study: CaseStudy, ended: Callable[[Path], bool] = came_to_its_end) -> CaseCriteria:
-    """Returns the criteria of a case with the runs that they need; nothing is run.  ``ended`` tells of
+    """Return the criteria of a case with the runs that they need; nothing is run.  ``ended`` tells of
     a folder whether its run is over.  Raises CaseError."""
     criteria = read_criteria(study.case)
     return CaseCriteria(study.case.resolve().name, criteria, wanted_runs(criteria, study, ended))
@@ -156,7 +156,7 @@ TEXTS = ("case", "run", "measured", "asked for", "verdict")
 
 
 def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
-    """Returns the table of verdicts for the terminal, without columns in which nothing stands."""
+    """Return the table of verdicts for the terminal, without empty columns."""
     rows = []
     for each in results:
         known = {"reference": each.row.reference, "experiment": each.row.experiment}
@@ -167,13 +167,13 @@ def verdict_table(title: str, results: Sequence[CriterionResult]) -> Table:
 
 
 def write_verdicts(results: Sequence[CriterionResult], folder: Path, name: str) -> list[Path]:
-    """Writes the table of verdicts as CSV and, for the manual, in Markdown."""
+    """Write the table of verdicts as CSV and, for the manual, in Markdown."""
     write_text(folder / f"{name}.md", verdict_markdown(results))
     return [write_csv([each.cells for each in results], folder / f"{name}.csv"), folder / f"{name}.md"]
 
 
 def verdict_markdown(results: Sequence[CriterionResult]) -> str:
-    """Returns the table of verdicts for the manual."""
+    """Return the table of verdicts for the manual."""
     head = ("case, run", "criterion", "why", "asked for", "measured", "")
     rows = (
         (f"{each.case}, {each.run}", each.row.what, each.row.why, each.asked, each.answer, each.verdict)

@@ -17,7 +17,7 @@ from orchestrator.studies.accuracy.plan import find_study, time_by_study
 from orchestrator.studies.accuracy.report import write_study
 from orchestrator.studies.accuracy.study import AccuracyStudy, run_study
 from orchestrator.studies.points import CaseStudy, Crew
-from orchestrator.studies.quantities import DECISIVE
+from orchestrator.studies.quantities import DECISIVE, Question, Unknown, number_of
 from tests.runs.outside import ROOT, flipflow
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
@@ -78,6 +78,13 @@ def test_a_strip_is_of_second_order_in_its_cells(study: AccuracyStudy) -> None:
     found = family(study, "panel-mesh")
     assert found.observed == pytest.approx(2.0, abs=0.6)
     assert found.errors[0]["shape"].value > 3 * found.errors[1]["shape"].value
+
+
+def test_a_criterion_may_ask_for_what_studies_compare_by(study: AccuracyStudy) -> None:
+    run = study.base.runs[0].folder
+    assert number_of(Question(measure="deflection_m"), run) == study.base.mean("deflection_m")
+    with pytest.raises(Unknown, match="passing_kg_per_s is not known"):
+        number_of(Question(measure="passing_kg_per_s"), run)
 
 
 def test_a_study_of_nothing_says_so(out: Path) -> None:

@@ -112,7 +112,7 @@ def test_times_are_said_in_familiar_units(time_s: float, said: str) -> None:
 @pytest.mark.solver
 @pytest.mark.process
 def test_runs_take_what_was_predicted() -> None:
-    """Processor time of six cases, within a factor of 1.5, on a machine that may be faster or
+    """Processor time of three cases, within a factor of 1.5, on a machine that may be faster or
     slower than the one that was measured on: by their median, a factor of three at most."""
     ratios = {name: compared(name).ratio for name in IN_THE_SUITE}
     machine = median(ratios.values())

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.case.file.loss_curve import Branches, Fit, fitted, moduli
+from orchestrator.case.file.loss_curve import Branches, Fit, fit_branches, moduli
 from orchestrator.cli.overview import overview
 from orchestrator.output.records.run_folder import resolved_case
 from orchestrator.ports import Array
@@ -20,7 +20,7 @@ KNOWN: Branches = ((0.1, 1e-2), (0.1, 2e-3), (0.1, 4e-4), (0.1, 8e-5))
 
 def fit_of(loss: Array, storage: Array | None = None) -> Fit:
     ratios = [None] * len(loss) if storage is None else storage.tolist()
-    return fitted(tuple(zip(FREQUENCIES_HZ.tolist(), loss.tolist(), ratios, strict=True)))
+    return fit_branches(tuple(zip(FREQUENCIES_HZ.tolist(), loss.tolist(), ratios, strict=True)))
 
 
 ROWS = ", ".join(f"{{frequency_Hz={f}, loss_factor=0.12}}" for f in (10, 30, 100, 300))
@@ -55,7 +55,7 @@ def test_the_curve_of_known_branches_is_met(with_storage: bool) -> None:
 
 
 def test_one_point_is_met_exactly() -> None:
-    fit = fitted(((50.0, 0.3, None),))
+    fit = fit_branches(((50.0, 0.3, None),))
     assert moduli(fit.branches, np.array([100.0 * np.pi]))[1] == pytest.approx(0.3, rel=1e-9)
 
 

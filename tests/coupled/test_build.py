@@ -18,7 +18,7 @@ CHEAP = ("panel.solver=rigid", "frames.solver=two-mass", "particles.solver=spher
 
 
 def test_a_solver_that_fails_closes_those_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    real, closed = solvers.opened, []
+    real, closed = solvers.open_solver, []
 
     def opened(port: str, solver: str, plan: Any) -> Any:
         if port == "frames":
@@ -28,7 +28,7 @@ def test_a_solver_that_fails_closes_those_before(tmp_path: Path, monkeypatch: py
         monkeypatch.setattr(made, "close", lambda: (closed.append(port), close()))
         return made
 
-    monkeypatch.setattr(solvers, "opened", opened)
+    monkeypatch.setattr(solvers, "open_solver", opened)
     loaded = load_case(tmp_path, CASE, CHEAP)
     with pytest.raises(SolverFailed, match="no frames"):
         build(loaded, loaded.folder, None, Stopwatch())

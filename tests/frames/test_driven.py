@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adapters.frames import exudyn, prescribed, two_mass
-from adapters.frames.common.drive import moved
+from adapters.frames.common.drive import carried_motion
 from orchestrator.ports import Array, Load
 from orchestrator.ports.clock import Interval, intervals
 from orchestrator.ports.plans import FramesPlan
@@ -102,7 +102,7 @@ def test_nothing_turns_a_driven_body_from_its_path() -> None:
     for index, force_N in enumerate(100 * loads(300)):
         interval = Interval(index, plan.sync_interval_s)
         motion = frames.advance(interval, Load(force_N))
-        place_m, speed_m_per_s = moved(plan.drives[0], plan.points_m[:2], interval.end_s)
+        place_m, speed_m_per_s = carried_motion(plan.drives[0], plan.points_m[:2], interval.end_s)
         assert motion.position_m[:2] == pytest.approx(place_m, abs=1e-14)
         assert motion.velocity_m_per_s[:2] == pytest.approx(speed_m_per_s, abs=1e-12)
 
@@ -117,7 +117,7 @@ def test_a_drive_gives_its_body_momentum_and_energy() -> None:
     frames, force_N = exudyn.build(plan), loads(2)[1]
     for interval in intervals(0.31, plan.sync_interval_s):
         motion = frames.advance(interval, Load(force_N))
-    place_m, speed_m_per_s = (value[0] for value in moved(alone, np.zeros((1, 3)), 0.31))
+    place_m, speed_m_per_s = (value[0] for value in carried_motion(alone, np.zeros((1, 3)), 0.31))
     spin_rad_per_s = 0.02 * 78.5 * np.cos(78.5 * 0.31 + alone.rotation_phase_rad[1])
     inertia_kg_m2 = plan.bodies[0].inertia_kg_m2[1, 1]
     energy_J = 764 * speed_m_per_s @ speed_m_per_s / 2 + inertia_kg_m2 * spin_rad_per_s**2 / 2

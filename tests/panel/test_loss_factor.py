@@ -15,7 +15,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 
-from orchestrator.case.file.loss_curve import fitted
+from orchestrator.case.file.loss_curve import fit_branches
 from orchestrator.ports import Array, Load, Motion
 from orchestrator.ports.clock import Interval
 from tests.panel.elastic_plans import plan
@@ -60,7 +60,7 @@ def rate_1_s(values: Array, apart: int) -> complex:
 )
 def test_a_free_vibration_has_the_loss_factor_asked_for(model: str) -> None:
     """5 %: 3 % of the fit, 0.4 % of the second order, and what creeps besides the mode."""
-    fit = fitted(tuple((f, WANTED, None) for f in (10.0, 30.0, 100.0, 300.0)))
+    fit = fit_branches(tuple((f, WANTED, None) for f in (10.0, 30.0, 100.0, 300.0)))
     values = moved_m(model, fit.branches, 300)
     s = rate_1_s(values[60:], 10)
     assert 150.0 < abs(s.imag) / (2 * np.pi) < 350.0

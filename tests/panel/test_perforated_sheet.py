@@ -77,13 +77,13 @@ def test_branches_are_as_stiff_as_the_sheet_they_damp():
 
     from adapters.panel.common.grid import ElementGrid
     from adapters.panel.finite_element.compiled import expression, function_space
-    from adapters.panel.finite_element.perforation import perforated
+    from adapters.panel.finite_element.perforation import perforate
     from adapters.panel.finite_element.sheet_forms import flat_mesh, scaled_strain
     from adapters.panel.finite_element.unit_cell import SOLID
 
     given = small(ALONG)
     flat = flat_mesh(ElementGrid.of(given.rectangle, (8, 4), ALONG.region_m(given.rectangle)))
-    holes = perforated(given, ALONG, flat)
+    holes = perforate(given, ALONG, flat)
     space = function_space(flat, ufl.VectorElement("Lagrange", flat.ufl_cell(), 1, dim=3))
     position = fem.Function(space)
     gradient = ufl.grad(position)
@@ -123,7 +123,7 @@ def test_the_bending_matrix_is_stable_where_the_pattern_begins():
     """No negative eigenvalue, and just the three zero ones of motions without curvature."""
     from adapters.panel.finite_element.sheet_forms import sheet
 
-    structure, _ = sheet(small(ACROSS))
+    structure, _, _ = sheet(small(ACROSS))
     values = np.linalg.eigvalsh(structure.bending.matrix.toarray())
     assert values[0] > -1e-10 * values[-1]
     assert np.sum(values < 1e-9 * values[-1]) == 3

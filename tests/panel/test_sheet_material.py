@@ -15,7 +15,7 @@ def strip():
     from adapters.panel.finite_element.sheet_forms import sheet
 
     given = plan(cells=(4, 2))
-    structure, _ = sheet(given)
+    structure, _, _ = sheet(given)
     return given, structure
 
 
@@ -68,7 +68,7 @@ def test_bending_is_zero_only_for_affine_positions(width_m, cells):
     cells of any shape."""
     from adapters.panel.finite_element.sheet_forms import sheet
 
-    structure, _ = sheet(plan(width_m=width_m, cells=cells))
+    structure, _, _ = sheet(plan(width_m=width_m, cells=cells))
     matrix = structure.bending.matrix.toarray()
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-9 * np.abs(matrix).max())
     eigenvalues = np.linalg.eigvalsh(matrix)

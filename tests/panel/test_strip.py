@@ -278,3 +278,29 @@ def test_a_one_sided_load_reaches_the_clamps_with_its_moment() -> None:
     first = np.array([frame == "driving" for frame in panel.mount.frame])
     assert moment[first].sum() == pytest.approx(-0.75 * 0.025)
     assert moment[~first].sum() == pytest.approx(-0.25 * 0.025)
+
+
+def test_clamps_in_an_interval_are_on_the_closed_form_of_their_path() -> None:
+    """Clamps that start with one velocity and end with another, each on a cubic of its own, which Hermite's
+    path is exactly: one interval of eight steps is eight intervals of one, to rounding."""
+    length_s, steps = 4e-4, 8
+    by_intervals = []
+    for count in (1, steps):
+        panel = strip.build(taut(6, step_s=1.001 * length_s / steps, branches=((0.2, 1e-3),)))
+        mount_m, unloaded = panel.mount.position_m, Load.zero(len(panel.initial().surface))
+        second, third = np.random.default_rng(12).normal(size=(2, len(mount_m) // 2, 3)).repeat(2, axis=1)
+        impulse_N_s = np.zeros_like(mount_m)
+        for index in range(count):
+            t = (index + 1) / count
+            moved_m = 1e-4 * (second * t**2 + third * t**3)
+            rate_m_per_s = 1e-4 / length_s * (2 * second * t + 3 * third * t**2)
+            interval = Interval(index, length_s / count)
+            state = panel.advance(interval, Motion(mount_m + moved_m, rate_m_per_s), unloaded)
+            impulse_N_s += interval.length_s * state.reaction.force_N
+        motion = np.concatenate([state.surface.position_m, 1e-3 * state.surface.velocity_m_per_s])
+        account = panel.account()
+        by_intervals.append((motion, impulse_N_s, account.received_J["clamps"]))
+    (whole, whole_N_s, whole_J), (parts, parts_N_s, parts_J) = by_intervals
+    assert whole == pytest.approx(parts, abs=1e-13)
+    assert whole_N_s == pytest.approx(parts_N_s, abs=1e-12)
+    assert whole_J == pytest.approx(parts_J, rel=1e-10)

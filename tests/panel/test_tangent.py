@@ -82,3 +82,28 @@ def test_newton_s_iteration_stays_quick_when_steps_and_shapes_change(monkeypatch
     assert len(solutions) == 120  # none was halved
     assert np.mean(solutions) < 4
     assert max(solutions) <= 8
+
+
+def test_newton_s_iteration_factorises_no_more_than_it_must(monkeypatch):
+    """Once for each length of a step of a panel that hardly moves, and again as soon as it bends: a tangent
+    that is kept for ever would need fewer, one that is never kept one for each iteration."""
+    from adapters.panel import sheet
+    from adapters.panel.finite_element.tangent import Tangent
+
+    counts, factorise = [], Tangent.factorise
+
+    def counted(self, mass_factor_1_s2, stiffness_factor):
+        counts[-1] += 1
+        factorise(self, mass_factor_1_s2, stiffness_factor)
+
+    wanted = plan(length_m=0.12, span_m=0.117, cells=(6, 1), integrator="implicit", step_s=1e-3)
+    with closing(sheet.build(wanted)) as panel, monkeypatch.context() as patch:
+        patch.setattr(Tangent, "factorise", counted)
+        unloaded = Load.zero(len(panel.initial().surface))
+        for length_s, amplitude_m in ((1e-3, 1e-7), (2e-4, 1e-7), (1e-3, 0.004)):
+            counts.append(0)
+            for number in range(20):
+                clamps = shaken(panel, (number + 1) * length_s, amplitude_m)
+                panel.advance(Interval(number, length_s), clamps, unloaded)
+    assert counts[:2] == [1, 1]
+    assert 2 < counts[2] < 40, counts

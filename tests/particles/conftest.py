@@ -12,7 +12,17 @@ from orchestrator.ports.plans import ParticlesPlan
 from tests.particles.contract import SOLVERS, Run, solver_adapter
 
 
-@pytest.fixture(params=SOLVERS)
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Ask every solver, or those that a file names as ``ASKED``.
+
+    Closed forms of the laws are asked of the solver that users have; the slow reference of the tests
+    passes the contract of the port, and is compared with LIGGGHTS (test_spheres_against_liggghts.py).
+    """
+    if "module" in metafunc.fixturenames:
+        metafunc.parametrize("module", getattr(metafunc.module, "ASKED", SOLVERS), indirect=True)
+
+
+@pytest.fixture
 def module(request: pytest.FixtureRequest) -> ParticlesAdapter:
     return solver_adapter(request.param)
 

@@ -19,7 +19,8 @@ G_M_PER_S2 = np.array([0.0, 0.0, -9.81])
 WEIGHTLESS = np.zeros(3)
 SOFT = GrainMaterial("soft", 1e7, 0.3)
 
-SOLVERS = ["spheres", pytest.param("liggghts", marks=pytest.mark.solver)]
+LIGGGHTS_ALONE = [pytest.param("liggghts", marks=pytest.mark.solver)]
+SOLVERS = ["spheres", *LIGGGHTS_ALONE]
 
 
 def solver_adapter(name: str) -> ParticlesAdapter:

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.material_book import CountedFeed
 from orchestrator.case.bed.size_distribution import size_class
 from orchestrator.coupling.metered import MeteredParticles, Stopwatch
 from orchestrator.ports import HermitePath, Motion
@@ -57,7 +56,7 @@ INLET = Inlet(
 
 def fed(solver: str, plan: ParticlesPlan) -> MeteredParticles:
     """With a feed that draws at random, and a meter."""
-    feed = CountedFeed(plan.particles, Feeds([INLET], every=7))
+    feed = Feeds([INLET], 7, plan.particles)
     opened = solver_adapter(solver).build(replace(plan, feed=feed))
     return MeteredParticles(opened, feed, solver, Stopwatch())
 

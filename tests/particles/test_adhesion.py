@@ -13,11 +13,13 @@ from orchestrator.ports import Array, Particles
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.plans import GrainMaterial, Jkr, Sjkr
-from tests.particles.contract import energy_defect_J
+from tests.particles.contract import LIGGGHTS_ALONE, energy_defect_J
 from tests.particles.liggghts_plans import flat, make_plan, sheet, spheres, still, travel
 from tests.particles.sticky import DENSITY_KG_PER_M3, PAIR, PLANE, RADIUS_M, Known, on_surface, plan_of
 
-pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
+ASKED = LIGGGHTS_ALONE
+
+pytestmark = pytest.mark.slow
 
 
 def curve(overlap_m: Array, known: Known) -> Array:

@@ -13,7 +13,9 @@ from orchestrator.ports import Array, HermitePath, Motion
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, ParticlesPlan
-from tests.particles.contract import WEIGHTLESS, Run, at_rest, one, particles, plan, plate
+from tests.particles.contract import LIGGGHTS_ALONE, WEIGHTLESS, Run, at_rest, one, particles, plan, plate
+
+ASKED = LIGGGHTS_ALONE
 
 Build = Callable[[ParticlesPlan], Run]
 VERY_SOFT = GrainMaterial("very soft", 1e3, 0.3)

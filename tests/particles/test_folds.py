@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 
 from orchestrator.ports import Array
-from tests.particles.contract import SOLVERS, solver_adapter
+from tests.particles.contract import LIGGGHTS_ALONE, solver_adapter
 from tests.particles.folds import KINDS, RADIUS_M, RIDGE, VALLEY, fold, furrows, held, pit, single_N
 from tests.particles.liggghts_plans import make_plan, spheres, still, travel
 
-# slow as a whole: thousands of steps of the NumPy spheres
-pytestmark = [pytest.mark.slow, pytest.mark.parametrize("code", SOLVERS)]
+pytestmark = [pytest.mark.slow, pytest.mark.parametrize("code", LIGGGHTS_ALONE)]
 FOLDS_DEG = pytest.mark.parametrize("angle_deg", [5.0, 15.0, 20.0, 30.0, 40.0, 60.0, 90.0])
 OVERLAP_M = 0.02 * RADIUS_M
 

@@ -12,7 +12,7 @@ from orchestrator.case.deck.openings import straight_passing
 from orchestrator.case.deck.triangle_grid import perforated_grid
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle, TriangleSurface
-from tests.particles.contract import SOLVERS, Run, one, particles, plan, solver_adapter
+from tests.particles.contract import LIGGGHTS_ALONE, Run, one, particles, plan, solver_adapter
 
 pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
 
@@ -26,7 +26,7 @@ def build(solver: str, **given: Any) -> Any:
     return solver_adapter(solver).build(plan(**given))
 
 
-every_solver = pytest.mark.parametrize("solver", SOLVERS)
+every_solver = pytest.mark.parametrize("solver", LIGGGHTS_ALONE)
 
 
 def still(pattern: AperturePattern, panel: Rectangle = PANEL) -> TriangleSurface:

@@ -19,9 +19,12 @@ from orchestrator.ports import Array, Motion, ParticleSnapshot
 from orchestrator.ports.adapters import ParticlesAdapter
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
+from tests.particles.contract import LIGGGHTS_ALONE
 from tests.particles.liggghts_plans import flat, make_plan, spheres, still, travel
 
-pytestmark = pytest.mark.slow  # as a whole: thousands of steps of the NumPy spheres
+ASKED = LIGGGHTS_ALONE
+
+pytestmark = pytest.mark.slow
 
 
 ROLLING = 0.1

@@ -14,7 +14,7 @@ from orchestrator.ports import Account, Array, ParticleSnapshot
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan, Sjkr
 from tests.particles.contract import Run, particles, plan, plate, solver_adapter
-from tests.particles.folds import furrows, pit
+from tests.particles.folds import pit
 from tests.particles.liggghts_plans import make_plan
 from tests.particles.liggghts_plans import spheres as spheres_at
 from tests.reference import spheres
@@ -87,9 +87,7 @@ def test_a_sphere_that_slides_over_a_fold(angle_deg: float) -> None:
     agree(*both(case, 40, np.zeros(3)), relative=1e-9)
 
 
-@pytest.mark.parametrize(
-    "surface", [pit(0.1, 3), pit(0.4, 5), furrows()], ids=["gentle pit", "pit", "furrows"]
-)
+@pytest.mark.parametrize("surface", [pit(0.4, 5)], ids=["pit"])
 def test_a_spinning_sphere_where_several_contacts_share(surface: TriangleSurface) -> None:
     """With friction, so that the tangential springs of contacts that come and go take part."""
     start_m, velocity_m_per_s = [2e-4, 1e-4, 3.6e-3], [0.05, 0.03, -0.1]

@@ -14,8 +14,19 @@ import pytest
 
 from orchestrator.ports.geometry import TriangleSurface
 from orchestrator.ports.plans import GrainMaterial, Jkr, ParticlesPlan
-from tests.particles.contract import WEIGHTLESS, Run, one, particles, plan, plate, solver_adapter
+from tests.particles.contract import (
+    LIGGGHTS_ALONE,
+    WEIGHTLESS,
+    Run,
+    one,
+    particles,
+    plan,
+    plate,
+    solver_adapter,
+)
 from tests.reference import spheres
+
+ASKED = LIGGGHTS_ALONE
 
 Build = Callable[[ParticlesPlan], Run]
 

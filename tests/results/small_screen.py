@@ -88,7 +88,7 @@ solver = "prescribed"
 solver = "rigid"
 surface_cells = [2, 1]
 [particles]
-solver = "spheres"
+solver = "liggghts"
 [output]
 interval_s = 0.02
 pictures = false

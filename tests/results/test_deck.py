@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from orchestrator.case.deck.line import DeckLine, deck_line, joined, over
+from orchestrator.case.deck.line import DeckLine, deck_line, join_lines, over
 from orchestrator.case.deck.openings import openings_m
 from orchestrator.case.deck.panels import axes
 from orchestrator.output.records.deck_record import HELD_CYCLES, RetainedParticles, bins_m, compute_profile
@@ -29,7 +29,7 @@ def straight(slope_deg: float, panels: int = 2, length_m: float = 0.3) -> list[A
 def deck_of(lines: list[Array]) -> tuple[DeckLine, Array]:
     deck = deck_line(lines)
     assert deck is not None
-    return deck, joined(deck.panels, lines)
+    return deck, join_lines(deck.panels, lines)
 
 
 def snapshot(position: Array, diameter: Array, velocity: Array | None = None) -> ParticleSnapshot:

@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 
 from orchestrator.output.records.run_folder import OF_A_RUN, FolderUnusable, lock
+from orchestrator.output.report.drawing import figure
 from orchestrator.output.report.facts import left_out_facts
 from orchestrator.output.report.formatting import interval, number
-from orchestrator.output.report.page import report
+from orchestrator.output.report.page import Film, page, report
+from orchestrator.output.results.compute import compute_results
 from tests.results.browser import browser, seen
 from tests.results.synthetic import ROTATION, folder_of
 from tests.runs.outside import flipflow, said_plainly
@@ -64,6 +66,18 @@ def test_the_page_needs_nothing_else(folder: Path) -> None:
         assert address.startswith("data:")
     assert "<script" not in text
     assert "url(" not in text.split("</style>")[0]
+
+
+def test_a_picture_without_a_place_of_its_own_is_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whoever adds a picture need not know the page's template."""
+    run = folder_of(tmp_path / "run", cycles=15)
+    drawn = [("new_picture", figure(1, 1, 2.0, 1.0)[0])]
+    monkeypatch.setattr("orchestrator.output.report.page.draw_results", lambda results: iter(drawn))
+    text = page(run, compute_results(run), lambda *_: Film(b"", reason="left out by the test"))
+    assert text.count('alt="new_picture"') == 1
+    assert text.count('alt="energy ledger"') == 1
 
 
 @pytest.mark.process

@@ -20,7 +20,7 @@ solver = "two-mass"
 solver = "rigid"
 surface_cells = [6, 4]
 [particles]
-solver = "spheres"
+solver = "liggghts"
 [output]
 interval_s = 0.01
 pictures = false

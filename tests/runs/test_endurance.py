@@ -31,7 +31,7 @@ OFTEN = ("output.interval_s=0.08", "bed.feeds.thin.rate_kg_per_s=0.05", "checkpo
 @pytest.mark.solver
 @pytest.mark.slow
 def test_fifty_cycles_hold_no_more_than_before(tmp_path: Path) -> None:
-    """4000 sync intervals, 50 output times, 10 saves and some 40 particles that came and went.  A
+    """4000 sync intervals, 50 output times, 10 checkpoints and some 40 particles that came and went.  A
     kilobyte kept of each interval would be 4 MB."""
     file = tmp_path / "held"
     words = ["run", "cases/quickstart", "--level", "hour", "--out", str(tmp_path / "run")]

@@ -17,7 +17,7 @@ from tests.runs.same_run import run_differences
 # 120 sync intervals, a save after every third
 SAVED = [*QUICK, "bed.blocks.coal.count=30", "duration_s=0.012", "output.interval_s=0.003"]
 SAVED += ["checkpoint.every_s=0.0003"]
-# something else takes what is left of the disk when the save at 0.0057 s begins
+# something else takes what is left of the disk when the checkpoint at 0.0057 s begins
 FILLED = """
 from orchestrator.output import checkpoints
 parts = checkpoints._write_arrays
@@ -60,13 +60,13 @@ def test_a_full_disk(small_disk: Path) -> None:
 
 @pytest.mark.parametrize("small_disk", [60], indirect=True)
 def test_a_full_disk_while_saving(small_disk: Path, tmp_path: Path) -> None:
-    """The save before is whole, and what goes on from it is the run that never stopped."""
+    """The checkpoint before is whole, and what goes on from it is the run that never stopped."""
     whole, folder, filler = tmp_path / "whole", small_disk / "run", small_disk / "filler"
     assert flipflow(*run_words("quickstart", whole, SAVED)).returncode == 0
     before = FILLED.format(filler=str(filler))
     done = flipflow(*run_words("quickstart", folder, SAVED), before=before)
-    failed(folder, done, "the save at t = 0.0057 s cannot be written: [Errno 28]")
-    kept = sorted(save.name for save in (folder / "saves").iterdir())
+    failed(folder, done, "the checkpoint at t = 0.0057 s cannot be written: [Errno 28]")
+    kept = sorted(checkpoint.name for checkpoint in (folder / "checkpoints").iterdir())
     assert kept == [f"{51:012d}", f"{54:012d}"]
     filler.unlink()
     done = flipflow("resume", str(folder))

@@ -64,8 +64,8 @@ def process(folder: Path, rank: int) -> int:
 
 
 def newest(folder: Path) -> str:
-    saves = folder / "saves"
-    return max((one.name for one in saves.glob("[0-9]*")), default="") if saves.exists() else ""
+    checkpoints = folder / "checkpoints"
+    return max((one.name for one in checkpoints.glob("[0-9]*")), default="") if checkpoints.exists() else ""
 
 
 @pytest.fixture(scope="module")
@@ -139,12 +139,12 @@ def test_a_full_disk_while_one_rank_saves(tmp_path: Path, whole: Path, rank: int
     ended = time.time()
     assert done.returncode == 4, done.stderr
     said_plainly(done)
-    reason = "the save at t = 0.0012 s cannot be written: [Errno 28] No space left on device"
+    reason = "the checkpoint at t = 0.0012 s cannot be written: [Errno 28] No space left on device"
     assert done.stderr.count(reason) == 1, done.stderr
     assert left_usable(folder, "failed")["reason"] == reason
     assert ended - (folder / "failure.txt").stat().st_mtime < ENDED_S
     wait_until(lambda: of(folder) == [])
-    assert [save.name for save in (folder / "saves").iterdir()] == [f"{6:012d}"]
+    assert [save.name for save in (folder / "checkpoints").iterdir()] == [f"{6:012d}"]
     goes_on(folder, whole)
 
 

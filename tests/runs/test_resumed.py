@@ -47,9 +47,11 @@ def run(folder: Path, case: Sequence[str], sets: Sequence[str]) -> Path:
     return folder
 
 
-def saves(folder: Path) -> list[Path]:
+def checkpoint_folders(folder: Path) -> list[Path]:
     """In order of time."""
-    return sorted(save for save in (folder / "saves").iterdir() if save.name.isdigit())
+    return sorted(
+        checkpoint for checkpoint in (folder / "checkpoints").iterdir() if checkpoint.name.isdigit()
+    )
 
 
 @pytest.fixture(scope="module")
@@ -69,12 +71,12 @@ def saved(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def stopped(saved: Path, tmp_path: Path) -> Path:
     """A copy of that, as if it had been killed after 0.0077 s."""
     folder = Path(shutil.copytree(saved, tmp_path / "stopped"))
-    shutil.rmtree(saves(folder)[-1])
+    shutil.rmtree(checkpoint_folders(folder)[-1])
     return folder
 
 
 def test_saving_changes_nothing(whole: Path, saved: Path) -> None:
-    assert [save.name for save in saves(saved)] == [f"{77:012d}", f"{120:012d}"]
+    assert [save.name for save in checkpoint_folders(saved)] == [f"{77:012d}", f"{120:012d}"]
     assert run_differences(whole, saved) == []
 
 
@@ -92,7 +94,7 @@ def test_so_it_is_with_other_physics_and_solvers(tmp_path: Path, case: list[str]
     whole = run(tmp_path / "whole", case, UNSAVED)
     part_s = "0.0071" if QUICKSTART[0] in case else "0.031"
     stopped = run(tmp_path / "stopped", case, [f"checkpoint.every_s={part_s}"])
-    shutil.rmtree(saves(stopped)[-1])
+    shutil.rmtree(checkpoint_folders(stopped)[-1])
     assert resume(stopped, []) == launch.DONE
     assert run_differences(whole, stopped) == []
 
@@ -106,15 +108,15 @@ def test_a_finished_run_may_go_on_to_a_later_end(whole: Path, tmp_path: Path) ->
 @pytest.mark.parametrize("torn", ["cut", "changed", "half"])
 def test_a_torn_save_is_left_for_the_one_before(whole: Path, saved: Path, tmp_path: Path, torn: str) -> None:
     folder = Path(shutil.copytree(saved, tmp_path / "torn"))
-    last = saves(folder)[-1]
-    arrays, about = last / "rank-0.npz", last / "save.json"
+    last = checkpoint_folders(folder)[-1]
+    arrays, about = last / "rank-0.npz", last / "checkpoint.json"
     match torn:
         case "cut":
             arrays.write_bytes(arrays.read_bytes()[:-100])
         case "changed":
-            half = len(arrays.read_bytes()) // 2
-            # as many bytes as may lie between two arrays, where nothing would be lost
-            arrays.write_bytes(arrays.read_bytes()[:half] + 64 * b"?" + arrays.read_bytes()[half + 64 :])
+            changed = bytearray(arrays.read_bytes())
+            changed[len(changed) // 2] ^= 1  # a single bit
+            arrays.write_bytes(changed)
         case "half":
             about.write_text(about.read_text()[:-20])
     assert resume(folder, []) == launch.DONE
@@ -141,8 +143,8 @@ def test_a_save_that_names_a_file_elsewhere_is_torn(
     """It would be written over."""
     folder, other = Path(shutil.copytree(saved, tmp_path / "evil")), tmp_path / "mine.txt"
     other.write_text("mine")
-    for save in saves(folder):
-        about = save / "save.json"
+    for save in checkpoint_folders(folder):
+        about = save / "checkpoint.json"
         about.write_text(about.read_text().replace('"history.h5"', '"../../../mine.txt"'))
     assert resume(folder, []) == launch.WRONG
     assert "names a file elsewhere: ../../../mine.txt" in capsys.readouterr().err
@@ -155,14 +157,14 @@ def test_a_save_that_does_not_say_all_of_itself_is_torn(
 ) -> None:
     """The one before is taken; if there is none, the reason is said."""
     folder = Path(shutil.copytree(saved, tmp_path / "run"))
-    for left, save in enumerate(reversed(saves(folder))):
-        about = save / "save.json"
+    for left, save in enumerate(reversed(checkpoint_folders(folder))):
+        about = save / "checkpoint.json"
         about.write_text(about.read_text().replace(f'"{key}"', '"another"'))
         assert (left == 0) == (checkpoints.newest(folder) is not None)
     assert resume(folder, []) == launch.WRONG
     said = capsys.readouterr().err
     assert "no checkpoint that is whole:\n" in said
-    assert f"save.json does not say '{key}'\n" in said
+    assert f"checkpoint.json does not say '{key}'\n" in said
 
 
 def test_a_run_on_a_disk_that_is_read_only(
@@ -202,9 +204,17 @@ def test_what_is_no_run_or_was_not_saved_is_refused(
 ) -> None:
     assert resume(tmp_path, []) == launch.WRONG
     assert "is not the folder of a run" in capsys.readouterr().err
-    shutil.rmtree(stopped / "saves")
+    shutil.rmtree(stopped / "checkpoints")
     assert resume(stopped, []) == launch.WRONG
     assert "nothing was saved" in capsys.readouterr().err
+    (stopped / "saves").mkdir()
+    assert resume(stopped, []) == launch.WRONG
+    assert "as an older flipflow wrote them" in capsys.readouterr().err
+
+
+def test_the_former_name_of_the_option_is_refused_with_the_new_one(stopped: Path) -> None:
+    former = flipflow("resume", str(stopped), "--save", "77")
+    assert (former.returncode, "--checkpoint 77" in former.stderr) == (launch.WRONG, True)
 
 
 @pytest.mark.process
@@ -271,4 +281,8 @@ def test_killed_again_and_again_it_comes_to_the_same_end(whole: Path, tmp_path: 
 
 
 def newest(folder: Path) -> str:
-    return saves(folder)[-1].name if (folder / "saves").is_dir() and saves(folder) else ""
+    return (
+        checkpoint_folders(folder)[-1].name
+        if (folder / "checkpoints").is_dir() and checkpoint_folders(folder)
+        else ""
+    )

@@ -17,7 +17,7 @@ from orchestrator.output.records import trust
 from tests.runs.outside import flipflow, left_usable, run_words, said_plainly, summary
 from tests.runs.same_run import run_differences
 from tests.runs.test_failed import FAR_TOO_LONG
-from tests.runs.test_resumed import QUICKSTART, UNSAVED, run, saves
+from tests.runs.test_resumed import QUICKSTART, UNSAVED, checkpoint_folders, run
 
 # 30 pieces of coal fall faster and faster: too fast for this at 6 ms, the second output time
 FAST = "monitor.largest_step_share=4.5e-4"
@@ -34,10 +34,10 @@ def test_stopped_it_names_the_last_good_state_and_goes_on_from_there(tmp_path: P
     stopped, _, good, command = done.stderr.strip().splitlines()[-4:]
     assert stopped.startswith("stopped by the monitor at t = 0.006 s: particle ")
     assert left_usable(folder, "failed")["reason"] == stopped
-    assert good == f"last good state: t = 0.0055 s, {saves(folder)[-2]}"
-    assert saves(folder)[-1].name == f"{60:012d}"  # that of the stop is there, too
+    assert good == f"last good state: t = 0.0055 s, {checkpoint_folders(folder)[-2]}"
+    assert checkpoint_folders(folder)[-1].name == f"{60:012d}"  # that of the stop is there, too
     words = shlex.split(command.removeprefix("to go on from there: flipflow "))
-    assert words == ["resume", str(folder), "--save", "55"]
+    assert words == ["resume", str(folder), "--checkpoint", "55"]
     gone_on = flipflow(*words, "--set", "monitor.long_steps=warn")
     assert gone_on.returncode == 0, gone_on.stderr
     assert run_differences(whole, folder) == []
@@ -51,7 +51,7 @@ def test_stopped_before_anything_was_saved_it_can_go_on_from_where_it_stopped(
     code = launch.run(Path("cases") / name, "draft", folder, words)
     assert code == launch.FAILED
     said = capsys.readouterr().err.replace("\n", " ")
-    assert f"nothing was saved before; state at t = 0.006 s: {saves(folder)[0]}" in said
+    assert f"nothing was saved before; state at t = 0.006 s: {checkpoint_folders(folder)[0]}" in said
     assert resume(folder, ["monitor.long_steps=warn"]) == launch.DONE
     assert summary(folder)["status"] == "done"
 
@@ -59,7 +59,7 @@ def test_stopped_before_anything_was_saved_it_can_go_on_from_where_it_stopped(
 def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
     whole = run(tmp_path / "whole", QUICKSTART, [*UNSAVED, *UNEASY])
     folder = run(tmp_path / "run", QUICKSTART, ["checkpoint.every_s=0.0077", *UNEASY])
-    shutil.rmtree(saves(folder)[-1])
+    shutil.rmtree(checkpoint_folders(folder)[-1])
     assert resume(folder, []) == launch.DONE
     assert run_differences(whole, folder) == []
     watched = summary(whole)["monitor"]
@@ -75,7 +75,7 @@ def test_shortened_it_is_saved_and_resumed_bit_for_bit(tmp_path: Path) -> None:
 def test_the_save_from_before_stays(tmp_path: Path) -> None:
     """While intervals are shortened, later saves are not trusted."""
     sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
-    names = [save.name for save in saves(run(tmp_path / "run", QUICKSTART, sets))]
+    names = [save.name for save in checkpoint_folders(run(tmp_path / "run", QUICKSTART, sets))]
     assert names[-2:] == [f"{110:012d}", f"{120:012d}"]
     assert len(names) == 3
     assert int(names[0]) == 55
@@ -87,7 +87,7 @@ def test_a_resumed_run_still_knows_the_save_from_before(tmp_path: Path) -> None:
     sets = ["checkpoint.every_s=0.0011", *UNEASY, "monitor.calm_s=1.0"]
     folder = run(tmp_path / "run", QUICKSTART, sets)
     assert resume(folder, ["duration_s=0.0145"]) == launch.DONE
-    names = [int(save.name) for save in saves(folder)]
+    names = [int(save.name) for save in checkpoint_folders(folder)]
     assert names == [55, 143, 145]
     newest = checkpoints.newest(folder)
     assert newest is not None

@@ -83,7 +83,7 @@ def still(loaded: JudgedCase) -> JudgedCase:
 
 
 def bench(loaded: JudgedCase, intervals: int, settling: int = 0) -> Table:
-    """Runs about ``intervals`` sync intervals of both, after ``settling`` that do not count; the
+    """Run about ``intervals`` sync intervals of both, after ``settling`` that do not count; the
     table says what each part took."""
     with tempfile.TemporaryDirectory(prefix="flipflow-bench-") as scratch:
         coupled = Runner(loaded, Path(scratch) / "coupled")

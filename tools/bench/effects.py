@@ -72,7 +72,7 @@ def bench(asked: Asked, intervals: int) -> Table:
 
 
 def undescribing(case: Case, effect: str) -> dict[str, Any]:
-    """Returns keys that take an effect out of the data where its overlay chooses another law."""
+    """Return keys that take an effect out of the data where its overlay chooses another law."""
     coefficient = COEFFICIENTS.get(effect)
     if coefficient is None:
         return {}

@@ -27,19 +27,19 @@ EFFECTS_TABLE = """\
 
 
 def reference() -> str:
-    """Returns the whole page."""
+    """Return the whole page."""
     return (
         "\n".join([_rules("case"), *_effects(), *_of_solvers(), *_sections(Case, "", set())]).rstrip() + "\n"
     )
 
 
 def _rules(of: str) -> str:
-    """Returns what is written by hand."""
+    """Return what is written by hand."""
     return Path(__file__).with_name(f"{of}_rules.md").read_text(encoding="utf-8")
 
 
 def _effects() -> Iterator[str]:
-    """Yields a table of all effects, by part."""
+    """Yield a table of all effects, by part."""
     yield _rules("effect")
     yield EFFECTS_TABLE
     for part in get_args(Part):
@@ -52,7 +52,7 @@ def _effects() -> Iterator[str]:
 
 
 def _of_solvers() -> Iterator[str]:
-    """Yields a table of all solvers, with what their adapters say of them."""
+    """Yield a table of all solvers, with what their adapters say of them."""
     yield _rules("solver")
     yield "| port | solver | what it is | what it leaves out |\n| --- | --- | --- | --- |"
     ports: tuple[Port, ...] = get_args(Port)
@@ -64,7 +64,7 @@ def _of_solvers() -> Iterator[str]:
 
 
 def _sections(table: type[BaseModel], path: str, seen: set[type[BaseModel]]) -> Iterator[str]:
-    """Yields this table's keys, then those of the tables in it; each table once."""
+    """Yield this table's keys, then those of the tables in it; each table once."""
     seen.add(table)
     yield f"## `{path}`" if path else "## `case.toml`"
     yield f"\n{_text(table.__doc__)}\n"
@@ -91,7 +91,7 @@ def _row(key: str, field: FieldInfo, table: type[BaseModel] | None) -> str:
 
 
 def _solvers(field: FieldInfo) -> str:
-    """Returns what a key may be that names a solver, "" for another key."""
+    """Return what a key may be that names a solver, "" for another key."""
     marks = [mark for mark in field.metadata if isinstance(mark, SolverName)]
     return " or ".join(f'"{name}"' for mark in marks for name in mark.allowed)
 
@@ -101,12 +101,12 @@ def _text(words: str | None) -> str:
 
 
 def _is_list(field: FieldInfo) -> bool:
-    """Returns whether the tables of a field are rows of a list."""
+    """Return whether the tables of a field are rows of a list."""
     return get_origin(field.annotation) is tuple
 
 
 def table_in(kind: Any) -> tuple[type[BaseModel] | None, str]:
-    """Returns the table that a value of this type is made of, if any, and how its name goes on."""
+    """Return the table that a value of this type is made of, if any, and how its name goes on."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return kind, ""
     place = ".<name>" if get_origin(kind) is dict else ""
@@ -118,7 +118,7 @@ def table_in(kind: Any) -> tuple[type[BaseModel] | None, str]:
 
 
 def _kind(kind: Any) -> str:
-    """Returns a type in words."""
+    """Return a type in words."""
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is Annotated:
         return _kind(arguments[0])

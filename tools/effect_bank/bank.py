@@ -49,7 +49,7 @@ class Bank(Table):
 
 
 def read(file: Path) -> dict[str, Scene]:
-    """Returns the scenes of a bank by name.  Raises CaseError with every mistake in the file."""
+    """Return the scenes of a bank by name.  Raises CaseError with every mistake in the file."""
     if not file.is_file():
         raise CaseError([CaseProblem((), "there is no bank of scenes", file=str(file))])
     given = read_toml(file, file.parent)
@@ -68,7 +68,7 @@ def read(file: Path) -> dict[str, Scene]:
 
 
 def chosen(bank: dict[str, Scene], names: list[str]) -> dict[str, Scene]:
-    """Returns the scenes of these names, or all where no names are given.  Raises CaseError."""
+    """Return the scenes of these names, or all where no names are given.  Raises CaseError."""
     for name in names:
         if name not in bank:
             hint = did_you_mean(name, bank)

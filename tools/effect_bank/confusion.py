@@ -95,7 +95,7 @@ class Confusion:
 
 
 def confusion(scenes: Sequence[Tried]) -> Confusion:
-    """Returns the rows of all scenes, as far as their runs are made."""
+    """Return the rows of all scenes, as far as their runs are made."""
     return Confusion([row for one in scenes for row in _rows(one)])
 
 
@@ -128,7 +128,7 @@ def _compared(base: Trial, trial: Trial, asked: Sequence[str]) -> tuple[dict[str
 def change(
     name: str, with_it: Sequence[Mapping[str, Any]], without: Sequence[Mapping[str, Any]], *, by_chance: bool
 ) -> Change:
-    """Returns how a result changes from the runs with an effect to those without, given their
+    """Return how a result changes from the runs with an effect to those without, given their
     summaries; a result that only one side has has changed by all of it.  Of one run a side, the
     interval is what the runs themselves give, if ``by_chance`` particles lie where random numbers
     put them; else two runs differ by the effect alone."""
@@ -151,7 +151,7 @@ def change(
 
 
 def half_width(one: Any, two: Any, by: float) -> float | None:
-    """Returns half the width of the interval of the difference of two means, over ``by``; None
+    """Return half the width of the interval of the difference of two means, over ``by``; None
     where a side has one value only."""
     if min(one.size, two.size) < 2:
         return None
@@ -163,7 +163,7 @@ def half_width(one: Any, two: Any, by: float) -> float | None:
 
 
 def outcome(changes: Mapping[str, Change]) -> str:
-    """Returns what all results together say: one that has changed is enough."""
+    """Return what all results together say: one that has changed is enough."""
     decided = [one.matters for one in changes.values() if one.relative is not None]
     if not decided:
         return NOT_COMPARED

@@ -60,7 +60,7 @@ def lines(found: Confusion) -> Iterator[str]:
 
 
 def write(found: Confusion, folder: Path) -> list[Path]:
-    """Writes ``effects.csv``, a row for each effect and result asked for, and ``effects.md``."""
+    """Write ``effects.csv``, a row for each effect and result asked for, and ``effects.md``."""
     file = folder / "effects.csv"
     with file.open("w", newline="", encoding="utf-8") as text:
         writer = csv.writer(text)

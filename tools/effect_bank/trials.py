@@ -63,7 +63,7 @@ class Tried:
 
 
 def all_tried(bank: Mapping[str, Scene], folder: Path, out: Path) -> list[Tried]:
-    """Returns all scenes with their trials; nothing is run.  Raises CaseError with the mistakes of
+    """Return all scenes with their trials; nothing is run.  Raises CaseError with the mistakes of
     all scenes, each with the scene's name."""
     found, wrong = [], []
     for name, scene in bank.items():
@@ -77,7 +77,7 @@ def all_tried(bank: Mapping[str, Scene], folder: Path, out: Path) -> list[Tried]
 
 
 def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
-    """Returns a scene with all its trials, each checked; nothing is run here.
+    """Return a scene with all its trials, each checked; nothing is run here.
 
     ``folder`` is that of the bank's file, ``out`` that of the study.  Raises CaseError if the scene
     itself is wrong; what is only wrong without an effect is said in the trial.
@@ -100,7 +100,7 @@ def tried(name: str, scene: Scene, folder: Path, out: Path) -> Tried:
 
 
 def _trial(name: str, without: str, case: Path, scene: Scene, sets: Sequence[str], out: Path) -> Trial:
-    """Raises CaseError."""
+    """Raise CaseError."""
     whole = f"{name}-without-{without}" if without else name
     bare = load_judged(case, scene.level, sets).case
     study = CaseStudy(case, scene.level, tuple(sets), out)

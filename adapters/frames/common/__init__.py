@@ -1,1 +1,1 @@
-"""What frames of several solvers are made of."""
+"""Parts that the frames of several solvers share."""

@@ -19,11 +19,11 @@ STAGES = 6
 
 
 class Collocation:
-    """Makes the steps of a linear machine under loads at the nodes.
+    """The steps of a linear machine under loads at the nodes.
 
-    ``step_s`` is the present length of a step; ``node_s``, ``weight_s`` (stages,) are times from the
-    step's start, and weights that sum to the step; ``integral_s`` (stages, stages) takes rates at the
-    nodes to what they add up to there.
+    ``step_s`` is the present length of a step; ``node_s``, ``weight_s`` (stages,) are times from the step's
+    start, and weights that sum to the step; ``integral_s`` (stages, stages) takes rates at the nodes to their
+    integrals there.
     """
 
     def __init__(self, machine: LinearMachine) -> None:
@@ -56,14 +56,16 @@ class Collocation:
         return states[:, : len(x)], states[:, len(x) :]
 
     def end(self, x: Array, v: Array, load: Array) -> tuple[Array, Array]:
-        """Return x and x' at the step's end, likewise."""
+        """Return x and x' at the step's end under the same load."""
         state = self._outer @ np.concatenate([x, v, load.ravel()])
         return state[: len(x)], state[len(x) :]
 
 
 def onward() -> Array:
-    """Return the matrix (stages, stages) that takes values at the nodes of a step to values at those of
-    the next, by the parabola that fits best."""
+    """Return the matrix (stages, stages) that extrapolates values at a step's nodes to the next step's nodes.
+
+    It uses the parabola that fits best.
+    """
     node, _, _ = _tableau()
     fitted = np.linalg.pinv(np.vander(node, 3))
     return np.asarray(np.vander(node + 1, 3) @ fitted)
@@ -79,10 +81,11 @@ def _tableau() -> tuple[Array, Array, Array]:
 
 
 def _basis(node: Array, at: Array) -> Array:
-    """Evaluate Lagrange's basis polynomials of the nodes (n,) at ``at`` (m,): (m, n).
+    """Return Lagrange's basis polynomials of the nodes (n,), evaluated at ``at`` (m,): (m, n).
 
-    By their definition: SciPy's interpolator shuffles its nodes at random, and no two runs would be
-    alike."""
+    They follow their definition: SciPy's interpolator shuffles its nodes at random, and no two runs would be
+    alike.
+    """
     others = ~np.eye(len(node), dtype=bool)
     apart = np.where(others, node[:, None] - node, 1.0)
     return np.asarray(np.prod((at[:, None, None] - node) / apart, axis=2, where=others))

@@ -1,4 +1,4 @@
-"""Drives: where a drive has its body at a time, and how fast it moves it there, exactly.
+"""Drives: the exact place and velocity that a drive gives its body at a time.
 
 Equations: docs/theory/frames.md.
 """
@@ -22,8 +22,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Driving:
-    """Tells where a drive's centre is and how fast it moves (3,), the rotation from the drawn position,
-    and the angular velocity (3,) in the world."""
+    """The motion of a drive at one time.
+
+    It has the place and velocity (3,) of the drive's centre, the rotation from the drawn position, and the
+    angular velocity (3,) in the world.
+    """
 
     center_m: Array
     velocity_m_per_s: Array
@@ -41,8 +44,8 @@ def driving(drive: DrivePlan, time_s: float) -> Driving:
     from scipy.spatial.transform import Rotation
 
     when_s = np.array([time_s])
-    shift_m, shift_m_per_s = shifted(drive, when_s)
-    turn_rad, turn_rad_per_s = turned(drive, when_s)
+    shift_m, shift_m_per_s = displacement(drive, when_s)
+    turn_rad, turn_rad_per_s = rotation(drive, when_s)
     return Driving(
         drive.center_m + shift_m[0],
         shift_m_per_s[0],
@@ -51,13 +54,13 @@ def driving(drive: DrivePlan, time_s: float) -> Driving:
     )
 
 
-def moved(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
+def carried_motion(drive: DrivePlan, points_m: Array, time_s: float) -> tuple[Array, Array]:
     """Return position and velocity, (n, 3) each, of points that a driven body carries."""
     return driving(drive, time_s).carried(points_m - drive.center_m)
 
 
 class DrivenPoints:
-    """Moves the carried points of a plan as its drives say; all others stay where they were drawn."""
+    """The carried points of a plan, moved by its drives; all other points stay where they were drawn."""
 
     def __init__(self, plan: FramesPlan) -> None:
         self._points_m, carrier = plan.points_m, np.array(plan.carrier, dtype=str)
@@ -69,32 +72,38 @@ class DrivenPoints:
         position_m = self._points_m.copy()
         velocity_m_per_s = np.zeros_like(position_m)
         for drive, points in self._driven:
-            position_m[points], velocity_m_per_s[points] = moved(drive, self._points_m[points], time_s)
+            position_m[points], velocity_m_per_s[points] = carried_motion(
+                drive, self._points_m[points], time_s
+            )
         return Motion(position_m, velocity_m_per_s)
 
     def ahead(self, interval: Interval) -> Known | None:
         """Return the motion at the interval's end of the points on driven bodies and on the ground.
 
-        None without drives."""
+        The result is None without drives.
+        """
         if not self._driven:
             return None
         return Known(self.at(interval.end_s), self.still_or_driven)
 
 
-def shifted(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
+def displacement(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
     """Return displacement of the centre and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.amplitude_m, drive.phase_rad, time_s)
 
 
-def turned(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
+def rotation(drive: DrivePlan, time_s: Array) -> tuple[Array, Array]:
     """Return the rotation vector and its rate, (n, 3) each, at the times (n,)."""
     return _harmonic(drive, drive.rotation_rad, drive.rotation_phase_rad, time_s)
 
 
 def angular_velocity(turn_rad: Array, rate_rad_per_s: Array) -> Array:
-    """Return the world angular velocity (3,) of a body turned by the rotation vector ``turn_rad`` that
-    changes at ``rate_rad_per_s``: the left Jacobian of the exponential map times the rate
-    (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, 2012, ch. 10)."""
+    """Return the world angular velocity (3,) of a body turned by a rotation vector.
+
+    The vector ``turn_rad`` changes at ``rate_rad_per_s``; the result is the left Jacobian of the exponential
+    map times the rate (Chirikjian, Stochastic Models, Information Theory, and Lie Groups, vol. 2, 2012, ch.
+    10).
+    """
     square = float(turn_rad @ turn_rad)
     angle = math.sqrt(square)
     if angle < 1e-4:  # series: the closed forms cancel; next terms are below rounding

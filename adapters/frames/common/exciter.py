@@ -1,12 +1,12 @@
-"""Rotating unbalances: the force of one that runs up smoothly, and the shaft that a motor turns.
+"""Rotating unbalances: the force of an unbalance that runs up smoothly, and the shaft that a motor turns.
 
 A shaft's equation of motion is
 
     J w' = torque - bearing w - u t . (a - g),    t = d(radial)/d(angle)
 
-with the acceleration a of the shaft's place and the unbalance's mass moment u.  The frame gets the
-force of any unbalance, -u d2(radial)/dt2.  The motor stands on the ground and passes on torque only,
-as by a cardan shaft: its reaction goes into the ground.
+with the acceleration a of the shaft's place and the unbalance's mass moment u.  The frame gets the force of
+any unbalance, -u d2(radial)/dt2.  The motor stands on the ground and passes on torque only, as by a cardan
+shaft: its reaction goes into the ground.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from orchestrator.ports.state import SavedAttributes
 
 
 class Unbalance:
-    """A rotating unbalance shakes its body with its inertia force.
+    """A rotating unbalance, which shakes its body with its inertia force.
 
-    With angle phi:  mass_moment (phi'^2 radial - phi'' tangent), which is minus the second
-    time derivative of  mass_moment * radial.
+    With angle phi, the force is  mass_moment (phi'^2 radial - phi'' tangent), which is minus the second time
+    derivative of  mass_moment * radial.
     """
 
     def __init__(self, exciter: ExciterPlan) -> None:
@@ -73,7 +73,7 @@ class Unbalance:
 
 
 class Shaft(SavedAttributes, Unbalance):
-    """Holds the angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
+    """The angle and speed of a motor's shaft at the last step's end, and its energies since t = 0.
 
     ``motor_J`` is the motor's work and ``lost_J`` the loss in the bearings.
     """
@@ -107,10 +107,11 @@ class Shaft(SavedAttributes, Unbalance):
         return np.asarray((torque_N_m - drag_N_m - swung_N_m) / self._motor.inertia_kg_m2)
 
     def stored_J(self, velocity_m_per_s: Array) -> float:
-        """Return the energy of shaft and unbalance beyond what the unbalance's mass has as a part of
-        its body; zero at rest at t = 0.
+        """Return the energy of shaft and unbalance beyond the energy that the body has with the unbalance's
+        mass.
 
-        ``velocity_m_per_s`` (3,) is that of the shaft's place."""
+        It is zero at rest at t = 0.  ``velocity_m_per_s`` (3,) is the velocity of the shaft's place.
+        """
         moved_J = self.speed_rad_per_s * float(self.tangent(self.angle_rad) @ velocity_m_per_s)
         risen = self.radial(self.angle_rad) - self.radial(self._exciter.phase_rad)
         own_J = self._motor.inertia_kg_m2 * self.speed_rad_per_s**2 / 2

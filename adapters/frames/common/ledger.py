@@ -1,7 +1,7 @@
-"""The ledger of frames: momentum and energy, and what came from outside.
+"""The ledger of frames: momentum, energy, and contributions from outside.
 
-Driven bodies belong to the outside as the ground does, but have momentum and energy: their
-drives give them whatever bushings and reactions do not (d'Alembert).
+Driven bodies belong to the outside as the ground does, but have momentum and energy: their drives give them
+whatever bushings and reactions do not (d'Alembert).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from orchestrator.ports.state import SavedAttributes
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """Tells how bodies move at one time: velocity and displacement (bodies, 3) of their centres of mass, and
+    """The motion of bodies at one time: velocity and displacement (bodies, 3) of their centres of mass, and
     the energy (bodies,) of their rotation."""
 
     velocity_m_per_s: Array
@@ -30,11 +30,11 @@ class BodyMotion:
 
 
 class FramesLedger(SavedAttributes):
-    """Adds up what crossed since ``start``, at t = 0.
+    """The sums of impulse and energy exchanged since ``start``, at t = 0.
 
-    ``outside_N_s`` (3,) is the impulse of ground, driven bodies, weight and exciters on the free
-    bodies, less that of the reaction on all others; ``damping_J`` is lost in bushings; ``exciter_J``
-    and ``reaction_J`` are work; ``pushed_J`` is the work of bushings and reaction on driven bodies.
+    ``outside_N_s`` (3,) is the impulse of ground, driven bodies, weight and exciters on the free bodies, less
+    that of the reaction on all others; ``damping_J`` is lost in bushings; ``exciter_J`` and ``reaction_J``
+    are work; ``pushed_J`` is the work of bushings and reaction on driven bodies.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("outside_N_s", "damping_J", "exciter_J", "reaction_J", "pushed_J")

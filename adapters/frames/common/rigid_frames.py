@@ -1,4 +1,4 @@
-"""What every solver of rigid frames that forces move is made of, whatever it makes of rotations."""
+"""Common parts of all solvers of rigid frames that forces move, however they treat rotations."""
 
 from __future__ import annotations
 
@@ -73,8 +73,8 @@ class RigidFrames(SavedAttributes):
 
 
 class BushingTable:
-    """Holds the bushings of a plan: places (n, 3), spring axes (n, 3, 3), stiffness and damping along
-    these (n, 3), and the numbers (n,) of their first and second bodies, -1 for the ground."""
+    """The bushings of a plan: places (n, 3), spring axes (n, 3, 3), stiffness and damping along the axes (n,
+    3), and the numbers (n,) of their first and second bodies, -1 for the ground."""
 
     def __init__(self, plan: FramesPlan) -> None:
         every = plan.bushings
@@ -86,7 +86,7 @@ class BushingTable:
 
 
 class Unbalances:
-    """Evaluates exciters of a plan at their given speeds: places (n, 3), and numbers (n,) of bodies."""
+    """The exciters of a plan at their given speeds: places (n, 3), and numbers (n,) of bodies."""
 
     def __init__(self, plan: FramesPlan, exciters: Sequence[ExciterPlan]) -> None:
         self.body = numbers(plan, tuple(exciter.body for exciter in exciters))
@@ -102,7 +102,7 @@ class Unbalances:
 
 
 def onto_bodies(plan: FramesPlan, carrier: Indices) -> Array:
-    """Return the matrix (bodies, points) that sums what acts on points over the bodies that carry them."""
+    """Return the matrix (bodies, points) that sums the effect on points over the bodies that carry them."""
     carried = np.arange(len(plan.bodies))[:, None] == carrier
     return np.asarray(carried, dtype=np.float64)
 

@@ -14,7 +14,7 @@ import numpy as np
 from adapters.frames.common.exciter import Shaft
 from adapters.frames.common.ledger import BodyMotion, FramesLedger
 from adapters.frames.common.rigid_frames import BushingTable, Unbalances, onto_bodies
-from adapters.frames.exudyn.poses import Attached, Poses, cross, turned
+from adapters.frames.exudyn.poses import Attached, Poses, cross, turn
 from orchestrator.ports import Array, linear_frames
 from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan, SolverFailed
 
@@ -25,12 +25,13 @@ TOLERANCE = 1e-14
 
 @dataclass(frozen=True)
 class Instant:
-    """Holds poses and forces at one time.
+    """Poses and forces at one time.
 
-    ``stretch_m``, ``stretch_m_per_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3)
-    on the first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m``
-    (bodies, 3) what a stretched bushing adds to its first body; ``exciter_N``, ``exciter_m``
-    (exciters, 3) force and place."""
+    ``stretch_m``, ``stretch_m_per_s`` (bushings, 3) along the spring axes; ``pull_N`` (bushings, 3) on the
+    first body at ``from_m``, and its opposite on the second at ``to_m``; ``couple_N_m`` (bodies, 3) the
+    couple that a stretched bushing adds to its first body; ``exciter_N``, ``exciter_m`` (exciters, 3) force
+    and place.
+    """
 
     poses: Poses
     stretch_m: Array
@@ -44,9 +45,10 @@ class Instant:
 
 
 class SpatialForces:
-    """Evaluates bushings and exciters, ``sag_m`` (bushings, 3) as in ``system.assemble_system``.
+    """The forces of bushings and exciters, with ``sag_m`` (bushings, 3) as in ``system.assemble_system``.
 
-    ``bodies``: the numbers (bushings,) of the bushings' first and of their second bodies."""
+    ``bodies``: the numbers (bushings,) of the bushings' first and of their second bodies.
+    """
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         self._table, self._sag_m = BushingTable(plan), sag_m
@@ -65,10 +67,10 @@ class SpatialForces:
         """Evaluate all forces on bodies in these poses."""
         (from_m, from_m_per_s), (to_m, to_m_per_s) = (end.motion(poses) for end in self._ends)
         axes = self._table.axes @ poses.rotation[self._ends[0].body].transpose(0, 2, 1)
-        stretch_m = turned(axes, to_m - from_m) + self._sag_m
-        stretch_m_per_s = turned(axes, to_m_per_s - from_m_per_s)
+        stretch_m = turn(axes, to_m - from_m) + self._sag_m
+        stretch_m_per_s = turn(axes, to_m_per_s - from_m_per_s)
         pull_N = self._table.stiffness_N_per_m * stretch_m + self._table.damping_N_s_per_m * stretch_m_per_s
-        pull_N = turned(axes.transpose(0, 2, 1), pull_N)
+        pull_N = turn(axes.transpose(0, 2, 1), pull_N)
         couple_N_m = self._onto_first @ cross(to_m - from_m, pull_N)
         return Instant(
             poses,
@@ -87,22 +89,22 @@ class SpatialForces:
         return float(np.sum(self._table.stiffness_N_per_m * now.stretch_m**2)) / 2
 
     def lost_J(self, before: Instant, after: Instant) -> float:
-        """Return what bushings dissipate in a step."""
+        """Return the energy that bushings dissipate in a step."""
         mean_m_per_s = (before.stretch_m_per_s + after.stretch_m_per_s) / 2
         moved_m = after.stretch_m - before.stretch_m
         return float(np.sum(self._table.damping_N_s_per_m * mean_m_per_s * moved_m))
 
 
 class SpatialShaft(Shaft):
-    """Turns about any axis, in steps of the midpoint rule.
+    """A shaft about any axis, in steps of the midpoint rule.
 
-    In a step the frame gets the mean of the unbalance's force,  -u (r'1 - r'0) / h,  so that its
-    impulse is what the unbalance's momentum lost, to rounding; r is the radial unit vector.  The step
-    is predicted with the acceleration of its place that the last two steps lead to, and accepted with
-    the one that the frame then had: second order, as the frames themselves.
+    In a step the frame gets the mean of the unbalance's force,  -u (r'1 - r'0) / h,  so that its impulse is
+    the momentum lost by the unbalance, to rounding; r is the radial unit vector.  The step is predicted with
+    the extrapolated acceleration of its place from the last two steps, and accepted with the acceleration
+    that the frame then had: second order, as the frames themselves.
 
-    ``wrench`` (6,) is force and moment about the centre of mass of body number ``body`` in the present
-    step.  In each step ``turn`` comes first, then ``feel``.
+    ``wrench`` (6,) is force and moment about the centre of mass of body number ``body`` in the present step.
+    In each step ``turn`` comes first, then ``feel``.
     """
 
     STATE = (*Shaft.STATE, "wrench", "_given_1_s", "_felt_m_per_s2", "_felt_before_m_per_s2")
@@ -118,11 +120,11 @@ class SpatialShaft(Shaft):
         self._felt_before_m_per_s2: Array = np.zeros(3)
 
     def velocity_m_per_s(self, poses: Poses) -> Array:
-        """Return the velocity (3,) of its place."""
+        """Return the velocity (3,) of the shaft's place."""
         return np.asarray(self._at.motion(poses)[1][0])
 
     def turn(self, poses: Poses, end_s: float, step_s: float) -> Array:
-        """Return the change of its wrench to that of the step from ``poses`` on."""
+        """Return the change of the wrench to that of the step from ``poses`` on."""
         expected_m_per_s2 = 2 * self._felt_m_per_s2 - self._felt_before_m_per_s2
         angle_rad, speed_rad_per_s = self._ahead(expected_m_per_s2, end_s, step_s)
         given_1_s = speed_rad_per_s * self.tangent(angle_rad)
@@ -186,13 +188,16 @@ class SpatialLedger(FramesLedger):
     def bodies(self, poses: Poses) -> BodyMotion:
         """Return how bodies in these poses move."""
         velocity_m_per_s, spin_rad_per_s = poses.velocity_m_per_s[:-1], poses.spin_rad_per_s[:-1]
-        body_spin = turned(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
-        turning_J = np.sum(body_spin * turned(self._inertia_kg_m2, body_spin), axis=1) / 2
+        body_spin = turn(poses.rotation[:-1].transpose(0, 2, 1), spin_rad_per_s)
+        turning_J = np.sum(body_spin * turn(self._inertia_kg_m2, body_spin), axis=1) / 2
         return BodyMotion(velocity_m_per_s, poses.center_m[:-1] - self._drawn_m, turning_J)
 
     def step(self, before: Instant, after: Instant, step_s: float) -> None:
-        """Book what ground, driven bodies, exciters and weight did to the free bodies, the losses, and
-        the work of bushings on driven bodies."""
+        """Book a step.
+
+        The book has the impulse and work that ground, driven bodies, exciters and weight gave to the free
+        bodies, the losses, and the work of bushings on driven bodies.
+        """
         pull_N, exciter_N = (before.pull_N + after.pull_N) / 2, (before.exciter_N + after.exciter_N) / 2
         outside_N = self._pulls_on_free @ pull_N + exciter_N.sum(axis=0)
         self.outside_N_s += step_s * (outside_N + self._free_weight_N)

@@ -1,4 +1,4 @@
-"""Where rigid bodies are and how they move, and the same for points that they carry."""
+"""The poses and motions of rigid bodies, and of points that they carry."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ from orchestrator.ports import Array, Indices
 
 @dataclass(frozen=True)
 class Poses:
-    """Holds bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the
-    body number -1 means it.  ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3),
-    ``rotation`` (bodies + 1, 3, 3), all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps
-    the rates of the rotation angles to angular velocities."""
+    """The bodies' centres of mass and rotations since t = 0; the ground is the last row, so that the body
+    number -1 means it.
+
+    ``center_m``, ``velocity_m_per_s``, ``spin_rad_per_s`` (bodies + 1, 3), ``rotation`` (bodies + 1, 3, 3),
+    all in the world.  ``spin_per_rate`` (bodies, 3, 3) maps the rates of the rotation angles to angular
+    velocities.
+    """
 
     center_m: Array
     rotation: Array
@@ -31,7 +34,7 @@ class Poses:
         center_m[:-1] = drawn_m + coordinates[:, :3]
         velocity_m_per_s[:-1] = rates[:, :3]
         rotation, spin_per_rate = turning(coordinates[:, 3:])
-        spin_rad_per_s[:-1] = turned(spin_per_rate, rates[:, 3:])
+        spin_rad_per_s[:-1] = turn(spin_per_rate, rates[:, 3:])
         rotation = np.concatenate([rotation, np.eye(3)[None]])
         return Poses(center_m, rotation, velocity_m_per_s, spin_rad_per_s, spin_per_rate)
 
@@ -51,8 +54,11 @@ def turning(angles_rad: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Attached:
-    """Holds points fixed to bodies: ``body`` (n,), -1 for the ground, and ``arm_m`` (n, 3) from the
-    centre of mass in body axes (for the ground: the place itself)."""
+    """Points fixed to bodies.
+
+    ``body`` (n,) is the body number, -1 for the ground, and ``arm_m`` (n, 3) the arm from the centre of mass
+    in body axes (for the ground: the place itself).
+    """
 
     body: Indices
     arm_m: Array
@@ -64,13 +70,13 @@ class Attached:
 
     def motion(self, poses: Poses) -> tuple[Array, Array]:
         """Return positions and velocities (n, 3)."""
-        arm_m = turned(poses.rotation[self.body], self.arm_m)
+        arm_m = turn(poses.rotation[self.body], self.arm_m)
         position_m = poses.center_m[self.body] + arm_m
         velocity_m_per_s = poses.velocity_m_per_s[self.body] + cross(poses.spin_rad_per_s[self.body], arm_m)
         return position_m, velocity_m_per_s
 
 
-def turned(rotation: Array, vector: Array) -> Array:
+def turn(rotation: Array, vector: Array) -> Array:
     """Turn each vector (n, 3) by its matrix (n, 3, 3)."""
     return np.asarray((rotation @ vector[:, :, None])[:, :, 0])
 

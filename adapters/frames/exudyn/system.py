@@ -26,10 +26,11 @@ its path by 1e6 N (1 ms)^2 / 4 / 1e18 kg = 2.5e-19 m in a step of a millisecond.
 
 @dataclass(frozen=True)
 class Multibody:
-    """Holds Exudyn's system, which lives as long as ``container``.
+    """An Exudyn system, which lives as long as ``container``.
 
-    ``exciters``, ``forces`` and ``torques`` are load numbers: one per exciter, and a wrench about each
-    body's centre of mass."""
+    ``exciters``, ``forces`` and ``torques`` are load numbers: one per exciter, and a wrench about each body's
+    centre of mass.
+    """
 
     container: Any
     system: Any
@@ -147,11 +148,11 @@ def start_interval(solver: Any, step_s: float) -> None:
 
 
 def save_system(system: Any, solver: Any) -> Saved:
-    """Save what the next step goes on from.
+    """Save the state from which the next step goes on.
 
-    With ``useNewmark`` a step takes from the one before, besides the system's coordinates, only the
-    accelerations; algorithmic accelerations, which Exudyn gives out but does not take back, play no
-    part (measured: without it the next steps of a restored solver differ by 1e-4).
+    With ``useNewmark`` a step takes from the step before, besides the system's coordinates, only the
+    accelerations; algorithmic accelerations, which Exudyn gives out but does not take back, play no part
+    (measured: without it the next steps of a restored solver differ by 1e-4).
     """
     data, at = system.systemData, solver.it
     coordinates = {str(n): np.array(part) for n, part in enumerate(data.GetSystemState())}
@@ -163,7 +164,7 @@ def save_system(system: Any, solver: Any) -> Saved:
 
 
 def restore_system(system: Any, solver: Any, saved: Saved) -> None:
-    """Make a solver go on from what ``save_system`` saved."""
+    """Restore the state that ``save_system`` saved, so that a solver goes on from it."""
     data, at = system.systemData, solver.it
     coordinates = saved["coordinates"]
     data.SetSystemState([coordinates[str(n)] for n in range(len(coordinates))])
@@ -173,7 +174,8 @@ def restore_system(system: Any, solver: Any, saved: Saved) -> None:
 
 
 def largest_step_s(plan: FramesPlan, machine: linear_frames.LinearMachine) -> float:
-    """Return ``plan.step_s`` or, without, 0.05 over the fastest rate, and no longer than the interval."""
+    """Return ``plan.step_s`` or, where it is 0, 0.05 over the fastest rate, and no longer than the
+    interval."""
     speeds = [exciter.speed_rad_per_s for exciter in plan.exciters]
     speeds += [drive.speed_rad_per_s for drive in plan.drives]
     fastest = max([machine.fastest_rad_per_s(), *speeds])
@@ -182,17 +184,16 @@ def largest_step_s(plan: FramesPlan, machine: linear_frames.LinearMachine) -> fl
 
 
 class Driven:
-    """Steers a driven body among free ones, number ``body``, so that every step ends where its drive
-    says.
+    """A driven body among free ones, number ``body``, steered so that every step ends where its drive says.
 
-    A trapezoidal step evaluates forces at its end only (those of its start are in the stored
-    accelerations).  So a driven body may start each step wherever it takes to *coast*, without
-    acceleration, into its exact position with its exact velocity; and it is made so heavy that
-    nothing turns it from that path (``HEAVY_kg``).  What bushings and their dampers see of it is
-    then the drive's motion to rounding, and no constraint has to be solved.
+    A trapezoidal step evaluates forces at its end only (those of its start are in the stored accelerations).
+    So a driven body may start each step wherever it takes to *coast*, without acceleration, into its exact
+    position with its exact velocity; and it is made so heavy that nothing turns it from that path
+    (``HEAVY_kg``).  The motion that bushings and their dampers see is then the drive's motion to rounding,
+    and no constraint has to be solved.
 
-    Raises ValueError if the rotation vector could grow beyond ``largest_tilt_rad``, where the
-    rotation angles end.
+    Raises ValueError if the rotation vector could grow beyond ``largest_tilt_rad``, where the rotation angles
+    end.
     """
 
     def __init__(self, number: int, body: BodyPlan, drive: DrivePlan, largest_tilt_rad: float) -> None:

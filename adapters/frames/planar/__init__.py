@@ -40,8 +40,8 @@ ROUNDING = 1e-15
 
 @dataclass(frozen=True)
 class Nodes:
-    """Holds the load (nodes, freedoms) at the nodes of a step, the equations' right side, with all bodies'
-    poses and the bushings' pulls."""
+    """The load (nodes, freedoms) at the nodes of a step, the equations' right side, with all bodies' poses
+    and the bushings' pulls."""
 
     load: Array
     poses: PlanarPoses
@@ -123,12 +123,14 @@ class PlanarFrames(RigidFrames):
         self._coordinates, self._poses = coordinates, PlanarPoses.of(*coordinates)
 
     def _nodes(self, start_s: float, given: Complex) -> Nodes:
-        """Solve the collocation's equations in rounds: each shrinks what the last got wrong
-        by the share that finite rotations have in the bushings' forces, times (step w)^2.
+        """Solve the collocation's equations in rounds.
 
-        What is still wrong after a round is  q / (1 - q)  times its change, with q the last ratio of
-        changes; before there is one, that of the last step to the power 0.8, which forgets it slowly
-        (Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.8).
+        Each round shrinks the remaining error by the share that finite rotations have in the bushings'
+        forces, times (step w)^2.
+
+        The error after a round is  q / (1 - q)  times its change, with q the last ratio of changes; before
+        there is one, it is the ratio of the last step to the power 0.8, which forgets it slowly (Hairer and
+        Wanner, Solving Ordinary Differential Equations II, 2nd ed. 1996, section IV.8).
         """
         x, v = self._freedoms()
         time_s = start_s + self._collocation.node_s
@@ -164,12 +166,12 @@ class PlanarFrames(RigidFrames):
         )
 
     def _acceleration(self, poses: PlanarPoses, total: Array) -> Complex:
-        """Return that of the natural coordinates of free bodies, (nodes, 2 bodies); 0 for driven ones."""
+        """Return the acceleration of the natural coordinates, (nodes, 2 bodies); 0 for driven bodies."""
         share = total / self._inertia
         return poses.acceleration(share[..., 0] + 1j * share[..., 1], share[..., 2])
 
     def _linear(self, xs: Array, vs: Array) -> Array:
-        """Return what the left side of the equations says of the bushings, (nodes, freedoms)."""
+        """Return the bushings' load by the left side of the equations, (nodes, freedoms)."""
         return np.asarray(xs @ self._stiffness + vs @ self._damping)
 
     def _book(self, nodes: Nodes, exciter_N: Complex, reaction: Complex) -> None:

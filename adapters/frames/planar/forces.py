@@ -1,4 +1,4 @@
-"""What acts on bodies in the plane: bushings, exciters, shafts, weight and the panels' reaction."""
+"""The forces on bodies in the plane: bushings, exciters, shafts, weight and the panels' reaction."""
 
 from __future__ import annotations
 
@@ -16,10 +16,12 @@ from orchestrator.ports.plans import ExciterPlan, FramesPlan, MotorPlan
 
 @dataclass(frozen=True)
 class Pulls:
-    """Holds what bushings do, (times, bushings) each: between their ends ``stretch_m`` and its rate, along
-    the axes as drawn ``elongation_m`` with preload; ``drag_N`` by damping, ``pull_N`` in all on
-    the first body.  On the bodies: ``force`` (times, 2 bodies) on the natural coordinates and
-    ``couple_N_m`` (times, bodies)."""
+    """The deformations and forces of bushings, (times, bushings) each.
+
+    Between their ends ``stretch_m`` and its rate, along the axes as drawn ``elongation_m`` with preload;
+    ``drag_N`` by damping, ``pull_N`` in all on the first body.  On the bodies: ``force`` (times, 2 bodies) on
+    the natural coordinates and ``couple_N_m`` (times, bodies).
+    """
 
     stretch_m: Complex
     stretch_m_per_s: Complex
@@ -31,7 +33,7 @@ class Pulls:
 
 
 class Bushings:
-    """Evaluates the bushings, each stretched along its axes by ``sag_m`` (bushings, 3) as drawn."""
+    """The bushings, each stretched along its axes by ``sag_m`` (bushings, 3) as drawn."""
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, sag_m: Array) -> None:
         table = BushingTable(plan)
@@ -45,8 +47,11 @@ class Bushings:
         self._damping = Symmetric.of(back @ (table.damping_N_s_per_m[:, :, None] * table.axes))
 
     def pulls(self, poses: PlanarPoses) -> Pulls:
-        """Return the pulls.  The spring axes turn with the first body, which therefore gets the couple
-        stretch x pull besides: no moment is lost between the ends."""
+        """Return the pulls.
+
+        The spring axes turn with the first body, which therefore gets the couple stretch x pull besides: no
+        moment is lost between the ends.
+        """
         turn = poses.turn @ self._first + self._on_ground
         stretch_m, stretch_m_per_s = poses.place @ self._stretching, poses.rate @ self._stretching
         back = turn.conj()
@@ -58,12 +63,13 @@ class Bushings:
         return Pulls(stretch_m, stretch_m_per_s, elongation_m, drag_N, pull_N, force, couple_N_m)
 
     def lost_W(self, poses: PlanarPoses, pulls: Pulls) -> Array:
-        """Return (times,): damping forces times the elongations' rates along the turning axes."""
+        """Return the power lost, (times,): damping forces times the elongations' rates along the turning
+        axes."""
         turning_m_per_s = 1j * (poses.spin_rad_per_s @ self._first) * pulls.stretch_m
         return np.asarray(power(pulls.drag_N, pulls.stretch_m_per_s - turning_m_per_s).sum(axis=1))
 
     def work_W(self, poses: PlanarPoses, pulls: Pulls, body: int) -> Array:
-        """Return (times,): what they do on one body."""
+        """Return the power of the bushings on one body, (times,)."""
         both = [body, body + poses.turn.shape[1]]
         pushed_W = power(pulls.force[:, both], poses.rate[:, both]).sum(axis=1)
         return np.asarray(pushed_W + pulls.couple_N_m[:, body] * poses.spin_rad_per_s[:, body])
@@ -75,10 +81,10 @@ class Bushings:
 
 
 class OutsideForces:
-    """Evaluates forces on the natural coordinates, but those of bushings and of unbalances with motors.
+    """The forces on the natural coordinates, apart from bushings and unbalances with motors.
 
-    ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per
-    coordinate."""
+    ``carried`` (2 bodies, n): displacements of the points that the reaction acts on, per coordinate.
+    """
 
     def __init__(self, plan: FramesPlan, drawn_m: Array, carried: Complex) -> None:
         exciters = [exciter for exciter in plan.exciters if exciter.motor is None]
@@ -97,7 +103,7 @@ class OutsideForces:
         return np.asarray(in_plane(force_N) @ self._onto_bodies)
 
     def given(self, exciter_N: Complex, reaction: Complex) -> Complex:
-        """Return (times, 2 bodies): all that does not depend on where the bodies are."""
+        """Return the forces (times, 2 bodies) that do not depend on the places of the bodies."""
         return np.asarray(exciter_N @ self._excited.conj().T + (reaction + self._weight))
 
     def exciter_W(self, poses: PlanarPoses, exciter_N: Complex) -> Array:
@@ -106,10 +112,10 @@ class OutsideForces:
 
 
 class PlanarShaft(Shaft):
-    """Turns across the plane, at the nodes of the frames' own collocation.
+    """A shaft across the plane, at the nodes of the frames' own collocation.
 
-    In each round of the frames' iteration, ``force`` and then ``feel``; ``end`` when the step is
-    accepted.  Raises ValueError for a shaft that does not lie across.
+    In each round of the frames' iteration, ``force`` and then ``feel`` are called, and ``end`` when the step
+    is accepted.  Raises ValueError for a shaft that does not lie across.
     """
 
     STATE = (*Shaft.STATE, "_felt_m_per_s2", "_growth_rad_per_s2")
@@ -146,5 +152,5 @@ class PlanarShaft(Shaft):
         self.lost_J += self._motor.bearing_N_m_s * float(weight_s @ speed**2)
 
     def velocity_m_per_s(self, poses: PlanarPoses) -> Array:
-        """Return the velocity (3,) of its place, at one time."""
+        """Return the velocity (3,) of the shaft's place, at one time."""
         return in_space((poses.rate @ self._at)[0])

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from adapters.frames.common.drive import shifted, turned
+from adapters.frames.common.drive import displacement, rotation
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import BodyPlan, DrivePlan
 
@@ -42,9 +42,11 @@ def power(force: Complex, velocity: Complex) -> Array:
 
 
 def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
-    """Return (2 bodies, n): displacement of points at ``position_m`` (n, 3) per natural coordinate.
+    """Return the matrix (2 bodies, n) of displacements per natural coordinate of points at ``position_m`` (n,
+    3).
 
-    They are fixed to the bodies ``body`` (n,), -1 for the ground, centres at ``drawn_m``."""
+    The points are fixed to the bodies ``body`` (n,), -1 for the ground, with centres at ``drawn_m``.
+    """
     fixed = np.arange(len(drawn_m))[:, None] == body
     arm_m = in_plane(position_m) - in_plane(drawn_m)[:, None]
     return np.vstack([fixed, fixed * arm_m])
@@ -52,7 +54,7 @@ def carrying(body: Indices, position_m: Array, drawn_m: Array) -> Complex:
 
 @dataclass(frozen=True)
 class Symmetric:
-    """Holds symmetric matrices of the plane:  matrix times vector = even v + odd conj(v)."""
+    """Symmetric matrices of the plane:  matrix times vector = even v + odd conj(v)."""
 
     even: Array
     odd: Complex
@@ -69,8 +71,11 @@ class Symmetric:
 
 @dataclass(frozen=True)
 class PlanarPoses:
-    """Holds bodies in the plane at several times: natural coordinates ``place`` and their ``rate`` (times, 2
-    bodies), displacements first; ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies)."""
+    """Bodies in the plane at several times.
+
+    ``place`` and ``rate`` (times, 2 bodies) are the natural coordinates and their rates, displacements first;
+    ``turn`` = exp(i angle) and ``spin_rad_per_s`` (times, bodies).
+    """
 
     place: Complex
     rate: Complex
@@ -81,10 +86,10 @@ class PlanarPoses:
     def of(place: Array, rate: Array) -> PlanarPoses:
         """Make the poses from displacement up and along, and angle, and their rates, (times, bodies, 3)
         each."""
-        turned, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
-        turn = 1 + turned
+        rotation, spin_rad_per_s = np.expm1(1j * place[..., 2]), rate[..., 2]
+        turn = 1 + rotation
         return PlanarPoses(
-            np.concatenate([place[..., 0] + 1j * place[..., 1], turned], axis=1),
+            np.concatenate([place[..., 0] + 1j * place[..., 1], rotation], axis=1),
             np.concatenate([rate[..., 0] + 1j * rate[..., 1], 1j * spin_rad_per_s * turn], axis=1),
             turn,
             spin_rad_per_s,
@@ -116,7 +121,7 @@ def wrench(force: Complex, turn: Complex) -> Array:
 
 
 class PlanarDrive:
-    """Moves body number ``body`` exactly as its drive says.
+    """The motion of body number ``body``, exactly as its drive says.
 
     Raises ValueError for a drive that leaves the plane.
     """
@@ -134,8 +139,8 @@ class PlanarDrive:
     def coordinates(self, time_s: Array) -> tuple[Array, Array]:
         """Return displacement of the centre of mass up and along, and angle; and their rates: (times,
         3) each."""
-        shift_m, shift_m_per_s = (in_plane(one) for one in shifted(self._drive, time_s))
-        angle_rad, spin_rad_per_s = (one[:, 1] for one in turned(self._drive, time_s))
+        shift_m, shift_m_per_s = (in_plane(one) for one in displacement(self._drive, time_s))
+        angle_rad, spin_rad_per_s = (one[:, 1] for one in rotation(self._drive, time_s))
         moved_m = shift_m + np.expm1(1j * angle_rad) * self._arm_m
         velocity_m_per_s = shift_m_per_s + 1j * spin_rad_per_s * np.exp(1j * angle_rad) * self._arm_m
         place = np.stack([moved_m.real, moved_m.imag, angle_rad], axis=1)

@@ -1,1 +1,1 @@
-"""What panels of several solvers are made of."""
+"""Parts that the panels of several solvers share."""

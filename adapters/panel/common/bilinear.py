@@ -9,17 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from adapters.panel.common.grid import locate, tensor_product
 from orchestrator.ports import Array
-from orchestrator.ports.geometry import Rectangle
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
-
-
-def clamped_rows_m(rectangle: Rectangle, free_m: Array) -> Array:
-    """Return the rows ``free_m`` of the free length, and one more under each clamp that has a depth."""
-    under_m = np.array([rectangle.clamp_m] if rectangle.clamp_m > 0.0 else [])
-    return np.concatenate([-under_m, free_m, rectangle.length_m + under_m])
 
 
 def points_m(rows_m: Array, width_m: float) -> Array:
@@ -32,21 +26,11 @@ def interpolation(rows_m: Array, width_m: float, coordinates_m: Array) -> csr_ar
 
     Raises ValueError for coordinates off the panel.
     """
-    from scipy.sparse import csr_array
-
-    s, y = coordinates_m.T
-    slack = 1e-9 * (rows_m[-1] - rows_m[0])
-    off = (s < rows_m[0] - slack) | (s > rows_m[-1] + slack) | (y < -slack) | (y > width_m + slack)
-    if off.any() or not np.isfinite(coordinates_m).all():
-        worst = coordinates_m[off | ~np.isfinite(coordinates_m).all(axis=1)][0]
-        raise ValueError(f"material coordinates {worst.tolist()} m are off the panel")
-    cell = np.clip(np.searchsorted(rows_m, s, side="right") - 1, 0, len(rows_m) - 2)
-    t = (s - rows_m[cell]) / (rows_m[cell + 1] - rows_m[cell])
-    u = y / width_m
-    shapes = np.stack([(1 - t) * (1 - u), (1 - t) * u, t * (1 - u), t * u], axis=1)
-    points = 2 * cell[:, None] + np.arange(4)
-    starts = 4 * np.arange(len(s) + 1)
-    return csr_array((shapes.ravel(), points.ravel(), starts), shape=(len(s), 2 * len(rows_m)))
+    slack_m = 1e-9 * (rows_m[-1] - rows_m[0])
+    row, s = locate(rows_m, coordinates_m[:, 0], slack_m)
+    column, y = locate(np.array([0.0, width_m]), coordinates_m[:, 1], slack_m)
+    along, across = np.stack([1 - s, s], axis=1), np.stack([1 - y, y], axis=1)
+    return tensor_product(row, along, column, across, (len(rows_m), 2))
 
 
 def half_row_mass_kg(rows_m: Array, mass_per_length_kg_per_m: float | Array) -> Array:
@@ -69,7 +53,7 @@ def half(points: Array) -> Array:
     return np.asarray((points[1::2] - points[::2]) / 2)
 
 
-def joined(middle: Array, half: Array) -> Array:
+def join_halves(middle: Array, half: Array) -> Array:
     """Return the points (2 rows, 3) of given middles and halves."""
     points = np.empty((len(middle), 2, 3))
     np.subtract(middle, half, out=points[:, 0])

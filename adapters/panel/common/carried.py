@@ -1,5 +1,5 @@
-"""Surfaces whose clamps say where all of their points are: walls, chutes and probes on one frame, and
-what rigid and recorded panels share."""
+"""Surfaces whose clamps determine the places of all points: walls, chutes and probes on one frame, and the
+common parts of rigid and recorded panels."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def build(points_m: Array, frame: str) -> CarriedSurface:
 class CarriedSurface(AccountedPanel):
     """A ``Panel`` of prescribed shape: surface = N clamps, with N = 1 unless ``carried`` gives another.
 
-    The reaction is what it takes to move its masses and to bear its load:
-    N^T (load + m (gravity - mean acceleration)), with the sum over its points.  Linear momentum is
-    exact.  ``carried`` is N (points, clamps) and ``mass_kg`` (points,).
+    The reaction is the force that moves its masses and bears its load: N^T (load + m (gravity - mean
+    acceleration)), with the sum over its points.  Linear momentum is exact.  ``carried`` is N (points,
+    clamps) and ``mass_kg`` (points,).
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class CarriedSurface(AccountedPanel):
         self._rest_m = self._surface.position_m
 
     def ahead(self, interval: Interval, clamps: Known) -> Known:
-        """Return the points that hang on clamps which are all known."""
+        """Return the motion of the points whose clamps are all known."""
         which = abs(self._carried) @ np.where(clamps.which, 0.0, 1.0) == 0.0
         return Known(self._place(clamps.motion, interval.end_s), which)
 
@@ -68,7 +68,7 @@ class CarriedSurface(AccountedPanel):
         return self._surface.position_m, self._surface.velocity_m_per_s
 
     def _place(self, clamps: Motion, time_s: float) -> Motion:
-        """Return the surface between clamps that move so."""
+        """Return the surface between clamps with the given motion."""
         return Motion(self._carried @ clamps.position_m, self._carried @ clamps.velocity_m_per_s)
 
     def _pull_N(self, time_s: float) -> Array | float:

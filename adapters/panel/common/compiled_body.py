@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from adapters.panel.common.maxwell import checked
+from adapters.panel.common.maxwell import check_branches
 from adapters.panel.common.panel import HeldForce
 from orchestrator.ports import Array, HermitePath, Indices, Saved
 from orchestrator.ports.clock import Interval
@@ -25,10 +25,10 @@ __all__ = ["CompiledBody", "kernel"]
 
 
 class CompiledBody:
-    """A ``Body`` in steps of at most ``step_s``, that an object of the compiled class ``compiled`` moves.
+    """A ``Body`` in steps of at most ``step_s``, moved by an object of the compiled class ``compiled``.
 
-    ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds what changes
-    beside position, velocity and internal force; the compiled code works on these very arrays.
+    ``constants`` and ``memory`` are its arguments by name.  ``memory`` holds the state that changes beside
+    position, velocity and internal force; the compiled code works on these very arrays.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class CompiledBody:
             "lost_J": np.zeros(1),
             **memory,
         }
-        ratio, time_s = checked(branches)
+        ratio, time_s = check_branches(branches)
         self._kernel = compiled(
             **constants, held=held.astype(np.int32), ratio=ratio, time_s=time_s, **self.memory
         )
@@ -88,4 +88,4 @@ class CompiledBody:
             array[:] = saved[name]
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing, since nothing is open."""

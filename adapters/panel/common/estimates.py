@@ -1,7 +1,7 @@
-"""What panels' estimates before they are opened have in common.
+"""Common estimates for panels before they are opened.
 
-Costs are processor time on one core of a 2-core AMD EPYC machine that was busy with other work,
-measured on drafts of shipped cases; ``python -m tests.cost_series`` measures predicted over taken.
+Costs are processor time on one core of a 2-core AMD EPYC machine that was busy with other work, measured on
+drafts of shipped cases; ``python -m tools.cost_series`` measures predicted over taken.
 """
 
 from __future__ import annotations

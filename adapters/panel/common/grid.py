@@ -1,19 +1,21 @@
-"""A rectangular grid of quadratic cells in material coordinates (s, y).
+"""Rectangular grids in material coordinates (s, y), and one of quadratic cells.
 
-Nodes stand at the corners, edge middles and centres of the cells and are numbered with y running
+Its nodes stand at the corners, edge middles and centres of the cells and are numbered with y running
 fastest; values between them follow the biquadratic Lagrange shape functions.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from adapters.panel.common.bilinear import clamped_rows_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import Rectangle
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 def _with_middles(breaks_m: Array) -> Array:
@@ -33,8 +35,15 @@ def _breaks_m(length_m: float, cells: int, margin_m: float) -> Array:
     return np.interp(np.arange(cells + 1), at, [0.0, margin_m, length_m - margin_m, length_m])
 
 
-def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices, Array]:
-    """Return the first node (n,) and the three shape functions (n, 3) of the cell that holds each value."""
+def clamped_rows_m(rectangle: Rectangle, free_m: Array) -> Array:
+    """Return the rows ``free_m`` of the free length, and one more under each clamp that has a depth."""
+    under_m = np.array([rectangle.clamp_m] if rectangle.clamp_m > 0.0 else [])
+    return np.concatenate([-under_m, free_m, rectangle.length_m + under_m])
+
+
+def locate(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices, Array]:
+    """Return the cell (n,) between increasing ``breaks_m`` that holds each value, and how far (n,) into it,
+    0 ... 1, the value is; ValueError for values that are outside by more than ``slack_m``."""
     outside = (value_m < breaks_m[0] - slack_m) | (value_m > breaks_m[-1] + slack_m)
     if outside.any() or not np.isfinite(value_m).all():
         worst = value_m[outside | ~np.isfinite(value_m)][0]
@@ -42,9 +51,29 @@ def _quadratic(breaks_m: Array, value_m: Array, slack_m: float) -> tuple[Indices
             f"material coordinate {worst} m lies outside the panel's {breaks_m[0]} ... {breaks_m[-1]} m"
         )
     cell = np.clip(np.searchsorted(breaks_m, value_m, side="right") - 1, 0, len(breaks_m) - 2)
-    t = (value_m - breaks_m[cell]) / (breaks_m[cell + 1] - breaks_m[cell])
-    shapes = np.stack(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)), axis=1)
-    return 2 * cell, shapes
+    return cell, (value_m - breaks_m[cell]) / (breaks_m[cell + 1] - breaks_m[cell])
+
+
+def tensor_product(
+    row: Indices, along: Array, column: Indices, across: Array, size: tuple[int, int]
+) -> csr_array:
+    """Return shape functions (n, nodes) on a grid of ``size`` nodes along and across, y running fastest.
+
+    ``along`` (n, a) are those of the nodes from ``row`` (n,) on, ``across`` (n, b) from ``column`` on.
+    """
+    from scipy.sparse import csr_array
+
+    nodes = (row[:, None, None] + np.arange(along.shape[1])[:, None]) * size[1] + (
+        column[:, None, None] + np.arange(across.shape[1])
+    )
+    values = along[:, :, None] * across[:, None, :]
+    starts = np.arange(len(row) + 1) * along.shape[1] * across.shape[1]
+    return csr_array((values.ravel(), nodes.ravel(), starts), shape=(len(row), size[0] * size[1]))
+
+
+def _quadratic(t: Array) -> Array:
+    """Return the three shape functions (n, 3) at places 0 ... 1 in a cell."""
+    return np.stack(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1)), axis=1)
 
 
 @dataclass(frozen=True)
@@ -72,7 +101,7 @@ class ElementGrid:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Number of cells along and across."""
+        """The numbers of cells along and across."""
         return len(self.s_m) - 1, len(self.y_m) - 1
 
     def nodes_m(self) -> Array:
@@ -82,26 +111,20 @@ class ElementGrid:
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
         """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2); ValueError outside the grid."""
-        slack = 1e-9 * (self.s_m[-1] - self.s_m[0])
-        row, along = _quadratic(self.s_m, coordinates_m[:, 0], slack)
-        column, across = _quadratic(self.y_m, coordinates_m[:, 1], slack)
-        per_row = 2 * len(self.y_m) - 1
-        nodes = (row[:, None, None] + np.arange(3)[:, None]) * per_row + (
-            column[:, None, None] + np.arange(3)
-        )
-        values = along[:, :, None] * across[:, None, :]
-        starts = np.arange(len(coordinates_m) + 1) * 9
-        size = (len(coordinates_m), (2 * len(self.s_m) - 1) * per_row)
-        return csr_array((values.ravel(), nodes.ravel(), starts), shape=size)
+        slack_m = 1e-9 * (self.s_m[-1] - self.s_m[0])
+        row, s = locate(self.s_m, coordinates_m[:, 0], slack_m)
+        column, y = locate(self.y_m, coordinates_m[:, 1], slack_m)
+        size = 2 * len(self.s_m) - 1, 2 * len(self.y_m) - 1
+        return tensor_product(2 * row, _quadratic(s), 2 * column, _quadratic(y), size)
 
     def numbers_of(self, coordinates_m: Array) -> Indices:
-        """Return (nodes,): for each node, which of the points ``coordinates_m`` (nodes, 2 or more) stands
-        there."""
+        """Return for each node, (nodes,), the number of the point of ``coordinates_m`` (nodes, 2 or more)
+        that stands there."""
         return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))
 
 
 def numbers_at_nodes(interpolation: csr_array) -> Indices:
-    """Return (nodes,): for each node the row of ``interpolation`` (nodes, nodes) that is at it."""
+    """Return for each node, (nodes,), the row of ``interpolation`` (nodes, nodes) that is at it."""
     at = interpolation.tocoo()
     there = at.data > 0.5
     numbers = np.empty(interpolation.shape[1], dtype=np.int64)

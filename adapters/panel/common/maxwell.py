@@ -17,8 +17,9 @@ from orchestrator.ports.state import restore_attributes, save_attributes
 _STATE = ("_stress", "energy_J", "lost_J")
 
 
-def checked(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
-    """Return ratios and relaxation times in s, (branches,) each; ValueError if one is not positive."""
+def check_branches(branches: tuple[tuple[float, float], ...]) -> tuple[Array, Array]:
+    """Return ratios and relaxation times in s, (branches,) each.  Raises ValueError if one is not
+    positive."""
     if any(ratio <= 0.0 or time_s <= 0.0 for ratio, time_s in branches):
         raise ValueError(f"Maxwell branches need positive pairs (ratio, s), got {branches}")
     ratio, time_s = np.array(branches, dtype=float).reshape(-1, 2).T.copy()
@@ -34,7 +35,7 @@ class Branches:
     """
 
     def __init__(self, branches: tuple[tuple[float, float], ...], size: int) -> None:
-        self.ratio, self.time_s = checked(branches)
+        self.ratio, self.time_s = check_branches(branches)
         self.history = np.zeros(size)
         self.share = 0.0
         self.energy_J = np.zeros(len(branches))
@@ -71,7 +72,7 @@ class Branches:
         restore_attributes(self, saved, *_STATE)
 
     def _book(self, cross: Array, square: float) -> None:
-        """Work of each branch on the linear path, less what it stores, is lost."""
+        """Book the work of each branch on the linear path, less the energy that it stores, as lost."""
         h, tau, a, d = self._step_s, self.time_s, self._gain, self._decay
         work = self.ratio * (tau / h * (1.0 - a) * square + a * cross)
         energy = d**2 * self.energy_J + self.ratio * (a * d * cross + 0.5 * a**2 * square)

@@ -1,4 +1,4 @@
-"""What all panels of this folder share: the calls of the port, and the accounts behind them."""
+"""Common parts of all panels of this folder: the calls of the port, and the accounts behind them."""
 
 from __future__ import annotations
 
@@ -84,13 +84,16 @@ class AccountedPanel(SavedAttributes, ABC):
 
     @abstractmethod
     def _masses(self) -> tuple[Array, Array]:
-        """Return positions and velocities (masses, 3) of what ``mass_kg`` belongs to."""
+        """Return positions and velocities (masses, 3) of the points to which ``mass_kg`` belongs."""
 
 
 @dataclass
 class HeldForce:
-    """Force at a body's held nodes over an interval: its impulse (held, 3) and its work on their motion,
-    both with the mean force that the scheme itself uses in each step."""
+    """The force at a body's held nodes over an interval.
+
+    It has the impulse (held, 3) and the work on their motion, both with the mean force that the scheme itself
+    uses in each step.
+    """
 
     impulse_N_s: Array
     work_J: float = 0.0
@@ -155,7 +158,7 @@ class BodyPanel(AccountedPanel):
 
 
 def choose_step_s(plan: PanelPlan, largest_s: float, usual_s: float) -> float:
-    """Return the plan's step, or ``usual_s`` for 0; ValueError for one above ``largest_s``."""
+    """Return the plan's step, or ``usual_s`` for 0.  Raises ValueError for a step above ``largest_s``."""
     if plan.step_s > largest_s:
         raise ValueError(
             f"panel {plan.name}: step_s = {plan.step_s} is above the limit of {largest_s:.3g} s; "

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from adapters.panel.common.bilinear import clamped_rows_m
-from adapters.panel.common.grid import ElementGrid, numbers_at_nodes
+from adapters.panel.common.grid import ElementGrid, clamped_rows_m, numbers_at_nodes
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 from orchestrator.ports.plans import LARGEST_MESHES_GIB, MeshSize, PanelPlan
@@ -30,7 +29,7 @@ NOWHERE = np.full((1, 2, 2), np.nan)  # a hole that nothing is in, for cells wit
 def solid_grid(plan: PanelPlan) -> PiercedGrid:
     """Make the grid of ``plan``'s mid-surface, its openings as holes.
 
-    ValueError for openings with round ends.
+    Raises ValueError for openings with round ends.
     """
     if plan.apertures is None:
         return PiercedGrid(ElementGrid.of(plan.rectangle, plan.cells), np.empty((0, 2, 2)))
@@ -47,7 +46,7 @@ def solid_grid(plan: PanelPlan) -> PiercedGrid:
 
 
 def size(plan: PanelPlan) -> MeshSize:
-    """Return the size of what ``solid_grid`` makes of the plan.  ValueError as there."""
+    """Return the size of the grid that ``solid_grid`` makes of the plan.  Raises ValueError as it does."""
     grid = solid_grid(plan)
     nodes = LAYERS * len(grid.nodes_m())
     areal_kg_per_m2 = plan.material.density_kg_per_m3 * plan.thickness_m
@@ -60,7 +59,7 @@ def size(plan: PanelPlan) -> MeshSize:
 
 
 def bearable_grid(plan: PanelPlan) -> PiercedGrid:
-    """Return ``solid_grid``; ValueError for a mesh that no machine carries, too."""
+    """Return ``solid_grid``, but raise ValueError also for a mesh that no machine carries."""
     needed = size(plan)
     if needed.memory_GiB > LARGEST_MESHES_GIB:
         raise ValueError(
@@ -86,7 +85,7 @@ class _Way:
 
     @staticmethod
     def of(pattern: AperturePattern, rectangle: Rectangle, number: int) -> _Way:
-        """Along (0) or across (1)."""
+        """Return the view of a pattern along (0) or across (1) the panel."""
         panel_m = (rectangle.length_m, rectangle.width_m)[number]
         opening_m = (pattern.length_m, pattern.width_m)[number]
         pitch_m = (pattern.pitch_along_m, pattern.pitch_across_m)[number]
@@ -101,7 +100,7 @@ class _Way:
 
     @property
     def stops_m(self) -> Array:
-        """Where cells must end: at the openings' sides, the region's ends and the panel's."""
+        """The places where cells must end: at the openings' sides, the region's ends and the panel's ends."""
         sides_m = np.add.outer([-0.5 * self.opening_m, 0.5 * self.opening_m], self.centre_m)
         wanted = np.concatenate([[0.0, self.panel_m], self.region_m, sides_m.ravel()])
         stops = np.sort(np.clip(wanted, 0.0, self.panel_m))
@@ -109,12 +108,12 @@ class _Way:
 
     @property
     def sides_m(self) -> Array:
-        """(openings, 2): first and second side of each, exactly at the stops."""
+        """The first and second side of each opening, (openings, 2), exactly at the stops."""
         sides_m = self.centre_m[:, None] + np.array([-0.5, 0.5]) * self.opening_m
-        return snapped(self.stops_m, sides_m, SAME_PLACE_M)
+        return snap(self.stops_m, sides_m, SAME_PLACE_M)
 
     def borders_m(self, cells: int) -> Array:
-        """Of the cells, at most 1 / ``cells`` of the panel and half a land long."""
+        """Return the cells' borders, at most 1 / ``cells`` of the panel and half a land apart."""
         stops_m = self.stops_m
         middle_m = 0.5 * (stops_m[:-1] + stops_m[1:])
         low_m, high_m = np.unique(self.sides_m, axis=0).T[:, :, None]
@@ -128,7 +127,7 @@ class _Way:
         return np.interp(np.arange(last[-1] + 1), last, stops_m)
 
 
-def snapped(breaks_m: Array, value_m: Array, slack_m: float) -> Array:
+def snap(breaks_m: Array, value_m: Array, slack_m: float) -> Array:
     """Move values within ``slack_m`` of a cell border onto it: shape functions are then exactly 0 or 1."""
     after = np.clip(np.searchsorted(breaks_m, value_m), 1, len(breaks_m) - 1)
     low, high = breaks_m[after - 1], breaks_m[after]
@@ -152,7 +151,7 @@ class PiercedGrid:
     holes_m: Array
 
     def hole_of_cell(self) -> Indices:
-        """Return (along, across): the hole that each cell is in, -1 where there is material."""
+        """Return the number of the hole that each cell is in, (along, across), -1 where there is material."""
         hole = np.full(self.whole.shape, -1, dtype=np.int64)
         middle = 0.5 * (self.whole.s_m[:-1] + self.whole.s_m[1:])
         rows = np.searchsorted(middle, self.holes_m[:, :, 0])
@@ -171,11 +170,12 @@ class PiercedGrid:
         return self._areas_m2()[self._there()]
 
     def _there(self) -> Indices:
-        """Which nodes of the whole grid belong to cells with material."""
+        """Return the nodes of the whole grid that belong to cells with material."""
         return np.flatnonzero(self._areas_m2())
 
     def _areas_m2(self) -> Array:
-        """(nodes of the whole grid,): 0 where there is no material."""
+        """Return the integral of each shape function, (nodes of the whole grid,), 0 where there is no
+        material."""
         along, across = self.whole.shape
         cells_m2 = np.outer(np.diff(self.whole.s_m), np.diff(self.whole.y_m))
         cells_m2 *= self.hole_of_cell() < 0
@@ -186,19 +186,25 @@ class PiercedGrid:
         return areas_m2.ravel()
 
     def interpolation(self, coordinates_m: Array) -> csr_array:
-        """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2), and in holes those of two places
-        on their sides, by distance; ValueError outside the grid."""
+        """Return shape functions (n, nodes) at ``coordinates_m`` (n, 2).
+
+        In holes they are those of two places on their sides, by distance.  Raises ValueError outside the
+        grid.
+        """
         low_m, high_m, share = self._sides(coordinates_m)
         low = self.whole.interpolation(low_m).multiply(1.0 - share[:, None])
         high = self.whole.interpolation(high_m).multiply(share[:, None])
         return csr_array((low + high).tocsc()[:, self._there()])
 
     def _sides(self, coordinates_m: Array) -> tuple[Array, Array, Array]:
-        """Two places (n, 2) on material for each point, and how far (n,) it is from the first to
-        the second.  Both are its own unless it is in a hole."""
+        """Return two places (n, 2) on material for each point, and how far (n,) it is from the first to the
+        second.
+
+        Both are its own place unless it is in a hole.
+        """
         breaks_m = (self.whole.s_m, self.whole.y_m)
         slack_m = 1e-9 * float(np.ptp(self.whole.s_m))
-        at = [snapped(x, v, slack_m) for x, v in zip(breaks_m, coordinates_m.T, strict=True)]
+        at = [snap(x, v, slack_m) for x, v in zip(breaks_m, coordinates_m.T, strict=True)]
         cell = tuple(_cell(x, v) for x, v in zip(breaks_m, at, strict=True))
         hole_m = np.concatenate([self.holes_m, NOWHERE])[self.hole_of_cell()[cell]]
         point, low, high = np.column_stack(at), hole_m[:, 0], hole_m[:, 1]
@@ -210,5 +216,6 @@ class PiercedGrid:
         return first, second, (point - first).sum(axis=1) / gap_m
 
     def numbers_of(self, coordinates_m: Array) -> Indices:
-        """Return what ``ElementGrid.numbers_of`` does."""
+        """Return for each node the number of the point that stands there, as ``ElementGrid.numbers_of``
+        does."""
         return numbers_at_nodes(self.interpolation(coordinates_m[:, :2]))

@@ -1,4 +1,4 @@
-"""Finite elements on DOLFINx: the sheet, the solid, and what openings leave of a panel's stiffness."""
+"""Finite elements on DOLFINx: the sheet, the solid, and the stiffness of a panel with openings."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ Moment = Callable[[Any], Any]  # of a curvature, both 2 x 2 and symmetric
 
 
 def plate(stiffness_N_per_m: float, poisson_ratio: float) -> Moment:
-    """Return the moments' law of an isotropic plate of stiffness D = ``stiffness_N_per_m`` (in N m)."""
+    """Return the moment law of an isotropic plate of stiffness D = ``stiffness_N_per_m`` (in N m)."""
 
     def moment(k: Any) -> Any:
         return stiffness_N_per_m * ((1 - poisson_ratio) * k + poisson_ratio * ufl.tr(k) * ufl.Identity(2))
@@ -39,7 +39,7 @@ def plate(stiffness_N_per_m: float, poisson_ratio: float) -> Moment:
 
 
 def _bilinear_form(trial: Any, test: Any, law: Moment) -> Any:
-    """C0 interior penalty form of a plate's bending for one component of the position."""
+    """Return the C0 interior penalty form of a plate's bending for one component of the position."""
     mesh = trial.ufl_domain()
     normal = ufl.FacetNormal(mesh)
 
@@ -75,7 +75,7 @@ def stiffness_matrix(scalar_space: Any, law: Moment) -> csr_matrix:
 
 
 class Product:
-    """A sparse matrix times (nodes, 3), by PETSc: a third of the time SciPy needs."""
+    """The product of a sparse matrix and (nodes, 3) by PETSc, in a third of the time SciPy needs."""
 
     def __init__(self, matrix: csr_matrix) -> None:
         self._right = np.zeros((matrix.shape[1], 3), order="F")
@@ -92,18 +92,18 @@ class Product:
         return product
 
     def close(self) -> None:
-        """Give the memory back: petsc4py does not do so by itself."""
+        """Give the memory back, which petsc4py does not do by itself."""
         for made in (self._result, self._sparse, self._dense):
             made.destroy()
 
 
 class Bending:
-    """Force and energy of a constant stiffness matrix with Maxwell branches of its own.
+    """The force and energy of a constant stiffness matrix with Maxwell branches of its own.
 
-    ``flat_m`` (nodes, 3) are positions without bending: the matrix acts on what differs from them,
-    which keeps its rounding errors, and with them those of momentum, small.
-    The branches act on the nodal displacement, so their overstress does not turn with the sheet:
-    good while rotations within a relaxation time are small.
+    ``flat_m`` (nodes, 3) are positions without bending: the matrix acts on the difference from them, which
+    keeps its rounding errors, and with them those of momentum, small. The branches act on the nodal
+    displacement, so their overstress does not turn with the sheet: good while rotations within a relaxation
+    time are small.
     """
 
     def __init__(self, matrix: csr_matrix, flat_m: Array, branches: tuple[tuple[float, float], ...]) -> None:

@@ -47,7 +47,8 @@ CODE = {name: value for name, (value, _) in FFCX_DEFAULT_PARAMETERS.items()}
 
 
 def _processor() -> str:
-    """What ``-march=native`` depends on: the processor's model and its instruction sets."""
+    """Return a checksum of what ``-march=native`` depends on: the processor's model and its instruction
+    sets."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
@@ -69,8 +70,11 @@ def _options() -> dict[str, Any]:
 
 @contextmanager
 def _compiling() -> Iterator[None]:
-    """Quietly: the compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python
-    reports, and logs its command lines.  Raises SolverFailed where nothing can be compiled."""
+    """Compile quietly, with the lock of the cache where it is needed.
+
+    The compiler of DOLFINx 0.5 leaves a file open for Python to close, which Python reports, and logs its
+    command lines.  Raises SolverFailed where nothing can be compiled.
+    """
     cache: Path = _options()["cache_dir"]
     look_up = jit.get_cached_module
     with warnings.catch_warnings(), ExitStack() as alone:
@@ -87,8 +91,10 @@ def _compiling() -> Iterator[None]:
 
 
 def _locked(look_up: Callable[..., Any], cache: Path, alone: ExitStack) -> Callable[..., Any]:
-    """FFCx's ``look_up`` of a module in the cache, which compiles what is not there: that is done
-    under the lock, which ``alone`` holds until the module has been compiled."""
+    """Return FFCx's ``look_up`` of a module in the cache, which compiles missing modules under the lock.
+
+    ``alone`` holds the lock until the module has been compiled.
+    """
 
     def looked_up(module: str, *more: Any) -> Any:
         source = cache / f"{module}.c"
@@ -105,9 +111,11 @@ def _locked(look_up: Callable[..., Any], cache: Path, alone: ExitStack) -> Calla
 
 @contextmanager
 def _alone(cache: Path, ready: Callable[[], bool]) -> Iterator[None]:
-    """No other process works on the cache meanwhile, and nothing in it is half made; or another
-    process has made what is wanted, and it is ``ready``.  Raises SolverFailed where another one
-    takes too long."""
+    """Hold the lock of the cache, so that no other process works on it and nothing in it is half made.
+
+    The lock is not taken where another process has made the wanted module, which is then ``ready``.  Raises
+    SolverFailed where another process takes too long.
+    """
     cache.mkdir(parents=True, exist_ok=True)
     with (cache / "lock").open("a+") as lock:
         try:
@@ -126,8 +134,11 @@ def _alone(cache: Path, ready: Callable[[], bool]) -> Iterator[None]:
 
 
 def _waited_for(lock: IO[str], ready: Callable[[], bool]) -> bool:
-    """True with the lock taken, False as soon as what is wanted is ``ready``.  Raises OSError on
-    a file system without locks, and SolverFailed where one process has held it for too long."""
+    """Return True with the lock taken, False as soon as the wanted module is ``ready``.
+
+    Raises OSError on a file system without locks, and SolverFailed where one process has held it for too
+    long.
+    """
     holder, since_s, said = "", time.monotonic(), False
     while not ready():
         try:

@@ -109,7 +109,7 @@ def _cells(plan: PanelPlan, structure: Structure, grid: ElementGrid) -> dict[str
 
 
 def _cell_numbers(grid: ElementGrid, middle_m: Array) -> Indices:
-    """Return (cells,): for each cell of ``grid``, which of the points ``middle_m`` is in it."""
+    """Return for each cell of ``grid``, (cells,), the number of the point of ``middle_m`` that is in it."""
     row = np.searchsorted(grid.s_m, middle_m[:, 0]) - 1
     column = np.searchsorted(grid.y_m, middle_m[:, 1]) - 1
     return np.argsort(row * grid.shape[1] + column)

@@ -35,8 +35,10 @@ MakeBody = Callable[[Structure, Indices, Array, float], ElasticBody]
 
 
 class ElasticPanel(BodyPanel):
-    """A ``MeshedPanel`` whose clamp points are the held nodes of a finite-element body, which is at rest
-    when t = 0, and whose surface points are the nodes of ``grid``."""
+    """A ``MeshedPanel`` around a finite-element body, which is at rest when t = 0.
+
+    Its clamp points are the held nodes of the body, its surface points the nodes of ``grid``.
+    """
 
     _body: ElasticBody
 
@@ -110,7 +112,7 @@ def open_panel(
 ) -> ElasticPanel:
     """Open the panel at rest between its clamps; ``make_explicit`` makes the body with explicit steps.
 
-    ValueError for a step that is too large, SolverFailed if no resting shape is found.
+    Raises ValueError for a step that is too large, SolverFailed if no resting shape is found.
     """
     with ExitStack() as failed:
         failed.callback(structure.close)

@@ -38,7 +38,7 @@ USUAL_STEP_S = 2e-4
 def step_s(plan: PanelPlan, tangent: Tangent) -> float:
     """Return the step of ``plan``'s integrator for a structure that stands in its resting shape.
 
-    ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
+    Raises ValueError if there is no such integrator or ``plan.step_s`` is too large for it.
     """
     return choose_step_s(plan, *step_limits_s(plan, tangent))
 
@@ -124,7 +124,7 @@ class Explicit(StructureBody):
 
 
 class NotConverged(Exception):
-    """Newton's iteration gave up on a step; the step is then halved."""
+    """An error of Newton's iteration, which gave up on a step; the step is then halved."""
 
 
 class GeneralizedAlpha(StructureBody):

@@ -1,8 +1,8 @@
-"""The sheet where it has openings: softer and lighter, as one cell of the pattern says.
+"""The sheet where it has openings, softer and lighter according to the cell of the pattern.
 
-A field ``share`` says which part of each finite-element cell is perforated (0 ... 1; the cells'
-borders follow the perforated region wherever it is at least half a cell from the panel's edge).
-Equations and what was measured: docs/theory/perforated_panel.md.
+A field ``share`` says which part of each finite-element cell is perforated (0 ... 1; the cells' borders
+follow the perforated region wherever it is at least half a cell from the panel's edge). Equations and
+measurements: docs/theory/perforated_panel.md.
 """
 
 from __future__ import annotations
@@ -25,10 +25,9 @@ from orchestrator.ports.plans import PanelPlan
 
 @dataclass(frozen=True)
 class Perforated:
-    """The pattern's stiffness and solid share, and where it is: ``share`` on a mesh's cells.
+    """The pattern's stiffness and solid share, and its place: ``share`` on a mesh's cells.
 
-    Figures of the pattern are constants, not numbers, of the forms: other patterns need no other
-    code.
+    Values of the pattern are constants, not numbers, of the forms: other patterns need no other code.
     """
 
     cell: CellStiffness
@@ -39,12 +38,12 @@ class Perforated:
         return solid_kg_per_m2 * (1.0 - (1.0 - self.solid_share) * self.share)
 
     def membrane_energy(self, solid: Any, stiffness_N_per_m: float, C: Any) -> Any:
-        """Return the energy per area in J/m2 from that of the ``solid`` sheet, and E t =
+        """Return the energy per area in J/m2 from the energy of the ``solid`` sheet, and E t =
         ``stiffness_N_per_m``.
 
-        The solid law to the greatest factor that leaves the rest of the cell's stiffness
-        positive, and that rest on the strain (C - 1/C) / 4, which agrees with the logarithmic
-        one to second order (Bazant, J. Eng. Mater. Technol. 120 (1998) 131-136).
+        The solid law takes the greatest factor that leaves the rest of the cell's stiffness positive.  The
+        rest acts on the strain (C - 1/C) / 4, which agrees with the logarithmic strain to second order
+        (Bazant, J. Eng. Mater. Technol. 120 (1998) 131-136).
         """
         factor, rest = self.split(stiffness_N_per_m)
         flat = self.share.function_space.mesh
@@ -90,7 +89,7 @@ class Perforated:
         return np.asarray((1.0 - share) * SOLID + share * self.cell.membrane)
 
 
-def perforated(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
+def perforate(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perforated:
     """Return the perforation on the mesh ``flat`` in material coordinates."""
     space = function_space(flat, ufl.FiniteElement("DG", flat.ufl_cell(), 0))
     share = fem.Function(space)
@@ -104,6 +103,6 @@ def perforated(plan: PanelPlan, apertures: AperturePattern, flat: Any) -> Perfor
 
 
 def _root(stiffness: Array) -> Array:
-    """The entries of an upper root R with R^T R = ``stiffness``: R11, R12, R21 = 0, R22, R33."""
+    """Return the entries of an upper root R with R^T R = ``stiffness``: R11, R12, R21 = 0, R22, R33."""
     upper = np.linalg.cholesky(stiffness).T
     return np.array([upper[0, 0], upper[0, 1], 0.0, upper[1, 1], upper[2, 2]])

@@ -55,7 +55,7 @@ def first_guess_m(rectangle: Rectangle, gravity_m_per_s2: Array, material_m: Arr
 
 
 def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:
-    """Slope angle along an unstretched strip whose ends are ``span_m`` apart."""
+    """Return the slope angle along an unstretched strip whose ends are ``span_m`` apart."""
     wave = np.sin(2 * np.pi * s_m / length_m)
 
     def too_long_m(amplitude_rad: float) -> float:
@@ -68,11 +68,11 @@ def _angle_rad(length_m: float, span_m: float, s_m: Array) -> Array:
 
 
 def settle(structure: Structure, tangent: Tangent, start_m: Array, weight_N: Array, name: str) -> Array:
-    """Return the positions (nodes, 3) at which ``weight_N`` and the internal force balance, from ``start_m``;
-    SolverFailed with ``name`` if they cannot be found.
+    """Return the positions (nodes, 3) at which ``weight_N`` and the internal force balance, from ``start_m``.
 
-    Found means: out of balance by less than ``TOLERANCE`` of the clamps' force, or, where
-    rounding forbids that, moved by less than ``NEGLIGIBLE_MOVE`` by a Newton iteration.
+    The forces balance within ``TOLERANCE`` of the clamps' force or, where rounding forbids that, a Newton
+    iteration moves the nodes by less than ``NEGLIGIBLE_MOVE``.  Raises SolverFailed with ``name`` if such
+    positions cannot be found.
     """
     free, size_m = structure.free, float(np.ptp(start_m, axis=0).max())
     position, step_s, moved_m = start_m.copy(), FIRST_STEP_S, np.inf

@@ -41,7 +41,7 @@ def flat_mesh(grid: ElementGrid) -> Any:
 
 
 def _membrane_energy(material: HyperelasticPlan, thickness_m: float, C: Any) -> Any:
-    """Energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
+    """Return the energy per area in J/m2 for the right Cauchy-Green tensor C (2 x 2) of the mid-surface."""
     trace, det = ufl.tr(C), ufl.det(C)
     return thickness_m * (material.c10_Pa * (trace + 1 / det - 3) + material.c01_Pa * (det + trace / det - 3))
 
@@ -67,7 +67,7 @@ def scaled_strain(entries: Any, C: Any) -> Any:
 
 
 def sheet(plan: PanelPlan) -> tuple[Structure, ElementGrid, Indices]:
-    """Make the structure of ``plan``, its grid, and which of its nodes stands at each of the grid's."""
+    """Make the structure of ``plan``, its grid, and the numbers of the nodes at the grid's nodes."""
     pattern = plan.apertures
     region_m = pattern.region_m(plan.rectangle) if pattern else None
     grid = ElementGrid.of(plan.rectangle, plan.cells, region_m)
@@ -90,9 +90,9 @@ def openings(plan: PanelPlan, flat: Any) -> Perforated | None:
     """Return the openings of ``plan`` on its mesh."""
     if plan.apertures is None:
         return None
-    from adapters.panel.finite_element.perforation import perforated
+    from adapters.panel.finite_element.perforation import perforate
 
-    return perforated(plan, plan.apertures, flat)
+    return perforate(plan, plan.apertures, flat)
 
 
 def law(plan: PanelPlan, position: Any, holes: Perforated | None = None) -> Law:

@@ -21,9 +21,11 @@ from orchestrator.ports.state import restore_attributes, save_attributes
 
 
 def lumped_mass_kg(space: Any, mass_per_measure: Any) -> Array:
-    """Return (nodes,): the integral of each shape function.  For quadratic cells on a rectangular grid
-    this is the mass collocated at the Gauss-Lobatto points: positive.  ``mass_per_measure`` is a
-    number, or a UFL expression that is constant in each cell."""
+    """Return the integral of each shape function, (nodes,).
+
+    For quadratic cells on a rectangular grid this is the mass collocated at the Gauss-Lobatto points, which
+    is positive.  ``mass_per_measure`` is a number, or a UFL expression that is constant in each cell.
+    """
     ones = ufl.as_vector([1.0, 1.0, 1.0])
     integral = mass_per_measure * ufl.inner(ones, ufl.TestFunction(space)) * ufl.dx
     mass: Array = fem.assemble_vector(form(integral)).array[::3].copy()
@@ -98,12 +100,14 @@ class ViscousStrain:
 
 
 class Structure:
-    """Lumped mass, internal force and energy of a body; ``held`` are the prescribed nodes, ``tangent``
-    is the bilinear form of the material's stiffness at the positions now in the law's field.
+    """The lumped mass, internal force and energy of a body.
 
-    Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any
-    number of ``force_N`` at trial positions of its end, then ``end_step``, which accepts the
-    positions given to ``force_N`` last.
+    ``held`` are the prescribed nodes, ``tangent`` is the bilinear form of the material's stiffness at the
+    positions now in the law's field.
+
+    Arrays of positions and forces have shape (nodes, 3).  A step is ``begin_step``, then any number of
+    ``force_N`` at trial positions of its end, then ``end_step``, which accepts the positions given to
+    ``force_N`` last.
     """
 
     def __init__(
@@ -173,5 +177,5 @@ class Structure:
         return stored | {"maxwell": sum(branches)}
 
     def lost_J(self) -> float:
-        """Return what the Maxwell branches dissipated since the start."""
+        """Return the energy that the Maxwell branches dissipated since the start."""
         return sum(memory.branches.lost_J for memory in self._memories)

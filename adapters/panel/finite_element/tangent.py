@@ -23,7 +23,7 @@ MANY_NODES = 2000
 
 
 def _in_three_directions(scalar: csr_matrix) -> csr_matrix:
-    """The matrix with a dense 3 x 3 block per entry: room for the material's tangent."""
+    """Return the matrix with a dense 3 x 3 block per entry, which has room for the material's tangent."""
     blocks = scalar.data[:, None, None] * np.eye(3)
     size = 3 * scalar.shape[0]
     return bsr_matrix((blocks, scalar.indices, scalar.indptr), shape=(size, size)).tocsr()
@@ -109,7 +109,7 @@ class Tangent:
         return float(np.sqrt(largest[0]))
 
     def save(self) -> Saved:
-        """Save the entries of what was factorised last; its pattern is always the same."""
+        """Save the entries of the matrix factorised last; its pattern is always the same."""
         return {"entries": np.array(self._matrix.getValuesCSR()[2])}
 
     def restore(self, saved: Saved) -> None:
@@ -120,7 +120,7 @@ class Tangent:
         self._solver.setUp()
 
     def close(self) -> None:
-        """Give the memory back (20 MB for 833 nodes): petsc4py does not do so by itself."""
+        """Give the memory back (20 MB for 833 nodes), which petsc4py does not do by itself."""
         for made in (self._solver, self._matrix, self._constant, self._right, self._left):
             if made is not None:
                 made.destroy()

@@ -69,7 +69,7 @@ def _mesh(points_m: Array, triangles: Indices) -> Any:
 
 
 def _strain(u: Any) -> Any:
-    """(11, 22, 2 x 12) of the first two components of a field."""
+    """Return the strain (11, 22, 2 x 12) of the first two components of a field."""
     g = ufl.grad(u)
     return ufl.as_vector([g[0, 0], g[1, 1], g[0, 1] + g[1, 0]])
 
@@ -79,13 +79,15 @@ def _solid(strain: Any) -> Any:
 
 
 def _membrane(cell: Any) -> Any:
-    """Energy product of two displacement fluctuations."""
+    """Return the energy product of two displacement fluctuations."""
     return lambda u, v: ufl.inner(_solid(_strain(u)), _strain(v)) * ufl.dx
 
 
 def _bending(cell: Any, thickness_m: float) -> Any:
-    """Energy product of two fields (slope 1, slope 2, deflection), over t^3 / 12; the shear part
-    with reduced integration, so that thin sheets do not lock."""
+    """Return the energy product of two fields (slope 1, slope 2, deflection), over t^3 / 12.
+
+    The shear part has reduced integration, so that thin sheets do not lock.
+    """
     shear = SHEAR_CORRECTION / (2 * (1 + POISSON_RATIO)) * 12 / thickness_m**2
     shear_1_m2 = fem.Constant(cell, shear)
 
@@ -103,7 +105,7 @@ def _bending(cell: Any, thickness_m: float) -> Any:
 
 
 def _effective(product: Any, cell: Any, size: int, period_m: Array) -> Array:
-    """(3, 3): energy of the unit strains with the periodic fluctuation that makes it least."""
+    """Return the energy (3, 3) of the unit strains with the periodic fluctuation that makes it least."""
     space = function_space(cell, ufl.VectorElement("Lagrange", cell.ufl_cell(), 2, dim=size))
     u, v = ufl.TrialFunction(space), ufl.TestFunction(space)
     fold = _periodic(space.tabulate_dof_coordinates()[:, :2], period_m, size)
@@ -125,14 +127,17 @@ def _effective(product: Any, cell: Any, size: int, period_m: Array) -> Array:
 
 
 def _load(unit: Array, test: Any) -> Array:
-    """Virtual work of the stress of a uniform strain or curvature."""
+    """Return the virtual work of the stress of a uniform strain or curvature."""
     stress = ufl.as_vector((SOLID @ unit).tolist())
     work: Array = fem.assemble_vector(form(ufl.inner(stress, _strain(test)) * ufl.dx)).array
     return work.copy()
 
 
 def _periodic(points_m: Array, period_m: Array, size: int) -> csr_matrix:
-    """(all, independent) unknowns: points a period apart are one, of ``size`` components."""
+    """Return the matrix (all unknowns, independent unknowns) that identifies points a period apart.
+
+    Each point has ``size`` components.
+    """
     fine = 1e-7 * period_m
     place = np.round(points_m / fine).astype(np.int64) % np.round(period_m / fine).astype(np.int64)
     _, same = np.unique(place, axis=0, return_inverse=True)
@@ -176,7 +181,7 @@ def _meshed(gmsh: Any, apertures: AperturePattern) -> tuple[Array, Indices]:
 
 
 def _outlines(apertures: AperturePattern) -> list[Array]:
-    """Of all openings that reach into the cell."""
+    """Return the outlines of all openings that reach into the cell."""
     along_m, across_m = apertures.pitch_along_m, apertures.pitch_across_m
     rows = (0.0, apertures.stagger) if apertures.stagger else (0.0,)
     outline = apertures.outline_m()

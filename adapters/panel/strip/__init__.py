@@ -13,7 +13,7 @@ from orchestrator.ports.plans import Cost, PanelPlan, PanelsWork
 def build(plan: PanelPlan) -> MeshedPanel:
     """Open the strip at rest between its clamps.
 
-    ValueError for an implicit integrator or a step above ``largest_step_s``, SolverFailed if no
+    Raises ValueError for an implicit integrator or a step above ``largest_step_s``, SolverFailed if no
     resting shape is found.
     """
     from adapters.panel.strip import panel
@@ -35,7 +35,7 @@ def lightest_kg(plan: PanelPlan, surface_cells: tuple[int, int]) -> float:
 
 
 def objections(plan: PanelPlan) -> Iterator[Objection]:
-    """Yield that there are fewer than two rows of cells."""
+    """Yield an objection to fewer than two rows of cells."""
     if plan.cells[0] < 2:
         yield Objection("a strip needs at least two cells", key=("panel", "cells", 0))
 

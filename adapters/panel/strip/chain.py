@@ -22,17 +22,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from adapters.panel.common import bilinear
+from adapters.panel.common.grid import clamped_rows_m
 from orchestrator.ports import Array, Indices
 from orchestrator.ports.plans import HyperelasticPlan, PanelPlan
 
 
 @dataclass(frozen=True)
 class Chain:
-    """``rows_m`` and ``mass_kg`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
-    ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and of
-    bearing cross-sections ``area_m2`` (c,); ``curvature_1_m2`` (b, r) maps positions to
-    curvatures, of weights ``bending_N_m3`` (b,), E I times the length that each stands for; those
-    of ``at_clamps`` count only across ``clamp_along`` (3,)."""
+    """A strip's rows, springs and bending springs.
+
+    ``rows_m`` and ``mass_kg`` (r,); ``held`` (r,) 0 or 1 for the rows of the two clamps, -1 for free ones;
+    ``springs`` (c,) the first rows of the axial springs, all of rest length ``rest_m`` and of bearing
+    cross-sections ``area_m2`` (c,); ``curvature_1_m2`` (b, r) maps positions to curvatures, of weights
+    ``bending_N_m3`` (b,), E I times the length that each stands for; those of ``at_clamps`` count only across
+    ``clamp_along`` (3,).
+    """
 
     rows_m: Array
     mass_kg: Array
@@ -104,13 +108,15 @@ class Chain:
 
 
 def chain(plan: PanelPlan) -> Chain:
-    """Make a chain of ``plan.cells[0]`` springs on the free length; a clamp of depth ``clamp_m`` holds
-    position and slope, one without depth is a hinge."""
+    """Make a chain of ``plan.cells[0]`` springs on the free length.
+
+    A clamp of depth ``clamp_m`` holds position and slope; a clamp without depth is a hinge.
+    """
     rectangle, cells = plan.rectangle, plan.cells[0]
     if cells < 2:
         raise ValueError(f"panel {plan.name}: a strip needs at least two cells, got {cells}")
     free_m = np.linspace(0.0, rectangle.length_m, cells + 1)
-    rows_m = bilinear.clamped_rows_m(rectangle, free_m)
+    rows_m = clamped_rows_m(rectangle, free_m)
     first = (len(rows_m) - len(free_m)) // 2
     last = first + cells
     held = np.full(len(rows_m), -1)
@@ -145,12 +151,13 @@ def chain(plan: PanelPlan) -> Chain:
 
 
 def remaining_shares(plan: PanelPlan, low_m: Array, high_m: Array) -> tuple[Array, Array, Array]:
-    """Return what openings leave of mass, tension and bending stiffness, (pieces,) each, of pieces of the
-    strip from s = ``low_m`` to ``high_m``.
+    """Return the shares of mass, tension and bending stiffness that openings leave, (pieces,) each.
 
-    Across, margins and pattern act side by side; along, the perforated and the solid part of a piece
-    act one after the other.  Their stiffness is that of ``unit_cell``, free to contract across.
-    SolverMissing without DOLFINx, which computes the pattern's stiffness.
+    The pieces of the strip lie from s = ``low_m`` to ``high_m``.
+
+    Across, margins and pattern act side by side; along, the perforated and the solid part of a piece act one
+    after the other.  Their stiffness is that of ``unit_cell``, free to contract across. Raises SolverMissing
+    without DOLFINx, which computes the pattern's stiffness.
     """
     pattern = plan.apertures
     if pattern is None:
@@ -178,7 +185,7 @@ def nominal_stress_Pa(material: HyperelasticPlan, stretch: Array) -> Array:
 
 
 def stiffness_Pa(material: HyperelasticPlan, stretch: Array) -> Array:
-    """Return the derivative of the nominal stress; E at stretch 1."""
+    """Return the derivative of the nominal stress, which is E at stretch 1."""
     shear = material.c10_Pa + material.c01_Pa / stretch
     softening = (stretch - stretch**-2) * material.c01_Pa / stretch**2
     return np.asarray(2 * (1 + 2 * stretch**-3) * shear - 2 * softening)

@@ -21,9 +21,10 @@ from orchestrator.ports import Array
 class ChainMotion(CompiledBody):
     """A chain that starts at rest and relaxed at ``position_m`` (r, 3).
 
-    ``internal_N`` (r, 3) is the force of springs and branches on the rows, now.  Branches act on
-    spring lengths, with the springs' stiffness at no stretch, and on curvatures; their stresses
-    are kept over their ratios."""
+    ``internal_N`` (r, 3) is the present force of springs and branches on the rows.  Branches act on spring
+    lengths, with the springs' stiffness at no stretch, and on curvatures; their stresses are kept over their
+    ratios.
+    """
 
     def __init__(
         self,
@@ -66,15 +67,18 @@ class ChainMotion(CompiledBody):
         }
 
     def onto_held(self, force_N: Array) -> Array:
-        """Return (held, 3): how forces (r, 3) act on the held rows, across all of them."""
+        """Return the effect (held, 3) of forces (r, 3) on the held rows, across all of them."""
         held_N, across = force_N[self.held], self._across
         handed_N = self.share.T @ (force_N @ across) - held_N @ across
         return np.asarray(held_N + np.outer(handed_N, across))
 
 
 def shares(chain: Chain) -> Array:
-    """Return (rows, held rows): the shares by which rows follow the held ones, of a quantity that varies
-    linearly between the clamps' inner edges and is the held rows' own under the clamps."""
+    """Return the shares (rows, held rows) by which rows follow the held rows.
+
+    They belong to a quantity that varies linearly between the clamps' inner edges and is the held rows' own
+    under the clamps.
+    """
     held = np.flatnonzero(chain.held >= 0)
     share = (np.arange(len(chain.rows_m))[:, None] == held).astype(float)
     along = np.clip(chain.rows_m / chain.rows_m[chain.springs][-1], 0.0, 1.0)
@@ -85,7 +89,7 @@ def shares(chain: Chain) -> Array:
 
 
 def _links(chain: Chain) -> dict[str, Any]:
-    """Return springs and bending springs; each of the latter joins three rows."""
+    """Return springs and bending springs; each bending spring joins three rows."""
     bends = np.arange(len(chain.bending_N_m3))
     at_clamp = np.zeros(len(bends), dtype=np.int32)
     at_clamp[chain.at_clamps] = 1

@@ -30,8 +30,11 @@ MARGIN = 0.8  # of the largest stable step, for compression, which stiffens the 
 
 
 def build(plan: PanelPlan) -> Strip:
-    """Open the strip.  ValueError for an implicit integrator or a step above ``largest_step_s``; SolverFailed
-    if no resting shape is found.  ``plan.cells[1]`` is not used."""
+    """Open the strip; ``plan.cells[1]`` is not used.
+
+    Raises ValueError for an implicit integrator or a step above ``largest_step_s``; SolverFailed if no
+    resting shape is found.
+    """
     if plan.integrator != "explicit":
         raise ValueError(f"panel {plan.name}: the strip is explicit only, not {plan.integrator!r}")
     links = chain(plan)
@@ -60,8 +63,10 @@ def stability_limit_s(links: Chain, material: HyperelasticPlan) -> float:
 
 
 class Strip(BodyPanel):
-    """``MeshedPanel``; surface points row by row, y = 0 before y = width; the clamp points are
-    those of the held rows, in the same order."""
+    """A ``MeshedPanel``; surface points are numbered row by row, y = 0 before y = width.
+
+    The clamp points are the points of the held rows, in the same order.
+    """
 
     _body: ChainMotion
 
@@ -75,8 +80,11 @@ class Strip(BodyPanel):
         self._surface = self._surface_between(self._clamps)
 
     def inertia(self) -> Inertia:
-        """Return the inertia of the free rows: both points of a row go with its middle, whose force is their
-        sum, and not across, where it follows the clamps."""
+        """Return the inertia of the free rows.
+
+        Both points of a row go with its middle, whose force is their sum, but not across, where the row
+        follows the clamps.
+        """
         free = np.flatnonzero(self._chain.held < 0)
         points = np.arange(2 * len(self._mass_kg))
         rows = csr_array((np.ones(len(points)), (points, points // 2)))
@@ -110,15 +118,15 @@ class Strip(BodyPanel):
         middle_N = on_held.impulse_N_s / interval.length_s
         turned_m = bilinear.half(clamps.position_m - self._clamps.position_m)
         clamps_J = -on_held.work_J - float(np.vdot(turning_N, turned_m))
-        reaction_N = bilinear.joined(middle_N / 2, turning_N / 2)
+        reaction_N = bilinear.join_halves(middle_N / 2, turning_N / 2)
         return self._surface_between(clamps), reaction_N, clamps_J
 
     def _surface_between(self, clamps: Motion) -> Motion:
         """Return the rows' points: their middles now, and the halves that follow ``clamps``."""
         motion, share = self._body, self._body.share
         return Motion(
-            bilinear.joined(motion.position_m, share @ bilinear.half(clamps.position_m)),
-            bilinear.joined(motion.velocity_m_per_s, share @ bilinear.half(clamps.velocity_m_per_s)),
+            bilinear.join_halves(motion.position_m, share @ bilinear.half(clamps.position_m)),
+            bilinear.join_halves(motion.velocity_m_per_s, share @ bilinear.half(clamps.velocity_m_per_s)),
         )
 
 

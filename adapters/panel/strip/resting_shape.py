@@ -18,8 +18,8 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
     """Return positions (r, 3) in balance with the rows' weight; held rows, and all rows across, stay as
     mounted.
 
-    A trust-region Newton method finds the valley (the straight slack chain is no minimum),
-    plain Newton iterations the bottom.  SolverFailed if there is none.
+    A trust-region Newton method finds the valley (the straight slack chain is no minimum), plain Newton
+    iterations the bottom.  Raises SolverFailed if there is none.
     """
     rectangle = plan.rectangle
     start_m = first_guess_m(chain, rectangle, plan.gravity_m_per_s2)
@@ -60,8 +60,11 @@ def settle(chain: Chain, plan: PanelPlan) -> Array:
 
 
 def first_guess_m(chain: Chain, rectangle: Rectangle, gravity_m_per_s2: Array) -> Array:
-    """Return positions (r, 3): straight if taut; a slack chain is a cosine wave of the right length to second
-    order, bulging with gravity or, without it, downwards."""
+    """Return a first guess of positions (r, 3).
+
+    A taut chain is straight; a slack chain is a cosine wave of the right length to second order, bulging with
+    gravity or, without it, downwards.
+    """
     middle = np.full_like(chain.rows_m, rectangle.width_m / 2)
     position_m = rectangle.mounted(np.column_stack([chain.rows_m, middle]))
     slack_m = max(rectangle.length_m - rectangle.span_m, 0.0)

@@ -93,8 +93,8 @@ def ints(values: npt.ArrayLike) -> npt.NDArray[np.int32]:
 def contact_distance_factor(plan: ParticlesPlan) -> float:
     """Return the factor of their contact distance up to which two bodies keep a contact that has parted.
 
-    Beyond it LIGGGHTS forgets the contact (the tangential spring of one that forms again before the
-    next neighbour list would otherwise be the old one); a neck must snap within it.
+    Beyond it LIGGGHTS forgets the contact (otherwise the tangential spring of a contact that forms again
+    before the next neighbour list would be the old spring); a neck must snap within it.
     """
     stretch = plan.adhesion.largest_stretch if isinstance(plan.adhesion, Jkr) else 0.0
     return max(1.05, 1.0 + 1.1 * stretch)
@@ -110,8 +110,10 @@ def effective_moduli(materials: tuple[GrainMaterial, ...]) -> tuple[Array, Array
 
 
 def join_across(surface: TriangleSurface, period_m: float) -> Indices:
-    """Return the triangles (m, 3), in which points that are the same place one period along y further
-    on have the number of the lower one."""
+    """Return the triangles (m, 3) with periodic points identified.
+
+    Points that are the same place one period along y further on have the number of the lower point.
+    """
     number = np.arange(len(surface.position_m))
     used = np.unique(surface.triangles)
     place_m = surface.position_m[used]

@@ -64,7 +64,7 @@ def has_rolling(plan: ParticlesPlan) -> bool:
 
 
 def contact_model(plan: ParticlesPlan) -> str:
-    """Return Hertz or JKR, and what the plan's coefficients call for beyond it."""
+    """Return the contact model: Hertz or JKR, and the additions that the plan's coefficients require."""
     model = "model jkr" if isinstance(plan.adhesion, Jkr) else "model hertz"
     if has_sliding(plan):
         model += " tangential history"
@@ -76,10 +76,12 @@ def contact_model(plan: ParticlesPlan) -> str:
 
 
 def smallest_box_m(plan: ParticlesPlan) -> Array:
-    """Return the lowest and highest corner (2, 3) of what LIGGGHTS's bins cover at least: the surface and
-    the particles at the start (along y the whole domain where that is periodic).  With more than two
-    ranks it is the domain: LIGGGHTS hands particles to a neighbouring rank only, so a box that
-    shrinks at once, when a far flier leaves, must not be cut into more than two parts."""
+    """Return the lowest and highest corner (2, 3) of the box that LIGGGHTS's bins cover at least.
+
+    The box holds the surface and the particles at the start (along y the whole domain where that is
+    periodic). With more than two ranks it is the domain: LIGGGHTS hands particles to a neighbouring rank
+    only, so a box that shrinks at once, when a far flier leaves, must not be cut into more than two parts.
+    """
     points_m = plan.surface.position_m
     on_it = np.isin(np.arange(len(points_m)), plan.surface.triangles)  # not probes, nor frames
     places_m = np.vstack([points_m[on_it], plan.particles.position_m])
@@ -94,7 +96,7 @@ def smallest_box_m(plan: ParticlesPlan) -> Array:
 
 
 def input_text(plan: ParticlesPlan) -> str:
-    """Return the whole input but the last line, :data:`FIRST_EVALUATION`."""
+    """Return the whole input except for the last line, :data:`FIRST_EVALUATION`."""
     youngs = [material.youngs_modulus_Pa for material in plan.materials]
     return INPUT.format(
         boundary="m p m" if plan.periodic_y else "m m m",

@@ -1,4 +1,4 @@
-"""The books of LIGGGHTS's particles: the momentum and energy that they own, and what came and went."""
+"""The books of LIGGGHTS's particles: the momentum and energy that they own, and their gains and losses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class SolidSpheres:
-    """Holds what n solid spheres own, one row each; their moment of inertia is 2/5 m r^2."""
+    """The properties of n solid spheres, a row each; their moment of inertia is 2/5 m r^2."""
 
     mass_kg: Array  # (n,)
     radius_m: Array  # (n,)
@@ -34,25 +34,25 @@ class SolidSpheres:
         return 0.4 * self.mass_kg * self.radius_m**2
 
     def momentum_kg_m_per_s(self) -> Array:
-        """Return the momentum (3,) of all."""
+        """Return the momentum (3,) of all spheres."""
         return self.mass_kg @ self.velocity_m_per_s
 
     def angular_momentum_kg_m2_per_s(self) -> Array:
-        """Return the angular momentum (3,) of all about the world's origin."""
+        """Return the angular momentum (3,) of all spheres about the world's origin."""
         orbital = self.mass_kg @ np.cross(self.position_m, self.velocity_m_per_s)
         return np.asarray(orbital + self.inertia_kg_m2 @ self.spin_rad_per_s)
 
     def kinetic_J(self) -> float:
-        """Return the kinetic energy of all, rotation included."""
+        """Return the kinetic energy of all spheres, rotation included."""
         moving = self.mass_kg @ np.sum(self.velocity_m_per_s**2, axis=1)
         return float(moving + self.inertia_kg_m2 @ np.sum(self.spin_rad_per_s**2, axis=1)) / 2.0
 
     def gravitational_J(self, gravity_m_per_s2: Array) -> float:
-        """Return the potential energy of all, zero at the world's origin."""
+        """Return the potential energy of all spheres, zero at the world's origin."""
         return -float(self.mass_kg @ (self.position_m @ gravity_m_per_s2))
 
     def mechanical_J(self, gravity_m_per_s2: Array) -> float:
-        """Return the kinetic and potential energy of all."""
+        """Return the kinetic and potential energy of all spheres."""
         return self.kinetic_J() + self.gravitational_J(gravity_m_per_s2)
 
 
@@ -69,7 +69,7 @@ def _owned(arrays: dict[str, Any]) -> SolidSpheres:
 
 
 class ParticleLedger(SavedAttributes):
-    """Adds up over the ranks of the communicator.  Potential energy is zero at the origin."""
+    """The sums over the ranks of the communicator.  Potential energy is zero at the origin."""
 
     STATE = (
         "_mass_kg",
@@ -100,7 +100,7 @@ class ParticleLedger(SavedAttributes):
         self._impulse_N_s += self._mass_kg * length_s * self._gravity_m_per_s2
 
     def add_fed(self, particles: ParticleList) -> None:
-        """Book particles that came, alike on all ranks."""
+        """Book particles that were fed, alike on all ranks."""
         new = _listed(particles)
         self._mass_kg += float(new.mass_kg.sum())
         self._impulse_N_s += new.momentum_kg_m_per_s()
@@ -125,7 +125,7 @@ class ParticleLedger(SavedAttributes):
         self._came_kg_m2_per_s -= sums[6:]
 
     def account(self, engine: Engine) -> Account:
-        """Return the books of now."""
+        """Return the present books."""
         mine = _owned(engine.particles())
         stored_J = self._stored_J(engine)
         work_J = float(self._comm.allreduce(engine.surface_work_J()))

@@ -50,7 +50,7 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 
 class Liggghts:
-    """Solves a plan's particles by LIGGGHTS; all calls are collective over the plan's communicator."""
+    """A solver of a plan's particles by LIGGGHTS; all calls are collective over the plan's communicator."""
 
     def __init__(self, plan: ParticlesPlan) -> None:
         self._plan = plan
@@ -237,7 +237,7 @@ class Liggghts:
         return self._deepest
 
     def _add_crossings(self, mine: Arrays, start_s: float, step_s: float) -> None:
-        """Count those of all ranks in the last interval, alike on every rank."""
+        """Count the crossings of all ranks in the last interval, alike on every rank."""
         ranks = self._comm.allgather(_crossings(mine, start_s, step_s))
         some = [crossings for crossings in ranks if crossings.number]
         for later in sorted(some, key=lambda one: (one.first_time_s, one.first_id)):
@@ -261,8 +261,10 @@ class Liggghts:
 
 
 def _crossings(mine: Arrays, start_s: float, step_s: float) -> Crossings:
-    """Return the record of this rank's particles that went through the surface in an interval that
-    began at ``start_s``; of one step the lowest id counts as the first."""
+    """Return the record of this rank's particles that went through the surface in an interval.
+
+    The interval began at ``start_s``; within one step the lowest id counts as the first.
+    """
     if not len(mine["tag"]):
         return Crossings.none()
     first = np.lexsort((mine["tag"], mine["step"]))[0]

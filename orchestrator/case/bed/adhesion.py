@@ -57,20 +57,20 @@ class StickyContact:
 
     @property
     def half_period_s(self) -> float:
-        """Of a small oscillation about the place without load, where the stiffness is
+        """Half a period of a small oscillation about the place without load, where the stiffness is
         0.3 * 6^(2/3) pull-off forces per gap at separation."""
         stiffness_N_per_m = 0.3 * math.pow(6.0, 2 / 3) * self.pull_off_N / self.separation_m
         return math.pi * math.sqrt(self.reduced_kg / stiffness_N_per_m)
 
 
 def adhesion_law(case: Case) -> str:
-    """ "jkr", "sjkr", or "none": also where nothing sticks."""
+    """Return the name of the case's adhesion law, "jkr" or "sjkr"; "none" where nothing sticks."""
     sticks = any(contact.work_of_adhesion_J_per_m2 for contact in case.contacts)
     return (case.particles.adhesion or "jkr") if sticks else "none"
 
 
 def sticky_contacts(case: Case) -> Iterator[StickyContact]:
-    """All pairs that can meet and stick, with their smallest particles; none without a law."""
+    """Yield all pairs that can meet and stick, with their smallest particles; none without a law."""
     if adhesion_law(case) == "none":
         return
     for number, contact in enumerate(case.contacts):
@@ -83,7 +83,7 @@ Body = tuple[float, float]  # radius (infinite: a surface) and mass
 
 
 def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]:
-    """Particle and particle, then particle and surface, as far as the case has them."""
+    """Yield the pairs of two particles, then of a particle and a surface, that the case has."""
     grains = {}
     for name, diameter_m in smallest_diameters_m(case).items():
         mass_kg = sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
@@ -97,7 +97,7 @@ def _bodies(case: Case, between: tuple[str, str]) -> Iterator[tuple[Body, Body]]
 
 
 def surface_materials(case: Case) -> set[str]:
-    """Of all that particles can touch but particles."""
+    """Return the materials of all panels and surfaces that particles can touch."""
     panels = {panel.material for panel in case.screen.panels.values()}
     return panels | {surface.material for surface in case.screen.surfaces.values()}
 
@@ -137,7 +137,7 @@ def softened_work_J_per_m2(case: Case, number: int) -> float:
 
 
 def planned_adhesion(case: Case, numbers: dict[str, int]) -> Jkr | Sjkr | None:
-    """The law with its strengths; ``numbers`` are the materials'."""
+    """Return the adhesion law with its strengths, or None; ``numbers`` are the materials' numbers."""
     law = adhesion_law(case)
     if law == "none":
         return None

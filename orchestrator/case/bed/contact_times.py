@@ -11,11 +11,10 @@ LARGEST_RAYLEIGH_FRACTION = 0.2
 
 
 def contact_moduli(material: Material, largest_youngs_modulus_Pa: float | None) -> tuple[float, float]:
-    """Young's modulus, softened, and Poisson's ratio of a material in contacts.
+    """Return Young's modulus (Pa), softened, and Poisson's ratio of a material in contacts.
 
     A hyperelastic material has its small-strain values: mu = 2 (C10 + C01),
-    E = 9 K mu / (3 K + mu), nu = (3 K - 2 mu) / (6 K + 2 mu).
-    """
+    E = 9 K mu / (3 K + mu), nu = (3 K - 2 mu) / (6 K + 2 mu)."""
     youngs_Pa, poisson = material.youngs_modulus_Pa, material.poisson_ratio
     if material.hyperelastic is not None:
         law = material.hyperelastic
@@ -28,7 +27,7 @@ def contact_moduli(material: Material, largest_youngs_modulus_Pa: float | None) 
 
 
 def reduced_modulus_Pa(one: tuple[float, float], two: tuple[float, float]) -> float:
-    """E* of two bodies, each (E, nu):  1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
+    """Return E* of two bodies, each (E, nu):  1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
     return 1 / ((1 - one[1] ** 2) / one[0] + (1 - two[1] ** 2) / two[0])
 
 
@@ -66,17 +65,17 @@ def hertz_static_overlap_m(force_N: float, radius_m: float, reduced_Pa: float) -
 
 
 def smallest_diameters_m(case: Case) -> dict[str, float]:
-    """The smallest diameter of each material that particles are made of."""
+    """Return the smallest diameter of each material of which particles are made."""
     return {name: min(sizes_m) for name, sizes_m in _diameters_m(case).items()}
 
 
 def largest_diameters_m(case: Case) -> dict[str, float]:
-    """The largest diameter of each material that particles are made of."""
+    """Return the largest diameter of each material of which particles are made."""
     return {name: max(sizes_m) for name, sizes_m in _diameters_m(case).items()}
 
 
 def _diameters_m(case: Case) -> dict[str, list[float]]:
-    """The diameters of single particles and the limits of size classes, by material."""
+    """Return the diameters of single particles and the limits of size classes, by material."""
     sizes_m: dict[str, list[float]] = {}
     for particle in case.bed.particles.values():
         sizes_m.setdefault(particle.material, []).append(particle.diameter_m)
@@ -87,7 +86,7 @@ def _diameters_m(case: Case) -> dict[str, list[float]]:
 
 
 def shortest_rayleigh_s(case: Case) -> float:
-    """Of all particles; infinite without any."""
+    """Return the shortest Rayleigh time of all particles; infinite without particles."""
     cap = case.particles.largest_youngs_modulus_Pa
     found = [math.inf]
     for name, diameter_m in smallest_diameters_m(case).items():

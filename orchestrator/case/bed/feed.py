@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import combinations, product
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from orchestrator.case.bed.packing import concatenated, equal_particles, no_particles, places
+from orchestrator.case.bed.packing import concatenate, equal_particles, find_places, no_particles
 from orchestrator.case.bed.size_distribution import shares
 from orchestrator.case.tables.bed import SizeClass
-from orchestrator.ports import Array, Saved
+from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.clock import Interval
 from orchestrator.ports.physics import sphere_mass_kg
 from orchestrator.ports.plans import ParticleList
-from orchestrator.ports.state import restore_attributes, save_attributes
+from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 SAME_PLACE_M = 1e-9
 ROUNDS = 20  # of proposals for the particles of one interval
@@ -110,7 +110,7 @@ class RateFeed:
         self.due_kg = self.inlet.due_kg(interval.start_s)
         self._draw()
         self._waiting_m = np.sort(self._waiting_m)[::-1]
-        center_m, placed = places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
+        center_m, placed = find_places(self._waiting_m / 2.0, self.inlet.box_m, self._generator, ROUNDS)
         self._offered = np.flatnonzero(placed)
         inlet = self.inlet
         return equal_particles(
@@ -122,7 +122,7 @@ class RateFeed:
         )
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        """Raises ValueError if ``accepted`` has not one entry for each particle offered."""
+        """Raise ValueError if ``accepted`` has not one entry for each particle offered."""
         if len(accepted) != len(self._offered):
             raise ValueError(f"{len(self._offered)} particles offered, {len(accepted)} answers")
         fed = self._offered[accepted]
@@ -155,40 +155,90 @@ class RateFeed:
         return np.asarray(self._generator.uniform(row.smallest_m, row.largest_m))
 
 
-class Feeds:
-    """Several feeds as one."""
+@dataclass(frozen=True)
+class Fed:
+    """Particles that came in, in the order of their ids.  Arrays of n rows."""
 
-    def __init__(self, inlets: Sequence[Inlet], every: int = 1) -> None:
+    id: Indices
+    time_s: Array
+    diameter_m: Array
+    density_kg_per_m3: Array
+    material: Indices
+
+
+class Feeds:
+    """Several feeds as one, which remembers who came in, and when; the ``first`` particles, there at
+    t = 0, did so then.
+
+    Solvers give ids in order, so that ids need not cross the port.
+    """
+
+    def __init__(self, inlets: Sequence[Inlet], every: int = 1, first: ParticleList | None = None) -> None:
         """A batch comes every so many intervals.  Raises ValueError for boxes that overlap: their
         particles could."""
-        for first, second in combinations(inlets, 2):
-            if not apart(first, second):
-                raise ValueError(f"feed boxes overlap: {first.box_m.tolist()} and {second.box_m.tolist()}")
+        for one, other in combinations(inlets, 2):
+            if not apart(one, other):
+                raise ValueError(f"feed boxes overlap: {one.box_m.tolist()} and {other.box_m.tolist()}")
         self._every = every
         self.feeds = [RateFeed(inlet) for inlet in inlets]
-        self._offered: list[int] = []
+        self._count = 0
+        self._since: list[Fed] = []
+        self._offers: list[ParticleList] = []
+        if first is not None:
+            self._note(first, 0.0)
 
     def due(self, interval: Interval) -> ParticleList:
+        self._time_s = interval.start_s
         if interval.index % (self._every * interval.parts):
-            self._offered = [0] * len(self.feeds)
+            self._offers = []
             return no_particles()
-        offers = [feed.due(interval) for feed in self.feeds]
-        self._offered = [len(offer) for offer in offers]
-        return concatenated(offers)
+        self._offers = [feed.due(interval) for feed in self.feeds]
+        return concatenate(self._offers)
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        if not sum(self._offered):
+        if not len(accepted):
             return
-        parts = np.split(accepted, np.cumsum(self._offered)[:-1])
-        for feed, part in zip(self.feeds, parts, strict=True):
+        sizes = [len(offer) for offer in self._offers]
+        for feed, part in zip(self.feeds, np.split(accepted, np.cumsum(sizes)[:-1]), strict=True):
             feed.settle(part)
+        self._note(concatenate(self._offers).part(accepted), self._time_s)
+
+    def take_fed(self) -> Fed:
+        """Who came in since this was last asked."""
+        since, self._since = self._noted(), []
+        return since
 
     def save(self) -> Saved:
-        return {str(number): feed.save() for number, feed in enumerate(self.feeds)}
+        feeds = {str(number): feed.save() for number, feed in enumerate(self.feeds)}
+        return save_attributes(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
 
     def restore(self, saved: Saved) -> None:
+        restore_attributes(self, saved, "_count")
+        self._since = [like(self._noted(), saved["since"])]
         for number, feed in enumerate(self.feeds):
-            feed.restore(saved[str(number)])
+            feed.restore(saved["feeds"][str(number)])
+
+    def _noted(self) -> Fed:
+        since = self._since or [_rows(no_particles(), 1, 0.0)]
+        columns = (field.name for field in fields(Fed))
+        return Fed(*(np.concatenate([getattr(part, name) for part in since]) for name in columns))
+
+    def _note(self, accepted: ParticleList, time_s: float) -> None:
+        if len(accepted):
+            self._since.append(_rows(accepted, self._count + 1, time_s))
+            self._count += len(accepted)
+
+
+def _rows(some: ParticleList, first_id: int, time_s: float) -> Fed:
+    """Particles that came in at a time, numbered from ``first_id``."""
+    count = len(some)
+    return Fed(
+        first_id + np.arange(count),
+        np.full(count, time_s),
+        some.diameter_m,
+        some.density_kg_per_m3,
+        some.material,
+    )
 
 
 def apart(one: Inlet, two: Inlet) -> bool:
@@ -203,7 +253,7 @@ def apart(one: Inlet, two: Inlet) -> bool:
 
 
 def _generator_state(generator: np.random.Generator) -> npt.NDArray[np.uint64]:
-    """Returns the state of a PCG64 generator: its two 128-bit numbers in halves, and what is left over of
+    """Return the state of a PCG64 generator: its two 128-bit numbers in halves, and what is left over of
     its last 64 bits."""
     state: Any = generator.bit_generator.state
     halves = [half for key in ("state", "inc") for half in divmod(state["state"][key], 2**64)]

@@ -9,18 +9,16 @@ from __future__ import annotations
 import logging
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from orchestrator.case.bed.feed import Feeds, RateFeed
+from orchestrator.case.bed.feed import Fed, Feeds, RateFeed
 from orchestrator.case.tables.numerics import MonitorSettings
-from orchestrator.ports import Array, Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
-from orchestrator.ports.clock import Interval
+from orchestrator.ports import Crossings, Indices, Overlaps, ParticleSnapshot, Removed, Saved
 from orchestrator.ports.physics import sphere_mass_kg
-from orchestrator.ports.plans import ExitPlan, ParticleList, SolverFailed
+from orchestrator.ports.plans import ExitPlan, SolverFailed
 from orchestrator.ports.state import as_arrays, like, restore_attributes, save_attributes
 
 LOG = logging.getLogger("flipflow")
@@ -28,7 +26,7 @@ LEAST_SHARE = 0.5  # of what is due, that an inlet must take in ``jam_s`` or it 
 FEW_PARTICLES = 5.0  # a backlog of so many of the largest particles is none yet
 
 
-class MaterialWatch:
+class MaterialMonitor:
     """Looks at output times, on rank 0.  Raises SolverFailed where the case wants that.
 
     ``widest_m``: the largest sphere that fits through an opening; None if there are no openings.
@@ -106,81 +104,6 @@ class MaterialWatch:
             self._said.add(key)
 
 
-@dataclass(frozen=True)
-class Fed:
-    """Particles that came in, in the order of their ids.  Arrays of n rows."""
-
-    id: Indices
-    time_s: Array
-    diameter_m: Array
-    density_kg_per_m3: Array
-    material: Indices
-
-
-class CountedFeed:
-    """A feed (or none) that remembers who came in, and when; the particles of t = 0 did so then.
-
-    Solvers give ids in order, so that ids need not cross the port.
-    """
-
-    def __init__(self, particles: ParticleList, feed: Feeds | None) -> None:
-        self._feed = feed
-        self._offered, self._time_s = particles, 0.0
-        self._count = 0
-        self._since: list[Fed] = []
-        self._note(np.ones(len(particles), dtype=bool))
-
-    def due(self, interval: Interval) -> ParticleList:
-        assert self._feed is not None
-        self._offered, self._time_s = self._feed.due(interval), interval.start_s
-        return self._offered
-
-    def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        assert self._feed is not None
-        self._feed.settle(accepted)
-        self._note(accepted)
-
-    @property
-    def feeds(self) -> list[RateFeed]:
-        """The feeds that it is made of."""
-        return self._feed.feeds if self._feed is not None else []
-
-    def taken(self) -> Fed:
-        """Who came in since this was last asked."""
-        since, self._since = self._noted(), []
-        return since
-
-    def save(self) -> Saved:
-        feeds = self._feed.save() if self._feed is not None else {}
-        return save_attributes(self, "_count") | {"since": as_arrays(self._noted()), "feeds": feeds}
-
-    def restore(self, saved: Saved) -> None:
-        restore_attributes(self, saved, "_count")
-        self._since = [like(self._noted(), saved["since"])]
-        if self._feed is not None:
-            self._feed.restore(saved["feeds"])
-
-    def _noted(self) -> Fed:
-        since = self._since or [_rows(self._offered, np.empty(0, dtype=np.int64), 1, 0.0)]
-        return Fed(*(np.concatenate([getattr(one, f.name) for one in since]) for f in fields(Fed)))
-
-    def _note(self, accepted: npt.NDArray[np.bool_]) -> None:
-        rows = np.flatnonzero(accepted)
-        if len(rows):
-            self._since.append(_rows(self._offered, rows, self._count + 1, self._time_s))
-            self._count += len(rows)
-
-
-def _rows(some: ParticleList, rows: Indices, first_id: int, time_s: float) -> Fed:
-    return Fed(
-        first_id + np.arange(len(rows)),
-        np.full(len(rows), time_s),
-        some.diameter_m[rows],
-        some.density_kg_per_m3[rows],
-        some.material[rows],
-    )
-
-
 @dataclass
 class Amount:
     """How many particles, and their mass."""
@@ -189,7 +112,7 @@ class Amount:
     mass_kg: float = 0.0
 
     def figures(self) -> dict[str, Any]:
-        """Returns the table in ``summary.json``."""
+        """Return the table in ``summary.json``."""
         return {"number": self.number, "mass_kg": self.mass_kg}
 
     def add(self, some: Fed | Removed | ParticleSnapshot, rows: Any = slice(None)) -> None:
@@ -204,8 +127,8 @@ class MaterialBook:
     """Totals since t = 0; filled at output times, on rank 0.  The ``feed`` is saved with the
     particles that it feeds."""
 
-    def __init__(self, feed: CountedFeed, exits: tuple[ExitPlan, ...], watch: MaterialWatch) -> None:
-        self.feed, self.exits, self._watch = feed, exits, watch
+    def __init__(self, feed: Feeds, exits: tuple[ExitPlan, ...], monitor: MaterialMonitor) -> None:
+        self.feed, self.exits, self._monitor = feed, exits, monitor
         self.fed, self.on_deck, self.lost = Amount(), Amount(), Amount()
         self.escaped = Amount()  # of those through exits
         self.through = [Amount() for _ in exits]
@@ -213,10 +136,10 @@ class MaterialBook:
 
     def add(self, time_s: float, fed: Fed, removed: Removed, present: ParticleSnapshot) -> None:
         """What happened since the last output time, and who is there now.  Raises SolverFailed
-        when a particle is not accounted for, or the watch wants it."""
+        when a particle is not accounted for, or the monitor wants it."""
         self.fed.add(fed)
         self.lost.add(removed, removed.exit < 0)
-        self.escaped.add(removed, self._watch.too_large(removed, self.exits))
+        self.escaped.add(removed, self._monitor.too_large(removed, self.exits))
         for number, amount in enumerate(self.through):
             amount.add(removed, removed.exit == number)
         self.on_deck = Amount()
@@ -228,10 +151,10 @@ class MaterialBook:
                 f"{missing} of {self.fed.number} particles are not accounted for at t = "
                 f"{time_s:.6g} s: {self.on_deck.number} are there and {gone} were removed"
             )
-        self._watch.lost(removed)
-        self._watch.escaped(removed, self.exits)
+        self._monitor.lost(removed)
+        self._monitor.escaped(removed, self.exits)
         for feed in self.feed.feeds:
-            self._watch.feed(time_s, feed)
+            self._monitor.feed(time_s, feed)
 
     def look_at_contacts(self, overlaps: Overlaps, crossings: Crossings) -> None:
         """How deep contacts were since this was last called, and who went through the surface since
@@ -240,13 +163,13 @@ class MaterialBook:
 
     def save(self) -> Saved:
         through = {str(number): as_arrays(one) for number, one in enumerate(self.through)}
-        books = {"monitor": self._watch.save(), "through": through}
+        books = {"monitor": self._monitor.save(), "through": through}
         return save_attributes(self, *_SINCE_START) | books
 
     def restore(self, saved: Saved) -> None:
         restore_attributes(self, saved, *_SINCE_START)
         self.through = [like(one, saved["through"][str(n)]) for n, one in enumerate(self.through)]
-        self._watch.restore(saved["monitor"])
+        self._monitor.restore(saved["monitor"])
 
     def figures(self) -> dict[str, Any]:
         """For ``summary.json``."""

@@ -32,7 +32,7 @@ def place_block(block: Block, density_kg_per_m3: float, material: int) -> Partic
     generator = np.random.default_rng(block.seed)
     box_m = np.array(block.box_m)
     diameter_m = np.sort(diameters_m(classes(block), block.count, generator))[::-1].copy()
-    position_m, placed = places(diameter_m / 2.0, box_m, generator, ROUNDS)
+    position_m, placed = find_places(diameter_m / 2.0, box_m, generator, ROUNDS)
     if not placed.all():
         share = np.sum(sphere_volume_m3(diameter_m)) / np.prod(box_m[1] - box_m[0])
         raise ValueError(
@@ -44,7 +44,7 @@ def place_block(block: Block, density_kg_per_m3: float, material: int) -> Partic
     )
 
 
-def places(
+def find_places(
     radius_m: Array, box_m: Array, generator: np.random.Generator, rounds: int
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Centres (n, 3) of spheres inside the box, and which of them found a place, (n,).
@@ -74,7 +74,7 @@ def places(
 
 
 def _batches(radius_m: Array) -> list[Indices]:
-    """Rows of similar radius, large ones first."""
+    """Return the rows of spheres of similar radius in batches, large spheres first."""
     if not len(radius_m):
         return []
     number = np.floor(np.log(radius_m.max() / radius_m) / np.log(SIZE_RATIO))
@@ -82,7 +82,7 @@ def _batches(radius_m: Array) -> list[Indices]:
 
 
 def _earlier_overlap(center_m: Array, radius_m: Array) -> npt.NDArray[np.bool_]:
-    """Which spheres overlap one in an earlier row."""
+    """Return which spheres overlap a sphere in an earlier row."""
     from scipy.spatial import cKDTree
 
     found = np.zeros(len(radius_m), dtype=bool)
@@ -95,7 +95,7 @@ def _earlier_overlap(center_m: Array, radius_m: Array) -> npt.NDArray[np.bool_]:
 
 
 def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Array) -> Indices:
-    """Rows of the spheres that overlap one of the others."""
+    """Return the rows of the spheres that overlap any of the other spheres."""
     from scipy.spatial import cKDTree
 
     if not len(radii_m):
@@ -109,7 +109,7 @@ def _overlapping(center_m: Array, radius_m: Array, others_m: Array, radii_m: Arr
 def equal_particles(
     position_m: Array, velocity_m_per_s: Array, diameter_m: Array, density_kg_per_m3: float, material: int
 ) -> ParticleList:
-    """Particles of one material that do not spin and have one velocity (3,)."""
+    """Return particles of one material that do not spin and share one velocity (3,)."""
     count = len(diameter_m)
     return ParticleList(
         position_m,
@@ -122,11 +122,11 @@ def equal_particles(
 
 
 def no_particles() -> ParticleList:
-    """An empty list of particles."""
+    """Return an empty list of particles."""
     return equal_particles(np.empty((0, 3)), np.zeros(3), np.empty(0), 0.0, 0)
 
 
-def concatenated(lists: Sequence[ParticleList]) -> ParticleList:
-    """The particles of one or more lists as one list, in order."""
+def concatenate(lists: Sequence[ParticleList]) -> ParticleList:
+    """Return the particles of one or more lists as one list, in order."""
     columns = (field.name for field in fields(ParticleList))
     return ParticleList(*(np.concatenate([getattr(one, name) for one in lists]) for name in columns))

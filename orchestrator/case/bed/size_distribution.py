@@ -23,20 +23,20 @@ def classes(source: Filling) -> tuple[SizeClass, ...]:
 
 
 def share_left_out(source: Filling) -> float:
-    """Of the mass, because it is finer than ``smallest_fed_m`` and not moved to the next class."""
+    """Return the share of the mass that is left out because it is finer than ``smallest_fed_m``."""
     if source.smallest_fed_m is None or source.finer == "next-class":
         return 0.0
     return max(0.0, 1.0 - sum(row.mass_fraction for row in _kept(source)))
 
 
 def finer_share(source: Filling) -> float:
-    """Of the mass, finer than ``smallest_fed_m``."""
+    """Return the share of the mass that is finer than ``smallest_fed_m``."""
     limit_m = source.smallest_fed_m or 0.0
     return sum(row.mass_fraction * (1.0 - _coarser(row, limit_m)) for row in _given(source))
 
 
 def faults(source: Filling) -> Iterator[tuple[str, str, str]]:
-    """Key, what is wrong with it, and what to do about it."""
+    """Yield for each fault of a source its key, a description and a remedy."""
     if bool(source.sizes) == bool(source.curve):
         key = "curve" if source.sizes else "sizes"
         yield key, "contradicts sizes" if source.sizes else "missing", "give sizes or a curve"
@@ -60,7 +60,7 @@ def _faults_of_curve(points: Sequence[PassingPoint]) -> Iterator[tuple[str, str,
 
 
 def _given(source: Filling) -> list[SizeClass]:
-    """The classes as given, or those of the curve."""
+    """Return the size classes as given, or the classes that the curve amounts to."""
     if source.sizes:
         return list(source.sizes)
     return [
@@ -81,7 +81,7 @@ def _segment(fine_m: float, coarse_m: float, share: float) -> list[SizeClass]:
 
 
 def size_class(smallest_m: float, largest_m: float, mass_fraction: float) -> SizeClass:
-    """A class by its limits and its share of the mass."""
+    """Return a size class with these limits and this share of the mass."""
     return SizeClass(
         smallest_m=float(smallest_m), largest_m=float(largest_m), mass_fraction=float(mass_fraction)
     )
@@ -125,7 +125,7 @@ def shares(sizes: Sequence[SizeClass]) -> Array:
 
 
 def mean_cube_m3(sizes: Sequence[SizeClass]) -> Array:
-    """Mean of the cubed diameter in each class, (classes,)."""
+    """Return the mean of the cubed diameter in each class, (classes,)."""
     low = np.array([row.smallest_m for row in sizes])
     high = np.array([row.largest_m for row in sizes])
     return np.asarray((low**2 + high**2) * (low + high) / 4.0)  # (b^4 - a^4) / (4 (b - a))
@@ -142,12 +142,12 @@ def counts(sizes: Sequence[SizeClass], total: int) -> Indices:
 
 
 def diameters_m(sizes: Sequence[SizeClass], total: int, generator: np.random.Generator) -> Array:
-    """``total`` diameters, class by class."""
+    """Return ``total`` random diameters, class by class."""
     rows = zip(sizes, counts(sizes, total), strict=True)
     return np.concatenate([generator.uniform(r.smallest_m, r.largest_m, n) for r, n in rows])
 
 
 def mean_mass_kg(sizes: Sequence[SizeClass], density_kg_per_m3: float) -> float:
-    """Of a particle: a class with mass share p has p / (its mean mass) of the number."""
+    """The mean mass of a particle: a class with mass share p has p / (its mean mass) of the number."""
     each_kg = density_kg_per_m3 * sphere_volume_m3(1.0) * mean_cube_m3(sizes)
     return float(1.0 / np.sum(shares(sizes) / each_kg))

@@ -9,13 +9,13 @@ import numpy as np
 
 from orchestrator.case.bed.contact_times import largest_diameters_m
 from orchestrator.case.bed.feed import Feeds, Inlet
-from orchestrator.case.bed.packing import concatenated, place_block
+from orchestrator.case.bed.packing import concatenate, place_block
 from orchestrator.case.bed.size_distribution import classes, share_left_out
 from orchestrator.case.deck.panels import axes, to_world
 from orchestrator.case.tables.bed import Particle
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
-from orchestrator.ports.plans import ParticleFeed, ParticleList
+from orchestrator.ports.plans import ParticleList
 
 
 class NoRoom(Exception):
@@ -27,9 +27,9 @@ class NoRoom(Exception):
 
 
 def initial_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
-    """Single particles, then blocks; ``numbers`` are the materials'.  Raises NoRoom."""
+    """Return single particles, then blocks; ``numbers`` are the materials' numbers.  Raises NoRoom."""
     blocks = [block_particles(case, name, numbers) for name in case.bed.blocks]
-    return concatenated([_single_particles(case, numbers), *blocks])
+    return concatenate([_single_particles(case, numbers), *blocks])
 
 
 def _single_particles(case: Case, numbers: dict[str, int]) -> ParticleList:
@@ -53,7 +53,7 @@ def _in_world(case: Case, rows: tuple[Particle, ...], name: str) -> Array:
 
 
 def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleList:
-    """The particles of one block.  Raises NoRoom."""
+    """Return the particles of one block.  Raises NoRoom."""
     row = case.bed.blocks[name]
     try:
         density_kg_per_m3 = case.materials[row.material].density_kg_per_m3
@@ -70,7 +70,7 @@ def block_particles(case: Case, name: str, numbers: dict[str, int]) -> ParticleL
 
 
 def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
-    """The feeds by name."""
+    """Return the inlets of all feeds, by the feeds' names."""
     return {
         name: Inlet(
             name=name,
@@ -91,19 +91,19 @@ def inlets(case: Case, numbers: dict[str, int]) -> dict[str, Inlet]:
 
 
 def batch_s(case: Case) -> float:
-    """Time between two batches of fed particles: a whole number of sync intervals."""
+    """Return the time between two batches of fed particles: a whole number of sync intervals."""
     interval_s = case.coupling.sync_interval_s
     return interval_s * max(1, round(case.particles.feed_interval_s / interval_s))
 
 
-def combined_feed(case: Case, numbers: dict[str, int]) -> ParticleFeed | None:
-    """All feeds as one; None without any."""
+def combine_feeds(case: Case, numbers: dict[str, int], first: ParticleList) -> Feeds | None:
+    """Return all feeds as one, beside the particles of t = 0; None without feeds."""
     if not case.bed.feeds:
         return None
     every = round(batch_s(case) / case.coupling.sync_interval_s)
-    return Feeds(list(inlets(case, numbers).values()), every)
+    return Feeds(list(inlets(case, numbers).values()), every, first)
 
 
 def largest_diameter_m(case: Case) -> float:
-    """The largest diameter of all particles that are or will be there."""
+    """Return the largest diameter of all particles that the case has or feeds."""
     return max(largest_diameters_m(case).values())

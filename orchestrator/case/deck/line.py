@@ -38,7 +38,7 @@ class DeckLine:
 
 
 def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
-    """From the panels' centre lines (points, 3) at t = 0.
+    """The line of a deck, from the panels' centre lines (points, 3) at t = 0.
 
     None where panels do not follow one another when seen from above: decks above each other,
     a panel that stands upright, no panel at all.
@@ -52,7 +52,7 @@ def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
     order = sorted(range(len(middles)), key=lambda i: float(middles[i] @ along))
     forth = [bool((centre_lines[i][-1] - centre_lines[i][0]) @ along > 0) for i in order]
     panels = tuple(zip(order, forth, strict=True))
-    line = joined(panels, centre_lines)
+    line = join_lines(panels, centre_lines)
     over_m, level_m = line @ along, line[:, 2]
     shortest_m = min(abs(float((own[-1] - own[0]) @ along)) for own in centre_lines)
     if (np.diff(over_m) < -LARGEST_OVERLAP * shortest_m).any():
@@ -62,7 +62,7 @@ def deck_line(centre_lines: Sequence[Array]) -> DeckLine | None:
     return DeckLine(panels, along, over_m, level_m, np.concatenate([[0.0], np.cumsum(steps)]))
 
 
-def joined(panels: tuple[tuple[int, bool], ...], lines: Sequence[Any]) -> Any:
+def join_lines(panels: tuple[tuple[int, bool], ...], lines: Sequence[Any]) -> Any:
     """One line from all panels' centre lines (arrays with a row for each point), in the order of
     ``DeckLine.panels``."""
     return np.concatenate([lines[i] if forth else lines[i][::-1] for i, forth in panels])

@@ -6,14 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels
+from orchestrator.case.bed.contact_times import largest_diameters_m, smallest_diameters_m
+from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels
 from orchestrator.case.tables.case import Case
 from orchestrator.ports import Array
 from orchestrator.ports.geometry import AperturePattern, Rectangle
 
 
 def openings_m(case: Case) -> Array:
-    """(openings, 3) centres, on the straight line between the clamps; none gives (0, 3)."""
+    """Return the centres of all openings (n, 3), on the straight line between the clamps."""
     return np.vstack([np.empty((0, 3)), *(_centres_m(panel) for panel in single_panels(case))])
 
 
@@ -27,7 +28,7 @@ def _centres_m(panel: SinglePanel) -> Array:
 
 
 def smaller_sides_m(case: Case) -> Iterator[float]:
-    """Of the openings of each panel that has any."""
+    """Yield the smaller side of the openings of each panel that has openings."""
     for panel in single_panels(case):
         if panel.apertures is not None:
             yield min(panel.apertures.length_m, panel.apertures.width_m)
@@ -49,14 +50,14 @@ def straight_passing(apertures: AperturePattern, diameter_m: float) -> float:
 
 def openings(case: Case) -> Iterator[str]:
     """Lines about panels with openings, equal ones together, and what these let through."""
-    sizes_m = sorted(_diameters_m(case))
-    for panel, *others in perforated(case):
+    limits_m = [*smallest_diameters_m(case).values(), *largest_diameters_m(case).values()]
+    for panel, *others in perforated_panels(case):
         pattern = panel.apertures
         assert pattern is not None, "only panels with apertures are perforated"
         who = f"{panel.name} and {len(others)} more" if others else panel.name
         yield f"  openings   {who}: {_pattern(pattern, panel.rectangle)}"
-        if sizes_m:
-            yield f"             {_passing(pattern, sizes_m)}"
+        if limits_m:
+            yield f"             {_passing(pattern, min(limits_m), max(limits_m))}"
 
 
 def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
@@ -71,9 +72,8 @@ def _pattern(pattern: AperturePattern, rectangle: Rectangle) -> str:
     )
 
 
-def _passing(pattern: AperturePattern, sizes_m: list[float]) -> str:
+def _passing(pattern: AperturePattern, low: float, high: float) -> str:
     limit_m = min(pattern.length_m, pattern.width_m)
-    low, high = sizes_m[0], sizes_m[-1]
     span = f"particles of {low * 1e3:.3g} to {high * 1e3:.3g} mm"
     if low >= limit_m:
         return f"none of the {span} can pass"
@@ -82,11 +82,3 @@ def _passing(pattern: AperturePattern, sizes_m: list[float]) -> str:
         f"of the {span} {who} can pass; falling straight onto the pattern, the smallest does so "
         f"untouched with probability {straight_passing(pattern, low):.2g}"
     )
-
-
-def _diameters_m(case: Case) -> Iterator[float]:
-    for particle in case.bed.particles.values():
-        yield particle.diameter_m
-    for source in case.bed.sources:
-        for row in source.sizes:
-            yield from (row.smallest_m, row.largest_m)

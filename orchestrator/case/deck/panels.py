@@ -21,14 +21,14 @@ from orchestrator.ports.plans import StopPlan
 
 
 def axes(case: Case) -> Array:
-    """(3, 3): its columns are the deck axes in the world; x slopes down by the inclination."""
+    """Return (3, 3), whose columns are the deck axes in the world; x slopes down by the inclination."""
     angle = math.radians(case.screen.inclination_deg)
     c, s = math.cos(angle), math.sin(angle)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
 
 
 def to_world(case: Case, vectors: Sequence[float] | Sequence[Sequence[float]] | Array) -> Array:
-    """Vectors in deck axes, (3,) or (n, 3), in world axes.  Both have the same origin."""
+    """Turn vectors in deck axes, (3,) or (n, 3), into world axes.  Both have the same origin."""
     return np.asarray(np.asarray(vectors, dtype=float) @ axes(case).T)
 
 
@@ -45,7 +45,7 @@ class SinglePanel:
 
 
 def single_panels(case: Case) -> tuple[SinglePanel, ...]:
-    """All panels, in the order of the case.  A row's frames alternate from panel to panel."""
+    """Return all panels, in the order of the case.  A row's frames alternate from panel to panel."""
     return tuple(
         SinglePanel(
             name=name if row.count == 1 else f"{name}-{number + 1}",
@@ -60,7 +60,7 @@ def single_panels(case: Case) -> tuple[SinglePanel, ...]:
     )
 
 
-def perforated(case: Case) -> list[tuple[SinglePanel, ...]]:
+def perforated_panels(case: Case) -> list[tuple[SinglePanel, ...]]:
     """The panels that have openings, equal ones together, in the order of the case."""
     alike: dict[object, list[SinglePanel]] = {}
     for panel in single_panels(case):
@@ -72,12 +72,12 @@ def perforated(case: Case) -> list[tuple[SinglePanel, ...]]:
 
 
 def span_m(panel: PanelTable) -> float:
-    """Distance between the clamps' inner edges."""
+    """Return the distance between the clamps' inner edges."""
     return panel.span_m if panel.span_m is not None else panel.length_m + (panel.tension_m or 0.0)
 
 
 def unit(vector: Sequence[float] | Array) -> Array:
-    """The direction of a vector that is not zero."""
+    """Return the unit vector in the direction of a vector that is not zero."""
     array = np.asarray(vector, dtype=float)
     return np.asarray(array / np.linalg.norm(array))
 
@@ -127,7 +127,7 @@ def _triangles(surface: Surface, folder: Path) -> tuple[Array, Indices]:
 
 
 def plate_corners_m(surface: Surface) -> Array:
-    """(4, 3) of a plate, in deck axes."""
+    """Return the corners of a plate (4, 3), in deck axes."""
     corner, (one, two) = np.array(surface.corner_m), np.array(surface.edges_m)
     return np.array([corner, corner + one, corner + one + two, corner + two])
 
@@ -137,12 +137,12 @@ USUAL, MOST = 0.1, 1.0
 
 
 def planned_stops(case: Case, panel: SinglePanel) -> tuple[StopPlan, ...]:
-    """Of one panel, in the order of the case."""
+    """Return the stops of one panel, in the order of the case."""
     return tuple(_stop(case, panel, name, row) for name, row in panel.table.stops.items())
 
 
 def stiffest_Pa_per_m(case: Case, panel: SinglePanel) -> float:
-    """What the sync interval allows."""
+    """The stiffest layer of a stop that the sync interval allows."""
     return MOST * areal_mass_kg_per_m2(case, panel) / case.coupling.sync_interval_s**2
 
 
@@ -168,18 +168,18 @@ def _stop(case: Case, panel: SinglePanel, name: str, row: Stop) -> StopPlan:
     )
 
 
-TRANSPORT_M_S = 0.34
+TRANSPORT_M_PER_S = 0.34
 """Speed of the material: 40 kg/s in a layer of 175 mm on 0.8 m, 850 kg/m3 in bulk (Xu et al.,
 Minerals 14, 2024, 278).  Thin layers go faster, so that there are fewer particles."""
 
 
-def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_S) -> float:
-    """Time on the deck; infinite where nothing leaves."""
+def stay_s(case: Case, transport_m_per_s: float = TRANSPORT_M_PER_S) -> float:
+    """Return the time that material stays on the deck; infinite where nothing leaves."""
     return deck_length_m(case) / transport_m_per_s if case.screen.exits else math.inf
 
 
 def deck_length_m(case: Case) -> float:
-    """From the first panel's upper end to the last one's lower end; 0 without panels."""
+    """Return the length from the first panel's upper end to the last panel's lower end; 0 without panels."""
     ends_m = [
         panel.rectangle.mounted(np.array([[along_m, 0.0]]))[0]
         for panel in single_panels(case)

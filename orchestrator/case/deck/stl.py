@@ -37,8 +37,8 @@ class Facets:
 
 
 def read(folder: Path, name: str) -> Facets:
-    """The file of this name in the case's ``folder``.  Raises Unreadable."""
-    file = found(folder, name)
+    """The file of this name in the case's ``folder``.  Raises UnreadableStl."""
+    file = find_file(folder, name)
     try:
         if _is_binary(file):
             normal, corner_m = _binary(file)
@@ -62,7 +62,7 @@ def _binary(file: Path) -> tuple[Array, Array]:
 
 
 def _text(file: Path) -> tuple[Array, Array]:
-    """The same of a text.  Raises Unreadable with the first line that has no place in an STL."""
+    """The same of a text.  Raises UnreadableStl with the first line that has no place in an STL."""
     normal, corner_m = array("d"), array("d")
     inside = False  # a solid
     with file.open("rb") as lines:
@@ -89,7 +89,7 @@ def _text(file: Path) -> tuple[Array, Array]:
 
 
 def _three_numbers(words: list[bytes]) -> list[float]:
-    """Raises ValueError."""
+    """The numbers that three words stand for.  Raises ValueError."""
     x, y, z = words
     return [float(x), float(y), float(z)]
 
@@ -101,8 +101,8 @@ def _each_corner_once(corner_m: Array) -> tuple[Array, Indices]:
     return corner_m[first[order]], np.argsort(order)[which].reshape(-1, 3).astype(np.int64)
 
 
-def found(folder: Path, name: str) -> Path:
-    """A file that is really in ``folder``.  Raises Unreadable."""
+def find_file(folder: Path, name: str) -> Path:
+    """A file that is really in ``folder``.  Raises UnreadableStl."""
     file = folder / name
     try:
         if not file.is_file():

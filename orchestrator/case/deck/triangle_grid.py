@@ -79,7 +79,8 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
     Raises SolverMissing without gmsh, BadMesh for triangles that are no good.
     """
     size_m = min(rectangle.length_m / cells[0], rectangle.width_m / cells[1])
-    border = _border_m(rectangle, size_m)
+    a, b = rectangle.length_m, rectangle.width_m
+    border = _divided(np.array([[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]), size_m)  # anticlockwise
     outline = _divided(apertures.outline_m(), size_m)
     holes = [outline + centre for centre in apertures.centres_m(rectangle)]
     inner = _between_m(rectangle, apertures, size_m)
@@ -93,7 +94,7 @@ def perforated_grid(rectangle: Rectangle, apertures: AperturePattern, cells: tup
 
 
 def quality(grid: TriangleGrid) -> Quality:
-    """Figures of all triangles; an area is negative where a triangle is turned over."""
+    """The quality of all triangles; an area is negative where a triangle is turned over."""
     corners = grid.coordinates_m[grid.triangles]
     sides = np.roll(corners, -1, axis=1) - corners  # (m, 3, 2)
     length_m = np.linalg.norm(sides, axis=2)
@@ -116,12 +117,6 @@ def _inspect(grid: TriangleGrid, rectangle: Rectangle, open_m2: float) -> None:
             f"the triangles cover {found.covered_m2:.9g} m2, the material between the openings "
             f"{whole_m2 - open_m2:.9g} m2"
         )
-
-
-def _border_m(rectangle: Rectangle, size_m: float) -> Array:
-    """The free length's outline, divided evenly, anticlockwise."""
-    a, b = rectangle.length_m, rectangle.width_m
-    return _divided(np.array([[0.0, 0.0], [a, 0.0], [a, b], [0.0, b]]), size_m)
 
 
 def _divided(polygon: Array, size_m: float) -> Array:
@@ -177,7 +172,7 @@ def _triangulated(loops: list[Array], inner: Array) -> tuple[Array, Indices]:
 
 
 def _with_clamps(rectangle: Rectangle, points: Array, triangles: Indices) -> tuple[Array, Indices]:
-    """Adds the strip under each clamp: two triangles for each piece of the clamp's edge."""
+    """Add the strip under each clamp: two triangles for each piece of the clamp's edge."""
     if rectangle.clamp_m == 0.0:
         return points, triangles
     slack = 1e-9 * rectangle.length_m
@@ -211,12 +206,7 @@ def surface_grids(case: Case) -> dict[str, TriangleGrid]:
         apertures = panel.apertures if has_particles(case) else None
         shape = (r.length_m, r.width_m, r.clamp_m, apertures)
         if shape not in made:
-            made[shape] = _grid(r, apertures, case.panel.surface_cells)
+            cells = case.panel.surface_cells
+            made[shape] = perforated_grid(r, apertures, cells) if apertures else grid(r, cells)
         grids[panel.name] = made[shape]
     return grids
-
-
-def _grid(rectangle: Rectangle, apertures: AperturePattern | None, cells: tuple[int, int]) -> TriangleGrid:
-    if apertures is None:
-        return grid(rectangle, cells)
-    return perforated_grid(rectangle, apertures, cells)

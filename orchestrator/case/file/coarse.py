@@ -26,8 +26,8 @@ FAR_LARGER = 4.0  # openings: what is never held in one
 Filled = TypeVar("Filled", bound=Filling)
 
 
-def coarsened(case: Case) -> Case:
-    """Itself for k = 1.  Raises CaseError where coarse particles make no sense."""
+def coarsen(case: Case) -> Case:
+    """The case with coarse particles, itself for k = 1.  Raises CaseError where they make no sense."""
     k = case.particles.coarse_graining
     if k == 1.0:
         return case

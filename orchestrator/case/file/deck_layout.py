@@ -1,6 +1,6 @@
 """From a deck's parameters to its panels and surfaces, in deck axes.
 
-``laid_out`` replaces every deck of a case; nothing downstream knows that there were any.
+``lay_out_decks`` replaces every deck of a case; nothing downstream knows that there were any.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LARGEST_STRAIN = 0.1  # tension_m over length_m: a panel at work is stretched by
 ACROSS, UP = np.eye(3)[1:]
 
 
-def laid_out(case: Case) -> Case:
+def lay_out_decks(case: Case) -> Case:
     """The case with its decks' panels and surfaces in the place of the decks.
 
     Raises CaseError with every problem in the decks, and with every size out of all proportion in
@@ -52,7 +52,7 @@ def laid_out(case: Case) -> Case:
 
 
 def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
-    """Counts that do not fit, tension that no panel takes, and panels that would overlap."""
+    """Yield the problems of a deck: counts that do not fit, tension that no panel takes, overlaps."""
     key: Key = ("screen", "decks", name)
     segments = len(deck.slopes_deg)
     if segments and deck.panels % segments:
@@ -79,7 +79,7 @@ def problems(name: str, deck: Deck) -> Iterator[CaseProblem]:
 
 
 def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
-    """A problem in a panel or surface of a deck, at the deck's key; others as they are."""
+    """Return a problem in a deck's panel or surface at the deck's key, and any other problem unchanged."""
     match problem.key:
         case ("screen", "panels" | "surfaces", str(part), *inner):
             name = next((name for name in decks if part.startswith(f"{name}-")), None)
@@ -94,12 +94,12 @@ def as_given(problem: CaseProblem, decks: Mapping[str, Any]) -> CaseProblem:
 
 
 def tensions(deck: Deck) -> tuple[float, ...]:
-    """One for each panel."""
+    """Return the tension of each panel."""
     return deck.tension_m if len(deck.tension_m) == deck.panels else deck.tension_m * deck.panels
 
 
 def directions(deck: Deck, inclination_deg: float) -> Array:
-    """Unit vectors (panels, 3) along the panels, downhill."""
+    """Return unit vectors (panels, 3) along the panels, downhill."""
     slopes_deg = deck.slopes_deg or (inclination_deg,)
     each = np.repeat(slopes_deg, deck.panels // len(slopes_deg))
     down = np.radians(each - inclination_deg)
@@ -107,13 +107,13 @@ def directions(deck: Deck, inclination_deg: float) -> Array:
 
 
 def beams(deck: Deck, inclination_deg: float) -> Array:
-    """Middles (panels + 1, 3) of the cross beams' tops at the first side."""
+    """Return the middles (panels + 1, 3) of the cross beams' tops at the first side."""
     steps_m = deck.pitch_m * directions(deck, inclination_deg)
     return np.vstack([np.zeros(3), np.cumsum(steps_m, axis=0)]) + deck.corner_m
 
 
 def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, PanelTable]]:
-    """Each panel in the middle between its beams."""
+    """Yield each panel with its name, in the middle between its beams."""
     sheet = {key: getattr(deck, key) for key in PanelSheet.model_fields}
     for number, (start_m, end_m) in enumerate(pairwise(beams_m)):
         tension_m = tensions(deck)[number]
@@ -134,7 +134,7 @@ def panels_of(name: str, deck: Deck, beams_m: Array) -> Iterator[tuple[str, Pane
 def surfaces_of(
     name: str, deck: Deck, beams_m: Array, inclination_deg: float
 ) -> Iterator[tuple[str, Surface]]:
-    """Side plates, tops of the cross beams, chute."""
+    """Yield the side plates, tops of the cross beams and chute of a deck, each with its name."""
     if deck.side_plates is not None:
         yield from _side_plates(name, deck, beams_m)
     if deck.cross_beams is not None:

@@ -40,7 +40,7 @@ REPLACED = {"spheres": "liggghts"}
 class CaseProblem:
     """What is wrong at ``key`` (empty: the whole file); ``hint`` says what to do about it.
 
-    ``file`` is filled in by ``levels.load``, which knows where a key was given.
+    ``file`` is filled in by ``case.load``, which knows where a key was given.
     """
 
     key: Key
@@ -49,7 +49,7 @@ class CaseProblem:
     file: str = ""
 
     def __str__(self) -> str:
-        place = " ".join(part for part in (self.file, dotted(self.key)) if part)
+        place = " ".join(part for part in (self.file, dotted_key(self.key)) if part)
         return visible(f"{place}: {self.what}" + (f"; {self.hint}" if self.hint else ""))
 
 
@@ -66,25 +66,25 @@ class CaseError(Exception):
         super().__init__("\n".join(lines))
 
 
-def dotted(key: Key) -> str:
+def dotted_key(key: Key) -> str:
     """('bed', 'sizes', 0, 'diameter_m') -> bed.sizes.0.diameter_m, as --set takes it."""
-    return ".".join(shortened(str(part)) for part in key)
+    return ".".join(shorten(str(part)) for part in key)
 
 
 def visible(text: str) -> str:
-    """On one line, and nothing in it that a terminal would obey: characters without a shape are
-    escaped, and a line that is too long is cut."""
+    """A text on one line, with nothing in it that a terminal would obey: characters without a shape
+    are escaped, and a line that is too long is cut."""
     text = text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
-    return "".join(one if one.isprintable() else one.encode("unicode_escape").decode() for one in text)
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
-def shortened(text: str) -> str:
-    """Cut to a readable length."""
+def shorten(text: str) -> str:
+    """Cut a text to a readable length."""
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
-    """The nearest known word, or all of them when none is near."""
+    """Name the nearest known word, or all known words when none is near."""
     names = sorted(known)
     near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
     if near:
@@ -92,10 +92,10 @@ def did_you_mean(word: str, known: Iterable[str], say: str = "known") -> str:
     return f"{say}: {', '.join(names)}" if names else f"{say}: none"
 
 
-def shown(value: Any) -> str:
-    """A value as a user knows it, cut to a readable length."""
+def show_value(value: Any) -> str:
+    """Return a value as a user knows it, cut to a readable length."""
     try:
-        return shortened(repr(value) if not isinstance(value, bool) else str(value).lower())
+        return shorten(repr(value) if not isinstance(value, bool) else str(value).lower())
     except ValueError:  # Python does not write whole numbers of more than 4300 digits
         return "a number of thousands of digits"
 
@@ -118,7 +118,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
                 continue
             near = difflib.get_close_matches(str(key), known, n=1, cutoff=0.6)
             meant.update((*table, name) for name in near)
-            what = f"unknown key (its value: {shown(detail['input'])})"
+            what = f"unknown key (its value: {show_value(detail['input'])})"
             problems.append(CaseProblem(detail["loc"], what, did_you_mean(str(key), known)))
     for detail in details:
         if detail["type"] == "missing" and detail["loc"] in meant:
@@ -129,7 +129,7 @@ def from_validation(error: ValidationError, model: type[BaseModel]) -> list[Case
 
 
 def _problem(detail: ErrorDetails) -> CaseProblem:
-    kind, key, value = detail["type"], detail["loc"], shown(detail["input"])
+    kind, key, value = detail["type"], detail["loc"], show_value(detail["input"])
     if kind == "missing":
         if key and isinstance(key[-1], int):
             return CaseProblem(key[:-1], f"{value} has too few values")
@@ -155,15 +155,15 @@ def _keys_at(model: type[BaseModel], table: Sequence[str | int]) -> list[str]:
     place: Any = model
     for part in table:
         place = _inside(place, part)
-    found = _table_in(place)
-    return list(found.model_fields) if found else []
+    table_type = _table_in(place)
+    return list(table_type.model_fields) if table_type else []
 
 
 def _inside(place: Any, part: str | int) -> Any:
     """The type one step further in: a field of a table, an element of a dict or tuple."""
-    found = _table_in(place)
-    if found is not None:
-        field = found.model_fields.get(str(part))
+    table_type = _table_in(place)
+    if table_type is not None:
+        field = table_type.model_fields.get(str(part))
         return field.annotation if field else None
     arguments = get_args(place)
     if get_origin(place) is dict:

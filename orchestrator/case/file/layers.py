@@ -60,12 +60,12 @@ def is_too_deep(given: Any) -> bool:
 
 
 def is_outside(file: Path, folder: Path) -> bool:
-    """Whether a file is really somewhere else, by ``..`` or by links."""
+    """Return whether a file really lies outside of a folder, by ``..`` or by links."""
     return not file.resolve().is_relative_to(folder.resolve())
 
 
 class Layers:
-    """``merged`` is what all layers so far amount to."""
+    """Tables laid over each other; ``merged`` is what all layers so far amount to."""
 
     def __init__(self, given: Mapping[str, Any], source: str) -> None:
         self._first = source
@@ -73,18 +73,18 @@ class Layers:
         self.merged: dict[str, Any] = dict(given)
 
     def copy(self) -> Layers:
-        """The same layers, to lay others over."""
+        """Return a copy of these layers, over which others can be laid."""
         twin = Layers(self.merged, self._first)
         twin._source = dict(self._source)
         return twin
 
     def lay(self, overlay: Mapping[str, Any], source: str) -> None:
-        """None takes a key away.  Raises CaseError when it reaches for an element that a list does
-        not have."""
+        """Lay a table over the others; None takes a key away.  Raises CaseError when it reaches for
+        an element that a list does not have."""
         self.merged = self._over(self.merged, overlay, (), source)
 
     def source(self, key: Key) -> str:
-        """The file or option that gave this key, or the table it is in, last."""
+        """Return the file or option that last gave this key or the table that holds it."""
         words = tuple(str(part) for part in key)
         for end in range(len(words), 0, -1):
             if words[:end] in self._source:
@@ -92,7 +92,7 @@ class Layers:
         return self._first
 
     def named(self, problems: Sequence[CaseProblem]) -> list[CaseProblem]:
-        """The problems with their files filled in."""
+        """Return the problems with their files filled in."""
         return [m if m.file else replace(m, file=self.source(m.key)) for m in problems]
 
     def _over(self, below: Any, overlay: Any, key: tuple[str, ...], source: str) -> Any:
@@ -125,8 +125,8 @@ def _number(word: str, below: Sequence[Any], key: Key, source: str) -> int:
     raise CaseError([CaseProblem((*key, word), what, hint, source)])
 
 
-def parsed(override: str) -> dict[str, Any]:
-    """'panel.solver=rigid' as an overlay: {"panel": {"solver": "rigid"}}.
+def parse_override(override: str) -> dict[str, Any]:
+    """An override, 'panel.solver=rigid', as an overlay: {"panel": {"solver": "rigid"}}.
 
     The value is TOML; what is no TOML is taken as a bare string.
     """
@@ -151,11 +151,11 @@ def _value(text: str) -> Any:
     return found["value"] if list(found) == ["value"] else text
 
 
-def changed(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
-    """The keys whose values differ."""
+def find_changes(before: Any, after: Any, key: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Yield the keys whose values differ."""
     if isinstance(before, Mapping) and isinstance(after, Mapping):
         for word in dict.fromkeys((*before, *after)):
-            yield from changed(before.get(word), after.get(word), (*key, word))
+            yield from find_changes(before.get(word), after.get(word), (*key, word))
     elif before != after:
         yield key
 
@@ -207,7 +207,7 @@ def _without_effects(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _words(value: Any) -> set[str]:
-    """All strings in a table, and the value of an override."""
+    """Return all strings in a table, and the value of an override."""
     if isinstance(value, Mapping):
         return {word for inner in value.values() for word in _words(inner)}
     if isinstance(value, list | tuple):

@@ -55,7 +55,7 @@ def moduli(branches: Branches, speed_rad_per_s: Array) -> tuple[Array, Array]:
     return storage, x / (1.0 + x**2) @ ratio / storage
 
 
-def damped(case: Case) -> Case:
+def fit_loss_curves(case: Case) -> Case:
     """The case with branches for all materials that have a ``loss_curve`` and none.  Raises
     CaseError for curves that cannot be met."""
     materials, problems = dict(case.materials), []
@@ -65,7 +65,7 @@ def damped(case: Case) -> Case:
             continue
         found = [*_faults(name, law)]
         if not found:
-            fit = fitted(rows(law))
+            fit = fit_branches(curve_points(law))
             found = [*_unmet(name, fit)]
             maxwell = tuple(MaxwellBranch(ratio=g, relaxation_s=tau) for g, tau in fit.branches)
             law = law.model_copy(update={"maxwell": maxwell})
@@ -76,13 +76,14 @@ def damped(case: Case) -> Case:
     return case.model_copy(update={"materials": materials})
 
 
-def rows(law: Hyperelastic) -> tuple[Point, ...]:
+def curve_points(law: Hyperelastic) -> tuple[Point, ...]:
+    """Return the points of a material's loss curve."""
     return tuple((p.frequency_Hz, p.loss_factor, p.storage_ratio) for p in law.loss_curve)
 
 
 @cache
-def fitted(points: tuple[Point, ...]) -> Fit:
-    """The fewest branches that are good enough, else the best there are."""
+def fit_branches(points: tuple[Point, ...]) -> Fit:
+    """Return the fewest branches that are good enough, else the best fit that was reached."""
     curve = _drawn(points)
     best = Fit((), np.inf, curve[0][0])
     for count in range(1, MOST_BRANCHES + 1):
@@ -93,7 +94,7 @@ def fitted(points: tuple[Point, ...]) -> Fit:
     return best
 
 
-def compared(branches: Branches, points: Sequence[Point]) -> Fit:
+def compare_with_curve(branches: Branches, points: Sequence[Point]) -> Fit:
     """These branches, and where they are off the curve most."""
     return _off(branches, _drawn(points))
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from orchestrator.case.file.errors import CaseProblem, Key, dotted
+from orchestrator.case.file.errors import CaseProblem, Key, dotted_key
 from orchestrator.case.tables.case import Case
 
 Limits = tuple[float, float]
@@ -102,7 +102,7 @@ def unusual_sizes(case: Case) -> Iterator[str]:
     """Every other value out of its key's range, in words."""
     for key, value, limits, _, refused in _outside(case):
         if not refused:
-            yield f"{dotted(key)}: {value:g} is out of the usual range {_range(limits)}; taken as meant"
+            yield f"{dotted_key(key)}: {value:g} is out of the usual range {_range(limits)}; taken as meant"
 
 
 def _outside(case: Case) -> Iterator[tuple[Key, float, Limits, str, bool]]:

@@ -27,7 +27,7 @@ ENOUGH_DIAMETERS = 5.0  # of the largest particles in a slice, so that none brid
 
 
 def share(case: Case) -> float:
-    """Of the full width that the slice of a whole machine has; 1 without one."""
+    """Return the slice's share of the whole machine's width; 1 without a slice."""
     if case.slice is None:
         return 1.0
     low, high = full_width_m(case)
@@ -35,7 +35,7 @@ def share(case: Case) -> float:
 
 
 def full_width_m(case: Case) -> tuple[float, float]:
-    """Where all panels begin and end along y.  Raises CaseError if they do not agree."""
+    """Return where all panels begin and end along y.  Raises CaseError if they do not agree."""
     sides = {name: _sides_m(panel) for name, panel in case.screen.panels.items()}
     if not sides:
         raise CaseError([CaseProblem(("slice",), "there are no panels to slice")])
@@ -50,7 +50,7 @@ def full_width_m(case: Case) -> tuple[float, float]:
 
 
 def bounds_m(case: Case) -> tuple[float, float]:
-    """Where the slice begins and ends along y, for the case of the whole machine."""
+    """Return where the slice begins and ends along y, for the case of the whole machine."""
     assert case.slice is not None
     middle_m = sum(full_width_m(case)) / 2.0
     return middle_m - case.slice.width_m / 2.0, middle_m + case.slice.width_m / 2.0
@@ -66,7 +66,7 @@ def cut_surface(case: Case, position_m: Array, triangles: Indices) -> tuple[Arra
     return cut_triangles(position_m, triangles, bounds_m(case.whole), move_in_m)
 
 
-def sliced(case: Case) -> Case:
+def cut_to_slice(case: Case) -> Case:
     """The case of the slice, or the case itself where it has none.  Raises CaseError where a slice
     makes no sense."""
     if case.slice is None:
@@ -139,7 +139,7 @@ def _in_periodic(case: Case) -> list[CaseProblem]:
     found = []
     particles = case.particles.adapter
     if particles is not None and not particles.periodic and (case.bed.particles or case.bed.sources):
-        others = solvers.those("particles", lambda able: able.periodic)
+        others = solvers.names_able_to("particles", lambda able: able.periodic)
         what = f"particles.solver {case.particles.solver} has no periodic sides"
         hint = f'take "walls", or particles.solver = {others}'
         found.append(CaseProblem(("slice", "sides"), what, hint))
@@ -155,7 +155,7 @@ def _sides_m(panel: PanelTable) -> tuple[float, float]:
 
 
 def _cut_screen(screen: Screen, part: float, y_m: tuple[float, float]) -> Screen:
-    """The screen with frames, bushings and exciters of ``part``, and with panels cut."""
+    """Return the screen with frames, bushings and exciters of ``part``, and with panels cut."""
     inertia = ("mass_kg", "inertia_kg_m2", "products_of_inertia_kg_m2")
     spring = ("stiffness_N_per_m", "damping_N_s_per_m")
     return screen.model_copy(
@@ -186,7 +186,7 @@ def _panel(row: PanelTable, y_m: tuple[float, float]) -> PanelTable:
 
 
 def _cut_bed(bed: Bed, part: float, y_m: tuple[float, float]) -> Bed:
-    """The bed with boxes cut, ``part`` of the particles in blocks (at least one) and of feeds."""
+    """Return the bed with boxes cut, ``part`` of the particles in blocks (at least one) and of feeds."""
     blocks = {
         name: _cut_box(row, y_m).model_copy(update={"count": max(1, round(part * row.count))})
         for name, row in bed.blocks.items()

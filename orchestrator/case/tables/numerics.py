@@ -137,7 +137,7 @@ class ItemSettings(Table):
 class MonitorSettings(Table):
     """What a run does about what should not happen: "warn" says it once and goes on; "shorten"
     runs the next sync intervals in halves, quarters … until nothing has been amiss for ``calm_s``;
-    "stop" ends the run with its results kept (exit code 4), and names the last save from before.
+    "stop" ends the run with its results kept (exit code 4), and names the last checkpoint from before.
     Looked at at output times; created energy, growing modes and crossings some five sync
     intervals after at the latest (docs/theory/stability.md)."""
 
@@ -202,9 +202,9 @@ class CheckpointSettings(Table):
     its end, and where it is interrupted, it is saved in any case."""
 
     every_s: NotNegative = 0.0
-    """Simulated time between two saves; 0: none for that."""
+    """Simulated time between two checkpoints; 0: none for that."""
     wall_min: NotNegative = 10.0
-    """Wall time between two saves; 0: none for that."""
+    """Wall time between two checkpoints; 0: none for that."""
 
 
 class Output(Table):

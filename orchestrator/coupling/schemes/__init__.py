@@ -24,5 +24,5 @@ def _remembering(scheme: Iterated | Robin) -> Scheme:
 
 
 def create_scheme(name: str, effort: Effort | None = None) -> Scheme:
-    """Returns a scheme that has not begun; without ``effort`` it takes the usual one."""
+    """Return a scheme that has not begun; without ``effort`` it takes the usual effort."""
     return SCHEMES[name](effort or Effort())

@@ -1,7 +1,7 @@
 """Acceleration of the iteration for the load on which particles and panel agree.
 
-Each is told which load was tried and which was the answer, and says what to try next.  The residual
-is r = answer - tried; zero is wanted.
+Each method learns which load was tried and which load was the answer, and returns the load to try next.  The
+residual is r = answer - tried, and the iteration drives it to zero.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ SMALLEST = 1e-3  # singular value of unit columns over the largest: below, they 
 
 
 class Aitken(SavedAttributes):
-    """Aitken's method: a share w of the residual, found anew from the last two of them:
+    """Aitken's method: a share w of the residual, computed anew from the last two residuals:
 
         tried <- tried + w r,    w <- -w r_before . (r - r_before) / |r - r_before|^2.
 
-    Kuettler, U. and Wall, W. A., Computational Mechanics 43, 2008, 61-72,
-    doi 10.1007/s00466-008-0255-5.  The last share of an interval is the next one's first.
+    Kuettler, U. and Wall, W. A., Computational Mechanics 43, 2008, 61-72, doi 10.1007/s00466-008-0255-5.  The
+    last share of an interval is the first share of the next.
     """
 
     STATE: ClassVar = ("_share",)
@@ -45,16 +45,17 @@ class Aitken(SavedAttributes):
 
 
 class LeastSquares(SavedAttributes):
-    """Quasi-Newton by least squares: of all changes of the residual that this interval has shown,
-    the columns of V, the combination c that comes nearest to -r, and the same one of the changes
-    of the answer, W:
+    """A quasi-Newton method by least squares.
+
+    The columns of V are all changes of the residual that this interval has shown, those of W the changes of
+    the answer.  The combination c of the columns of V comes nearest to -r:
 
         c = argmin |V c + r|,    tried <- answer + W c.
 
-    IQN-ILS: Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87, 2009,
-    793-801, doi 10.1016/j.compstruc.2008.11.013.  Columns of earlier intervals, which that paper
-    uses again, made it slower here: contacts come and go (docs/measured/coupling.md).  Kept is the
-    share of the residual that would have suited the first change best.
+    IQN-ILS: Degroote, J., Bathe, K.-J. and Vierendeels, J., Computers & Structures 87, 2009, 793-801, doi
+    10.1016/j.compstruc.2008.11.013.  Columns of earlier intervals, which that paper uses again, made it
+    slower here: contacts come and go (docs/measured/coupling.md).  The share of the residual that would have
+    suited the first change best is kept for the next interval.
     """
 
     STATE: ClassVar = ("_share",)
@@ -84,11 +85,11 @@ class LeastSquares(SavedAttributes):
 
 
 def secant_share(tried_N: Array, residual_N: Array) -> float:
-    """Returns the share w for which  |tried + w residual|  would have been least."""
+    """Return the share w for which  |tried + w residual|  would have been least."""
     square = float(np.vdot(residual_N, residual_N))
     return -float(np.vdot(tried_N, residual_N)) / square if square > 0 else FIRST_SHARE
 
 
 def first_share(share: float) -> float:
-    """Returns the first share of an interval after one that ended with ``share``."""
+    """Return the first share of an interval after one that ended with ``share``."""
     return share if 0 < share <= 1 else FIRST_SHARE

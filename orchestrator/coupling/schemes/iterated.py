@@ -1,14 +1,14 @@
 """Schemes that repeat each interval until particles and panel agree on the load.
 
-The particles move on the chord of the surface's motion, the straight path from where it is to
-where the panel ends, and the panel ends there under their mean load.  Then that load does the same
-work on both sides: no energy is created.  (Where a drive carries the surface, its true path is
-known and takes the chord's place.)  Unknown is the load F, sought as the fixed point of
+The particles move on the chord of the surface's motion, the straight path from its present place to the
+panel's place at the interval's end, and the panel ends there under their mean load.  Then that load does the
+same work on both sides: no energy is created.  (Where a drive carries the surface, its true path is known and
+takes the chord's place.)  The load F is the unknown, a fixed point of
 
     F -> load of the particles on the chord which the panel moves along under F,
 
-from the load of the last interval on; ``acceleration.py`` has the ways there.  Every iterate hands
-over all momentum, since the panel at last moves under the load that the particles gave.
+and the iteration starts from the load of the last interval; ``acceleration.py`` has the methods. Every
+iterate hands over all momentum, since the panel at last moves under the load that the particles gave.
 """
 
 from __future__ import annotations
@@ -33,9 +33,12 @@ _COUNTS = ("_intervals", "_runs", "_longest", "_unsolved", "_worst")
 
 @dataclass(frozen=True)
 class Effort:
-    """An interval is solved when the load that the particles give differs from the one that the
-    panel moved under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean
-    norms over all surface points.  It is run at most ``most`` times."""
+    """The tolerance of the iteration, and the largest number of runs.
+
+    An interval is solved when the load that the particles give differs from the load that the panel moved
+    under by at most ``tolerance`` of its size, or by ``floor_N``; sizes are Euclidean norms over all surface
+    points.  An interval is run at most ``most`` times.
+    """
 
     tolerance: float = 1e-3
     floor_N: float = 0.0
@@ -43,7 +46,8 @@ class Effort:
 
 
 def case_effort(case: Case) -> Effort:
-    """Returns what a case asks for; the floor is the tolerance of the lightest particle's weight."""
+    """Return the effort that a case asks for; the floor is the tolerance of the lightest particle's
+    weight."""
     masses_kg = [
         sphere_mass_kg(diameter_m, case.materials[name].density_kg_per_m3)
         for name, diameter_m in smallest_diameters_m(case).items()
@@ -54,17 +58,17 @@ def case_effort(case: Case) -> Effort:
 
 
 class Acceleration(Restorable, Protocol):
-    """A method that finds the load for the next try; it begins anew in each interval."""
+    """A method that computes the load for the next try; it begins anew in each interval."""
 
     def begin(self) -> None: ...
 
     def next(self, tried_N: Array, answer_N: Array) -> Array:
-        """Returns the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
+        """Return the next try, after the particles answered ``tried_N`` with ``answer_N``; any shape."""
         ...
 
 
 class Iterated:
-    """The iteration, and the count of what it took."""
+    """The iteration, and the counts of its runs."""
 
     def __init__(self, effort: Effort, acceleration: Acceleration) -> None:
         self._effort, self._acceleration = effort, acceleration
@@ -106,7 +110,7 @@ class Iterated:
         return moved, load
 
     def figures(self) -> dict[str, Any]:
-        """Returns the entry of ``summary.json``: numbers of runs, and what stayed unsolved."""
+        """Return the entry of ``summary.json``: the numbers of runs and of unsolved intervals."""
         mean = self._runs / self._intervals if self._intervals else 0.0
         return {"mean": mean, "most": self._longest, "unsolved": self._unsolved, "worst": self._worst}
 
@@ -137,5 +141,5 @@ class Iterated:
 
 
 def norm_N(force_N: Array) -> float:
-    """Returns the Euclidean norm of all components."""
+    """Return the Euclidean norm of all components."""
     return float(np.linalg.norm(force_N))

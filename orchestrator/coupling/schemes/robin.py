@@ -52,10 +52,11 @@ LEAST_SHARE = 1e-3
 
 @dataclass(frozen=True)
 class SurfaceCompliance:
-    """How the masses behind a surface yield to a constant load, while the particles answer.
+    """The yielding of the masses behind a surface to a constant load, while the particles answer.
 
-    ``transposed``: the inertia's shapes; ``spread``: the sizes of their entries, each times its
-    row's sum, transposed; ``known`` (points,): whether anything is known of a point's mass."""
+    ``transposed``: the inertia's shapes, transposed; ``spread``: the sizes of their entries, each times its
+    row's sum, transposed; ``known`` (points,): whether anything is known of a point's mass.
+    """
 
     inertia: Inertia
     transposed: csr_array
@@ -64,7 +65,7 @@ class SurfaceCompliance:
 
     @staticmethod
     def of(panel: Panel) -> SurfaceCompliance:
-        """Returns the compliance of a panel's surface."""
+        """Return the compliance of a panel's surface."""
         inertia = surface_inertia(panel)
         shapes, sizes = inertia.shapes, abs(inertia.shapes)
         spread = sizes.multiply(np.asarray(sizes.sum(axis=1))[:, None])
@@ -72,13 +73,16 @@ class SurfaceCompliance:
         return SurfaceCompliance(inertia, csr_array(shapes.T), csr_array(spread.T), known)
 
     def to(self, excess_N: Array, response: ContactTangent, length_s: float, share: Array) -> Array:
-        """Returns the mean velocity (points, 3) by which the points give way to ``excess_N`` (points, 3) over
-        an interval: shapes u, where the masses' velocity u solves
+        """Return the mean velocity (points, 3) by which the points yield over an interval to ``excess_N``
+        (points, 3).
+
+        The velocity is shapes u, where the masses' velocity u solves
 
             (2 M / (s H) + shapes' Z shapes) u = shapes' excess,
 
-        by conjugate gradients.  Their preconditioner has each Z spread over the masses under it,
-        which is never less than the matrix."""
+        by conjugate gradients.  Their preconditioner has each Z spread over the masses under it, which is
+        never less than the matrix.
+        """
         shapes, wanted = self.inertia.shapes, self._on_masses(excess_N)
         free = 2 / length_s * self.inertia.mass_kg[:, None] / share
         impedance = np.einsum("pii->p", response.impedance_N_s_per_m)
@@ -104,11 +108,11 @@ class SurfaceCompliance:
         return np.asarray(shapes @ u.reshape(wanted.shape))
 
     def share(self, more: Load, gave_m_per_s: Array, length_s: float, before: Array) -> Array:
-        """Returns which share of free masses' motion the surface showed, (3,) by direction.
+        """Return which share of free masses' motion the surface showed, (3,) by direction.
 
-        It is the work of the load ``more`` on the mean velocity ``gave_m_per_s`` (points, 3) that it
-        really caused, over its work on free masses: 1 for a free mass, less where the panel's
-        stiffness holds it; ``before`` where nothing changed.
+        The share is the work of the load ``more`` on the mean velocity ``gave_m_per_s`` (points, 3) that it
+        really caused, over its work on free masses: 1 for a free mass, less where the panel's stiffness holds
+        it; ``before`` where nothing changed.
         """
         on_masses_N = self._on_masses(more.force_N)
         free = length_s / 2 * (on_masses_N**2 / self.inertia.mass_kg[:, None]).sum(axis=0)
@@ -118,18 +122,21 @@ class SurfaceCompliance:
         return np.clip(share, LEAST_SHARE, 1.0)
 
     def _on_masses(self, points_N: Array) -> Array:
-        """Returns the part of the points' load to which the masses yield."""
+        """Return the part of the points' load to which the masses yield."""
         return self.inertia.yielding(self.transposed @ points_N)
 
 
 def resisting_force(response: ContactTangent, velocity_m_per_s: Array) -> Array:
-    """Returns by how much less the particles push a surface that moves, (points, 3)."""
+    """Return the force (points, 3) by which the particles push a moving surface less than one at rest."""
     return np.asarray(np.einsum("pij,pj->pi", response.impedance_N_s_per_m, velocity_m_per_s))
 
 
 class Robin:
-    """The scheme, and what it remembers: where the particles last saw the surface (None: nowhere
-    yet), and the share s, one of each direction in space."""
+    """The scheme with its memory.
+
+    It remembers where the particles last saw the surface (None before the first interval), and the share s
+    for each direction in space.
+    """
 
     def __init__(self) -> None:
         self._seen_m: Array | None = None
@@ -162,7 +169,7 @@ class Robin:
         interval: Interval,
         now: State,
     ) -> HermitePath:
-        """Returns the chord along which the surface will go: the formula at the head of this file."""
+        """Return the chord along which the surface will go, by the formula at the head of this file."""
         length_s, surface, known = interval.length_s, now.panel.surface, compliance.known[:, None]
         start_m = surface.position_m
         if self._seen_m is not None:
@@ -175,7 +182,7 @@ class Robin:
         return HermitePath(Motion(start_m, velocity_m_per_s), Motion(end_m, velocity_m_per_s), length_s)
 
     def figures(self) -> dict[str, Any]:
-        """Returns nothing for ``summary.json``, since no interval is ever repeated."""
+        """Return nothing for ``summary.json``, since no interval is ever repeated."""
         return {}
 
     def save(self) -> Saved:
@@ -188,7 +195,7 @@ class Robin:
 
 
 def trial_surface(solvers: Solvers, interval: Interval, now: State, known: Forecast) -> Motion:
-    """Returns the surface at the interval's end under the last load; the panel is restored."""
+    """Return the surface at the interval's end under the last load; the panel is restored."""
     panel = solvers.panel
     before = panel.save()
     moved = solvers.panel.advance(interval, known.clamps, now.load)

@@ -1,9 +1,8 @@
-"""What a coupling scheme is: it carries the state of all solvers from one sync point to the next.
+"""The definition of a coupling scheme: it carries the state of all solvers from one sync point to the next.
 
-Each scheme is a short function that reads like its formula.  The schemes stand beside this file,
-one file per family; the package's ``__init__.py`` has their names.  The second half of this file
-holds the steps that schemes share.  docs/theory/coupling.md derives the schemes; tests/coupling
-measures their order.
+Each scheme is a short function that reads like its formula.  The schemes stand beside this file, one file per
+family; the package's ``__init__.py`` has their names.  The second half of this file holds the steps that
+schemes share.  docs/theory/coupling.md derives the schemes; tests/coupling measures their order.
 """
 
 from __future__ import annotations
@@ -57,8 +56,8 @@ class State:
 
 @dataclass(frozen=True)
 class Pending:
-    """The impulses, (3,) each, that were given at a sync point but not yet received above, and their
-    moments about the world's origin."""
+    """The impulses, (3,) each, that were given at a sync point but not yet received above, and their moments
+    about the world's origin."""
 
     load_N_s: Array
     reaction_N_s: Array
@@ -67,24 +66,27 @@ class Pending:
 
 
 class Memory(Restorable, Protocol):
-    """What a scheme remembers from interval to interval; alike on every rank."""
+    """The memory of a scheme from interval to interval, alike on every rank."""
 
     def figures(self) -> dict[str, Any]:
-        """Returns the scheme's entry of ``summary.json``."""
+        """Return the scheme's entry of ``summary.json``."""
         ...
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """A coupling scheme: ``advance`` carries the state over an interval; with ``late``, loads act one
-    interval late; ``memory`` is None where nothing is remembered but the state."""
+    """A coupling scheme.
+
+    ``advance`` carries the state over an interval; with ``late``, loads act one interval late; ``memory`` is
+    None where the scheme remembers nothing but the state.
+    """
 
     advance: Callable[[Solvers, Interval, State], State]
     late: bool = False
     memory: Memory | None = None
 
     def pending(self, state: State, interval: Interval) -> Pending:
-        """Returns what is in transit after ``interval``."""
+        """Return the impulses that are in transit after ``interval``."""
         held_s = interval.length_s if self.late else 0.0
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
         clamps = slice(len(reaction_N))  # the first of the carried points
@@ -96,12 +98,12 @@ class Scheme:
         )
 
     def figures(self) -> dict[str, Any]:
-        """Returns the scheme's entry of ``summary.json``."""
+        """Return the scheme's entry of ``summary.json``."""
         return self.memory.figures() if self.memory is not None else {}
 
 
 def initial_state(solvers: Solvers) -> State:
-    """Returns the state at t = 0, before anything has moved."""
+    """Return the state at t = 0, before anything has moved."""
     clamps = solvers.frames.initial()
     panel = solvers.panel.initial()
     load = solvers.particles.initial() if solvers.particles else Load.zero(len(panel.surface))
@@ -112,8 +114,8 @@ def initial_state(solvers: Solvers) -> State:
 class Forecast:
     """The end of an interval, as far as it can be told before anything moves.
 
-    ``clamps``: where their drives have them, and those without a drive as their last acceleration
-    takes them on.  ``surface``: the points whose motion follows from driven clamps alone; None
+    ``clamps``: the carried points, where their drives have them or, without a drive, where their last
+    acceleration takes them.  ``surface``: the points whose motion follows from driven clamps alone, None
     where nothing is driven.  ``start``: the surface now.
     """
 
@@ -123,11 +125,11 @@ class Forecast:
 
     @property
     def settled(self) -> bool:
-        """Whether no load can change the surface's motion."""
+        """Whether the surface's motion is already settled, so that no load can change it."""
         return self.surface is not None and bool(self.surface.which.all())
 
     def path(self, otherwise: HermitePath) -> HermitePath:
-        """Returns the surface's path: the true one (cubic Hermite) where it is known, else ``otherwise``."""
+        """Return the surface's true path (cubic Hermite) where it is known, and ``otherwise`` elsewhere."""
         if self.surface is None:
             return otherwise
         start = Known(self.start, self.surface.which).over(otherwise.start)
@@ -135,7 +137,7 @@ class Forecast:
 
 
 def forecast(solvers: Solvers, interval: Interval, now: State) -> Forecast:
-    """Returns what can be told of the interval that begins ``now``; nothing moves."""
+    """Return the forecast of the interval that begins ``now``; nothing moves."""
     clamps = extrapolate(now.clamps, now.clamps_acceleration_m_per_s2, interval.length_s)
     known = find_driven_points(solvers.frames, interval)
     if known is None:
@@ -147,19 +149,19 @@ def forecast(solvers: Solvers, interval: Interval, now: State) -> Forecast:
 
 
 def finish_interval(solvers: Solvers, interval: Interval, now: State, panel: PanelState, load: Load) -> State:
-    """Moves the frames under the panel's reaction, and returns the state at the interval's end."""
+    """Move the frames under the panel's reaction, and return the state at the interval's end."""
     clamps = solvers.frames.advance(interval, panel.reaction)
     return State(clamps, mean_acceleration(now.clamps, clamps, interval), panel, load)
 
 
 def chord(start: Motion, end: Motion, length_s: float) -> HermitePath:
-    """Returns the straight path between two places, at constant velocity."""
+    """Return the straight path between two places, at constant velocity."""
     mean_m_per_s = (end.position_m - start.position_m) / length_s
     return HermitePath(Motion(start.position_m, mean_m_per_s), Motion(end.position_m, mean_m_per_s), length_s)
 
 
 def extrapolate(motion: Motion, acceleration_m_per_s2: Array, length_s: float) -> Motion:
-    """Returns where points are after ``length_s`` at constant acceleration."""
+    """Return the motion of points after ``length_s`` at constant acceleration."""
     return Motion(
         motion.position_m + length_s * (motion.velocity_m_per_s + length_s / 2 * acceleration_m_per_s2),
         motion.velocity_m_per_s + length_s * acceleration_m_per_s2,
@@ -167,5 +169,5 @@ def extrapolate(motion: Motion, acceleration_m_per_s2: Array, length_s: float) -
 
 
 def mean_acceleration(before: Motion, after: Motion, interval: Interval) -> Array:
-    """Returns the mean acceleration (points, 3) over the interval."""
+    """Return the mean acceleration (points, 3) over the interval."""
     return (after.velocity_m_per_s - before.velocity_m_per_s) / interval.length_s

@@ -20,7 +20,7 @@ from orchestrator.ports.clock import Interval
 
 
 def particles_first(solvers: Solvers, interval: Interval, now: State) -> State:
-    """Hands load up within the interval; motion is known ahead, or extrapolated."""
+    """Advance with loads handed up within the interval; motion is known ahead, or extrapolated."""
     known = forecast(solvers, interval, now)
     load = _particles_on(solvers, interval, known.path(extrapolated_path(now, interval)), now)
     panel = solvers.panel.advance(interval, known.clamps, load)
@@ -28,7 +28,7 @@ def particles_first(solvers: Solvers, interval: Interval, now: State) -> State:
 
 
 def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
-    """Hands motion down within the interval; the load is the last interval's."""
+    """Advance with motion handed down within the interval; the load is that of the last interval."""
     clamps = solvers.frames.advance(interval, now.panel.reaction)
     panel = solvers.panel.advance(interval, clamps, now.load)
     path = HermitePath(now.panel.surface, panel.surface, interval.length_s)
@@ -37,7 +37,7 @@ def serial_staggered(solvers: Solvers, interval: Interval, now: State) -> State:
 
 
 def extrapolated_path(now: State, interval: Interval) -> HermitePath:
-    """Returns the surface's path at constant velocity."""
+    """Return the surface's path at constant velocity."""
     start, length_s = now.panel.surface, interval.length_s
     end_m = start.position_m + length_s * start.velocity_m_per_s
     return HermitePath(start, Motion(end_m, start.velocity_m_per_s), length_s)

@@ -60,7 +60,7 @@ class CycleRecord(SavedAttributes):
         cycle_s: float,
         history: History,
     ) -> None:
-        """Takes the ``rectangles`` where the panels are mounted, in the machine's order."""
+        """Take the ``rectangles`` where the panels are mounted, in the machine's order."""
         self._history, self._cycle_s = history, cycle_s
         carried = machine.centres | {p.name: p.index for p in machine.probes if p.on == "clamps"}
         touched = {p.name: p.index for p in machine.probes if p.on == "surface"}
@@ -81,7 +81,7 @@ class CycleRecord(SavedAttributes):
         self._sum = np.zeros(size)
 
     def sync_point(self, time_s: float, state: State, forces_N: Array) -> None:
-        """Takes note of a sync point; ``forces_N`` (5, panels, 3) are the panels' forces over the interval
+        """Take note of a sync point; ``forces_N`` (5, panels, 3) are the panels' forces over the interval
         that ends here, in the order of ``series.FORCES``."""
         cycle = int(cycle_numbers(time_s, self._cycle_s))
         if cycle != self._cycle:
@@ -93,7 +93,7 @@ class CycleRecord(SavedAttributes):
         self._sum += values
 
     def close(self) -> None:
-        """Writes the row of the cycle that has begun, if any."""
+        """Write the row of the cycle that has begun, if any."""
         if not self._count:
             return
         table = np.stack([self._least, self._sum / self._count, self._most])
@@ -119,7 +119,7 @@ class CycleRecord(SavedAttributes):
         return np.column_stack([moved_m, *sizes]).ravel()
 
     def _panel_values(self, state: State, forces_N: Array) -> Array:
-        """Returns by panel: pull, largest force on a clamp, load (3), stretch of the middle line, its
+        """Return by panel: pull, largest force on a clamp, load (3), stretch of the middle line, its
         largest height over the chord between its ends, and its middle's."""
         if not self._panels:
             return np.empty(0)

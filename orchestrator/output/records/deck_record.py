@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.spatial import KDTree
 
-from orchestrator.case.deck.line import DeckLine, Over, joined, over
+from orchestrator.case.deck.line import DeckLine, Over, join_lines, over
 from orchestrator.ports import Array, Indices, Motion, ParticleSnapshot
 from orchestrator.ports.physics import STANDARD_GRAVITY_M_PER_S2, sphere_mass_kg
 from orchestrator.ports.state import SavedAttributes
@@ -24,17 +24,17 @@ SEATED = 0.75  # radii from centre to surface that only an opening allows
 
 
 def bins_m(deck: DeckLine) -> Array:
-    """Returns (bins + 1,) edges along the deck."""
+    """Return (bins + 1,) edges along the deck."""
     return np.linspace(0.0, deck.length_m, BINS_PER_PANEL * len(deck.panels) + 1)
 
 
 def on_deck(particles: ParticleSnapshot, places: Over) -> Mask:
-    """Returns whether each particle is over the deck, or not deeper in it than its own radius."""
+    """Return whether each particle is over the deck, or not deeper in it than its own radius."""
     return np.asarray(places.inside & (places.height_m > -0.5 * particles.diameter_m))
 
 
 def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: Over) -> dict[str, Array]:
-    """Returns, by bin, ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
+    """Return, by bin, ``mass_kg``, the mass-weighted ``velocity_m_per_s`` along the deck (as it slopes at
     t = 0) and ``depth_m``, the height over the surface below which 95 % of the mass lie, each particle
     reaching to its top; velocity and depth are NaN in an empty bin.  ``along_m`` is the bins' middle."""
     edges = bins_m(deck)
@@ -55,7 +55,7 @@ def compute_profile(deck: DeckLine, particles: ParticleSnapshot, places: Over) -
 
 
 def _speed(deck: DeckLine, velocity_m_per_s: Array, number: Array) -> Array:
-    """Returns the speed along the deck's slope at t = 0 in each particle's bin."""
+    """Return the speed along the deck's slope at t = 0 in each particle's bin."""
     edges = bins_m(deck)
     run, climb = (np.diff(np.interp(edges, deck.station_m, place)) for place in (deck.over_m, deck.level_m))
     slope = np.column_stack([run, climb]) / np.hypot(run, climb)[:, None]
@@ -64,7 +64,7 @@ def _speed(deck: DeckLine, velocity_m_per_s: Array, number: Array) -> Array:
 
 
 def _percentile(height_m: Array, mass_kg: Array, number: Array, bins: int) -> Array:
-    """Returns the (bins,) height below which ``DEPTH_SHARE`` of a bin's mass lie; NaN where it is empty."""
+    """Return the (bins,) height below which ``DEPTH_SHARE`` of a bin's mass lie; NaN where it is empty."""
     depth_m = np.full(bins, np.nan)
     order = np.lexsort((height_m, number))
     starts = np.searchsorted(number[order], np.arange(bins + 1))
@@ -87,7 +87,7 @@ class RetainedParticles(SavedAttributes):
     STATE: ClassVar = ("_id", "_anchor_m", "_since_s", "_fastest_m_per_s")
 
     def __init__(self, cycle_s: float, across: Array, openings_m: Array) -> None:
-        """Takes ``across`` (3,), the horizontal unit vector across the deck, and ``openings_m``
+        """Take ``across`` (3,), the horizontal unit vector across the deck, and ``openings_m``
         (openings, 2), station and place across of every opening's centre."""
         self._cycle_s, self._across = cycle_s, across
         self._openings = KDTree(openings_m) if len(openings_m) else None
@@ -96,7 +96,7 @@ class RetainedParticles(SavedAttributes):
         self._since_s, self._fastest_m_per_s = np.empty(0), np.empty(0)
 
     def at(self, time_s: float, particles: ParticleSnapshot, places: Over) -> dict[str, float]:
-        """Returns the number of ``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.
+        """Return the number of ``stickers`` and their ``mass_kg``; ``openings`` that hold a particle.
         Particles are sorted by id."""
         place = np.column_stack([places.station_m, particles.position_m @ self._across])
         radius = particles.diameter_m / 2
@@ -121,7 +121,7 @@ class RetainedParticles(SavedAttributes):
         }
 
     def _row(self, ids: Indices) -> tuple[Indices, Mask]:
-        """Returns the row of each particle at the last time, and whether it was there."""
+        """Return the row of each particle at the last time, and whether it was there."""
         if not len(self._id):
             return np.zeros(len(ids), dtype=int), np.zeros(len(ids), dtype=bool)
         row = np.minimum(np.searchsorted(self._id, ids), len(self._id) - 1)
@@ -137,17 +137,17 @@ class DeckRecord:
     def __init__(
         self, deck: DeckLine, centre_lines: Sequence[Indices], cycle_s: float, openings_m: Array
     ) -> None:
-        """Takes ``centre_lines``, the panels' points of the surface, and ``openings_m`` (n, 3), the
+        """Take ``centre_lines``, the panels' points of the surface, and ``openings_m`` (n, 3), the
         openings' centres in the world at t = 0."""
         across = np.array([-deck.along[1], deck.along[0], 0.0])
         station_m = np.interp(openings_m @ deck.along, deck.over_m, deck.station_m)
-        self._deck, self._points = deck, joined(deck.panels, centre_lines)
+        self._deck, self._points = deck, join_lines(deck.panels, centre_lines)
         self.held = RetainedParticles(cycle_s, across, np.column_stack([station_m, openings_m @ across]))
 
     def at(
         self, time_s: float, surface: Motion, particles: ParticleSnapshot
     ) -> dict[str, dict[str, Array | float]]:
-        """Returns values by group, to be recorded."""
+        """Return values by group, to be recorded."""
         line = surface.part(self._points)
         places = over(self._deck, line.position_m, line.velocity_m_per_s, particles.position_m)
         return {

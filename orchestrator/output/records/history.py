@@ -40,12 +40,12 @@ class Reserved(io.RawIOBase):
         self._file = path.open(mode, buffering=0)
 
     def check(self) -> None:
-        """Raises the OSError of the first write that found no room."""
+        """Raise the OSError of the first write that found no room."""
         if self._error is not None:
             raise self._error
 
     def give_up_reserve(self) -> None:
-        """Makes room for what must still be written."""
+        """Make room for what must still be written."""
         self._reserve.unlink(missing_ok=True)
 
     def write(self, data: Any) -> int:
@@ -101,7 +101,7 @@ class Column:
         self._rows = int(self._dataset.shape[0])
 
     def append(self, block: Array | Indices) -> None:
-        """Appends any number of rows; ``block`` (rows, *inner)."""
+        """Append any number of rows; ``block`` (rows, *inner)."""
         first, self._rows = self._rows, self._rows + len(block)
         inner = block.shape[1:]
         self._dataset.set_extent((self._rows, *inner))
@@ -143,7 +143,7 @@ ledger; ``results`` mirrors the results."""
 
 
 def columns(kind: str, record: object) -> dict[str, Any]:
-    """Returns the values of a record by the names that a kind of group has for them, without its time."""
+    """Return the values of a record by the names that a kind of group has for them, without its time."""
     return {name: getattr(record, name) for name in COLUMNS[kind]}
 
 
@@ -162,7 +162,7 @@ class History:
         self._file.flush()  # what is killed before its first row leaves a file that opens
 
     def add(self, group: str, time_s: float, values: Mapping[str, Array | float]) -> None:
-        """Adds one row at ``time_s``; the names of a group's values are the same in every row."""
+        """Add one row at ``time_s``; the names of a group's values are the same in every row."""
         rows = self._rows.setdefault(group, [])
         rows.append({"time_s": time_s, **values})
         if len(rows) >= ROWS_IN_MEMORY:
@@ -171,22 +171,22 @@ class History:
     def add_each(
         self, kind: str, time_s: float, names: Iterable[str], columns: Mapping[str, Array | Sequence[Array]]
     ) -> None:
-        """Adds one row to the group of each of ``names``; every column has a value for each of them."""
+        """Add one row to the group of each of ``names``; every column has a value for each of them."""
         for name, *row in zip(names, *columns.values(), strict=True):
             self.add(f"{kind}/{name}", time_s, dict(zip(columns, row, strict=True)))
 
     def events(self, group: str, values: Mapping[str, Array | Indices]) -> None:
-        """Appends rows of an event table, of any number; whole numbers stay whole."""
+        """Append rows of an event table, of any number; whole numbers stay whole."""
         for name, rows in values.items():
             self._extend(f"{group}/{name}", rows)
 
     def describe(self, group: str, name: str, words: Sequence[str]) -> None:
-        """Writes an attribute of a group: a list of words."""
+        """Write an attribute of a group: a list of words."""
         attributes = self._file.require_group(group).attrs
         attributes.create(name, list(words), shape=len(words), dtype=h5py.string_dtype())
 
     def flush(self) -> None:
-        """Raises OSError when the disk is full; all that was added until then is kept."""
+        """Raise OSError when the disk is full; all that was added until then is kept."""
         for group in self._rows:
             self._append(group)
         self._file.flush()
@@ -219,7 +219,7 @@ ROOM_BYTES = 4 * 1024**2
 
 
 def write_results(history_file: Path, results: Mapping[str, Any]) -> None:
-    """Writes the group anew.  An estimate becomes a number with the attributes ``half_width`` and
+    """Write the group anew.  An estimate becomes a number with the attributes ``half_width`` and
     ``batches``, a list of numbers a dataset, a list of tables a group each; NaN is unknown.
 
     Raises OSError where the disk is too full to be sure: HDF5 would lose the whole file."""
@@ -250,7 +250,7 @@ def _put(group: Any, table: Mapping[str, Any]) -> None:
 
 
 def _number(group: Any, key: str, value: Any) -> Any:
-    """Writes a number, a list of them or a table; None becomes NaN."""
+    """Write a number, a list of them or a table; None becomes NaN."""
     group[key] = np.array(value, dtype=float)
     group[key].attrs["unit"] = unit_of(key)
     return group[key]

@@ -26,7 +26,7 @@ class PanelLines:
     looking at them costs little at every sync point."""
 
     def __init__(self, rectangles: Sequence[Rectangle], lines_m: Sequence[Array]) -> None:
-        """Takes where each of one or more panels is mounted, and its line (n, 3) at t = 0."""
+        """Take where each of one or more panels is mounted, and its line (n, 3) at t = 0."""
         counts = np.array([len(line) for line in lines_m])
         self._last = np.cumsum(counts) - 1
         self._first = self._last - counts + 1
@@ -38,7 +38,7 @@ class PanelLines:
         self._clamped_m = np.array([clamped_m(*pair) for pair in zip(rectangles, lines_m, strict=True)])
 
     def stretch(self, line_m: Array) -> Array:
-        """Returns (panels,) mean strain along the lines (points, 3): length between the clamps over the
+        """Return (panels,) mean strain along the lines (points, 3): length between the clamps over the
         stress-free length, less one.
 
         A chord is shorter than its arc: with pieces h on a curvature k by h^2 k^2 / 24.
@@ -50,7 +50,7 @@ class PanelLines:
         return np.asarray((length_m - self._clamped_m) / self._free_m - 1.0)
 
     def heights_m(self, line_m: Array) -> tuple[Array, Array]:
-        """Returns the distance from the chord between a line's ends, positive towards the bed: (panels,)
+        """Return the distance from the chord between a line's ends, positive towards the bed: (panels,)
         the largest size, and (panels,) that of the middle point."""
         chord_m = line_m[self._last] - line_m[self._first]
         run_m = np.einsum("pi,pi->p", chord_m, self._along)
@@ -65,14 +65,14 @@ class PanelLines:
 
 
 def clamped_m(at: Rectangle, line_m: Array) -> float:
-    """Returns how much of a line (n, 3) at t = 0 lies outside the free length, under the clamps."""
+    """Return how much of a line (n, 3) at t = 0 lies outside the free length, under the clamps."""
     along = (line_m - at.corner_m) @ at.along
     inside = (along > -0.5 * at.clamp_m - 1e-9) & (along < at.span_m + 0.5 * at.clamp_m + 1e-9)
     return _length_m(line_m) - _length_m(line_m[inside])
 
 
 def panel_pull_N(first_N: Array, second_N: Array, along: Array) -> Array:
-    """Returns the (n,) pull of panels: half the difference of the forces (n, 3) on first and second clamp,
+    """Return the (n,) pull of panels: half the difference of the forces (n, 3) on first and second clamp,
     along the unit vectors between them, (3,) or (n, 3); negative where a panel pushes."""
     return np.asarray(((first_N - second_N) * along).sum(axis=1) / 2)
 
@@ -96,7 +96,7 @@ class FoldMonitor(SavedAttributes):
         self._said = np.empty(0, dtype=str)  # panels of which it was said
 
     def look(self, time_s: float, panel: str, line_m: Array) -> None:
-        """Looks at ``line_m`` (points, 3), the middle of the panel's width from clamp to clamp, now."""
+        """Look at ``line_m`` (points, 3), the middle of the panel's width from clamp to clamp, now."""
         at_m = find_fold_m(line_m, self._thickness_m[panel])
         if at_m is None:
             return
@@ -113,7 +113,7 @@ class FoldMonitor(SavedAttributes):
 
 
 def find_fold_m(line_m: Array, thickness_m: float) -> tuple[float, float] | None:
-    """Returns where along the line (n, 3) two places are nearer to each other than the thickness, although
+    """Return where along the line (n, 3) two places are nearer to each other than the thickness, although
     at least ``FOLD_LENGTHS`` thicknesses lie between them; None if nowhere."""
     piece_m = np.linalg.norm(np.diff(line_m, axis=0), axis=1)
     count = np.maximum(1, np.ceil(2.0 * piece_m / thickness_m).astype(int))

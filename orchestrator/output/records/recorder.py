@@ -86,7 +86,7 @@ class Recorder:
             self._parts["held"] = self._deck.held
 
     def sync_point(self, done: int, time_s: float, state: State) -> None:
-        """Records a sync point; ``done`` counts them."""
+        """Record a sync point; ``done`` counts them."""
         if self._writes:
             forces_N = self._forces.at(state)
             self._series.sync_point(forces_N)
@@ -103,7 +103,7 @@ class Recorder:
             self._series.row(time_s, state, followed)
 
     def output(self, time_s: float, state: State) -> tuple[dict[str, float], Bed | None]:
-        """Records an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
+        """Record an output time: shapes, books, and files for ParaView.  Returns the ledger's terms, and
         the particles."""
         machine, surface = self._machine, state.panel.surface
         terms = self._ledger.energy_J()
@@ -137,11 +137,11 @@ class Recorder:
             self._history.add(group, time_s, values)
 
     def _book_material(self, time_s: float) -> Bed | None:
-        """Writes who came and went since the last output time into the books and the event tables."""
+        """Write who came and went since the last output time into the books and the event tables."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is None or book is None:
             return None
-        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.taken()
+        present, removed, fed = particles.snapshot(), particles.removed(), book.feed.take_fed()
         overlaps = particles.overlaps()
         book.look_at_contacts(overlaps, particles.crossings())
         if self._writes:
@@ -154,32 +154,32 @@ class Recorder:
         return present, overlaps
 
     def last_contacts(self) -> None:
-        """Books what happened in contacts since the last output time, where a run ends without another
+        """Book what happened in contacts since the last output time, where a run ends without another
         one; collective."""
         particles, book = self._machine.solvers.particles, self._machine.material
         if particles is not None and book is not None:
             book.look_at_contacts(particles.overlaps(), particles.crossings())
 
     def material(self) -> dict[str, Any] | None:
-        """Returns the material's balance at the last output time, on rank 0."""
+        """Return the material's balance at the last output time, on rank 0."""
         book = self._machine.material
         return book.figures() if book is not None else None
 
     def save(self) -> Saved:
-        """Writes what is recorded to the disk, and returns what later rows depend on."""
+        """Write what is recorded to the disk, and return what later rows depend on."""
         if not self._writes:
             return {}
         self._history.flush()
         return {name: part.save() for name, part in self._parts.items()}
 
     def restore(self, saved: Saved) -> None:
-        """Goes on from what was saved."""
+        """Go on from what was saved."""
         if self._writes:
             for name, part in self._parts.items():
                 part.restore(saved[name])
 
     def close(self) -> None:
-        """Writes what is still in memory, and closes the file."""
+        """Write what is still in memory, and close the file."""
         if self._writes:
             self._cycles.close()
             self._history.close()

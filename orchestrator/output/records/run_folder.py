@@ -36,7 +36,7 @@ class OtherFormat(FolderUnusable):
 
 
 def check_format(file: Path, written: Any, wanted: int) -> None:
-    """Raises OtherFormat where the version of a file's format is not the ``wanted`` one."""
+    """Raise OtherFormat where the version of a file's format is not the ``wanted`` one."""
     if written != wanted:
         version = "no version of its format, as older ones" if written is None else f"format {written}"
         raise OtherFormat(
@@ -46,7 +46,7 @@ def check_format(file: Path, written: Any, wanted: int) -> None:
 
 
 def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
-    """Makes the run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case that
+    """Make the run's new folder, ``out`` or runs/<case>-<n>, with the resolved case (itself a case that
     can be run again, with its surfaces beside it) and the provenance.  Raises FolderUnusable."""
     folder = make_folder(out) if out else _next_folder(Path("runs"), loaded.name)
     try:
@@ -64,12 +64,12 @@ def create_run_folder(loaded: JudgedCase, out: Path | None, world: Any) -> Path:
 
 
 def write_case(folder: Path, loaded: JudgedCase) -> None:
-    """Writes the resolved case."""
+    """Write the resolved case."""
     write_text(folder / "case.toml", tomli_w.dumps(resolved_case(loaded)))
 
 
 def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
-    """Returns the case with its level, every ``--set`` and every default, as the run's folder has it."""
+    """Return the case with its level, every ``--set`` and every default, as the run's folder has it."""
     table = loaded.case.as_given.model_dump(mode="json", exclude_none=True)
     for name, surface in table["screen"]["surfaces"].items():
         if "stl" in surface:
@@ -80,7 +80,7 @@ def resolved_case(loaded: JudgedCase) -> dict[str, Any]:
 
 
 def claim(path: Path, text: str, rank: int) -> bool:
-    """Writes ``path`` if nobody did before; False for everybody but the first.  Where nobody can
+    """Write ``path`` if nobody did before; False for everybody but the first.  Where nobody can
     write, ranks that wait in turn for the lower ones to act are all first."""
     try:
         with path.open("x", encoding="utf-8") as file:
@@ -93,12 +93,12 @@ def claim(path: Path, text: str, rank: int) -> bool:
 
 
 def remove_folder(folder: Path) -> None:
-    """Removes a run's folder in which nothing has been computed."""
+    """Remove a run's folder in which nothing has been computed."""
     shutil.rmtree(folder, ignore_errors=True)
 
 
 def make_folder(folder: Path) -> Path:
-    """Makes a new folder; raises FolderUnusable if it is there already or cannot be made."""
+    """Make a new folder; raise FolderUnusable if it is there already or cannot be made."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir()
@@ -113,7 +113,7 @@ def make_folder(folder: Path) -> Path:
 
 
 def _next_folder(parent: Path, case: str) -> Path:
-    """Makes a new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever asks
+    """Make a new folder ``<parent>/<case>-<n>`` with the first free number, of nobody else, whoever asks
     at the same time.  Raises FolderUnusable if it cannot be made."""
     for number in count(1):
         with suppress(FolderExists):
@@ -130,7 +130,7 @@ class _PrintableFormatter(logging.Formatter):
 
 
 def printable(text: str) -> str:
-    """Returns lines as they are, and other characters that do not print as Python writes them."""
+    """Return lines as they are, and other characters that do not print as Python writes them."""
     return "".join(
         char if char.isprintable() or char in "\n\t" else char.encode("unicode_escape").decode()
         for char in text
@@ -139,7 +139,7 @@ def printable(text: str) -> str:
 
 @contextmanager
 def logging_to(folder: Path, first: bool) -> Iterator[None]:
-    """Writes ``run.log`` with times while inside; of ranks other than the first it has errors only."""
+    """Write ``run.log`` with times while inside; of ranks other than the first it has errors only."""
     handler = logging.FileHandler(folder / "run.log", delay=True, encoding="utf-8")
     handler.setFormatter(_PrintableFormatter("%(asctime)s %(levelname)-7s %(message)s"))
     LOG.addHandler(handler)
@@ -154,12 +154,12 @@ def logging_to(folder: Path, first: bool) -> Iterator[None]:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Writes a table as JSON, whole or not at all."""
+    """Write a table as JSON, whole or not at all."""
     write_text(path, json.dumps(value, indent=2, default=float) + "\n")
 
 
 def write_text(path: Path, text: str) -> None:
-    """Writes a file, whole or not at all: written aside, then renamed."""
+    """Write a file, whole or not at all: written aside, then renamed."""
     aside = path.with_name(f".{path.name}")
     try:
         aside.write_text(text, encoding="utf-8")
@@ -192,7 +192,7 @@ def lock(file: Path) -> Iterator[None]:
 
 @contextmanager
 def study_folder(folder: Path) -> Iterator[None]:
-    """Makes the folder of a study, or goes on in it; nobody else does meanwhile.  Raises FolderUnusable."""
+    """Make the folder of a study, or go on in it; nobody else does meanwhile.  Raises FolderUnusable."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -29,14 +29,14 @@ class PanelForces:
         self._reactions = _sums(carried, len(start.panel.reaction))
 
     def at(self, state: State) -> Array:
-        """Returns (5, panels, 3), in the order of FORCES: means over the interval that ends here."""
+        """Return (5, panels, 3), in the order of FORCES: means over the interval that ends here."""
         load_N, reaction_N = state.load.force_N, state.panel.reaction.force_N
         sums_N = np.vstack([self._loads @ load_N, self._reactions @ reaction_N])
         return np.asarray(sums_N.reshape(len(FORCES), self._panels, 3))
 
 
 def _sums(parts: Sequence[slice | Indices], points: int) -> csr_array:
-    """Returns (parts, points): sums over the points of each part, all in one product."""
+    """Return (parts, points): sums over the points of each part, all in one product."""
     numbers = [np.arange(points)[part] for part in parts]
     starts = np.cumsum([0, *map(len, numbers)])
     inside = np.concatenate([np.empty(0, dtype=np.int64), *numbers])
@@ -55,12 +55,12 @@ class TimeSeries(SavedAttributes):
         self._summed = 0
 
     def sync_point(self, forces_N: Array) -> None:
-        """Takes note of an interval's forces, (5, panels, 3) in the order of FORCES."""
+        """Take note of an interval's forces, (5, panels, 3) in the order of FORCES."""
         self._sum_N += forces_N
         self._summed += 1
 
     def row(self, time_s: float, state: State, followed: ParticleSnapshot | None) -> None:
-        """Writes a row; ``followed`` are the particles, where probes ask for them."""
+        """Write a row; ``followed`` are the particles, where probes ask for them."""
         machine, history = self._machine, self._history
         history.add_each("frames", time_s, machine.centres, self._frames(state.clamps))
         for probe in machine.probes:
@@ -90,7 +90,7 @@ class TimeSeries(SavedAttributes):
 
 
 def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
-    """Returns rotation vectors since t = 0 in rad and angular velocities in rad/s, (frames, 3) each, in
+    """Return rotation vectors since t = 0 in rad and angular velocities in rad/s, (frames, 3) each, in
     the world.
 
     ``centres`` (frames,): numbers of the centres of mass; the three points after each are the ends
@@ -108,7 +108,7 @@ def rotations(carried: Motion, centres: Indices) -> tuple[Array, Array]:
 
 
 def _probe_motion(probe: PlacedProbe, state: State, followed: ParticleSnapshot | None) -> tuple[Array, Array]:
-    """Returns position and velocity (3,); NaN for a particle that has left or was left out."""
+    """Return position and velocity (3,); NaN for a particle that has left or was left out."""
     motion: Motion | ParticleSnapshot = state.clamps if probe.on == "clamps" else state.panel.surface
     index = probe.index
     if probe.on == "particle":

@@ -26,7 +26,7 @@ class Series:
         (folder / name).mkdir(exist_ok=True)
 
     def add(self, time_s: float, mesh: meshio.Mesh) -> None:
-        """Writes the file of a time."""
+        """Write the file of a time."""
         file = self._file(len(self._time_s))
         try:
             mesh.write(self._folder / file)
@@ -40,7 +40,7 @@ class Series:
         return {"time_s": np.array(self._time_s)}
 
     def restore(self, saved: Saved) -> None:
-        """Goes on after the saved times; files of later ones are removed."""
+        """Go on after the saved times; files of later ones are removed."""
         self._time_s, self._rows = [], ""
         for time_s in saved["time_s"].tolist():
             self._note(time_s)
@@ -59,7 +59,7 @@ class Series:
         self._time_s.append(time_s)
 
     def _write_list(self) -> None:
-        """Writes the list anew at every time, so that an interrupted run opens, too."""
+        """Write the list anew at every time, so that an interrupted run opens, too."""
         text = (
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n'
             f"<Collection>\n{self._rows}</Collection>\n</VTKFile>\n"
@@ -70,7 +70,7 @@ class Series:
 def surface_mesh(
     surface: Motion, triangles: Indices, panel: Indices, worn: Mapping[str, Array]
 ) -> meshio.Mesh:
-    """Returns the triangles with velocity, and ``worn`` (points,) by name, at the points and the number of
+    """Return the triangles with velocity, and ``worn`` (points,) by name, at the points and the number of
     the panel in each cell; points of no triangle (probes, arms of frames) would only blow up what a
     viewer frames."""
     points, corners = np.unique(triangles, return_inverse=True)
@@ -86,7 +86,7 @@ def surface_mesh(
 
 
 def particle_mesh(particles: ParticleSnapshot) -> meshio.Mesh:
-    """Returns a mesh with one vertex a particle, with diameter, speed, velocity, spin, material and id."""
+    """Return a mesh with one vertex a particle, with diameter, speed, velocity, spin, material and id."""
     count = len(particles.id)
     return meshio.Mesh(
         particles.position_m.reshape(count, 3),

@@ -16,22 +16,22 @@ from orchestrator.output.records.run_folder import SUMMARY, write_json
 
 SUMMARY_FORMAT = 2
 """Version of the table (docs/run-folder.md, "summary.json"); files before had none."""
-PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "saves", "monitor")
+PARTS = ("particles", "panel", "frames", "mapping", "coupling", "output", "checkpoints", "monitor")
 
 
 def write_summary(folder: Path, table: dict[str, Any]) -> None:
-    """Writes ``summary.json`` into the folder of a run, whole or not at all."""
+    """Write ``summary.json`` into the folder of a run, whole or not at all."""
     write_json(folder / SUMMARY, {"format_version": SUMMARY_FORMAT, **table})
 
 
 def wall_by_part_s(parts_s: dict[str, float], wall_s: float) -> dict[str, float]:
-    """Returns the wall time of every part, and ``rest`` so that they add up to the wall time."""
+    """Return the wall time of every part, and ``rest`` so that they add up to the wall time."""
     table = {part: parts_s.get(part, 0.0) for part in PARTS}
     return table | {"rest": wall_s - sum(table.values())}
 
 
 def closing_table(summary: dict[str, Any]) -> Table:
-    """Returns a table of where the time went."""
+    """Return a table of where the time went."""
     table = Table(title="where the time went", title_justify="left")
     table.add_column("part")
     table.add_column("wall / s", justify="right")
@@ -43,7 +43,7 @@ def closing_table(summary: dict[str, Any]) -> Table:
 
 
 def closing_lines(summary: dict[str, Any]) -> list[str]:
-    """Says the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
+    """Say the run's own figures of quality, in words; what makes it doubtful is in ``trust.py``."""
     created_J = sum(J for name, J in summary["energy_ledger_J"].items() if name.startswith("created."))
     lines = [f"simulated {summary['simulated_s']:g} s in {summary['sync_intervals']} sync intervals"]
     if summary["particles"]:
@@ -65,7 +65,7 @@ def closing_lines(summary: dict[str, Any]) -> list[str]:
 
 
 def iteration_lines(iterations: dict[str, Any]) -> list[str]:
-    """Says how often intervals were repeated, with a warning where that was not enough."""
+    """Say how often intervals were repeated, with a warning where that was not enough."""
     lines = [f"intervals run {iterations['mean']:.2f} times on average, {iterations['most']} at most"]
     if iterations["unsolved"]:
         lines.append(
@@ -76,7 +76,7 @@ def iteration_lines(iterations: dict[str, Any]) -> list[str]:
 
 
 def material_lines(material: dict[str, Any]) -> Iterator[str]:
-    """Says where the particles are and how deep contacts were, with a warning where particles are lost
+    """Say where the particles are and how deep contacts were, with a warning where particles are lost
     or went through the surface."""
 
     def part(what: str, amount: dict[str, Any]) -> str:
@@ -110,7 +110,7 @@ def material_lines(material: dict[str, Any]) -> Iterator[str]:
 
 
 def monitor_lines(monitor: dict[str, Any]) -> list[str]:
-    """Says whether intervals had to be shortened."""
+    """Say whether intervals had to be shortened."""
     if not monitor["shortened_intervals"]:
         return []
     return [

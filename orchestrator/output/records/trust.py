@@ -38,13 +38,13 @@ Summary = Mapping[str, Any]
 
 
 def doubts(summary: Summary) -> list[str]:
-    """Returns the reasons why the run behind ``summary`` (the table of ``summary.json``) is not to
+    """Return the reasons why the run behind ``summary`` (the table of ``summary.json``) is not to
     be trusted, a whole sentence each; none for a run that can be."""
     return [sentence for ground in GROUNDS for sentence in ground(summary)]
 
 
 def state_at_end(summary: Summary) -> str:
-    """Returns the state of a run that came to its end, from its ``doubts`` and its results."""
+    """Return the state of a run that came to its end, from its ``doubts`` and its results."""
     if summary.get("doubts"):
         return DOUBTFUL
     results = summary.get("results")
@@ -52,12 +52,12 @@ def state_at_end(summary: Summary) -> str:
 
 
 def came_to_its_end(state: str) -> bool:
-    """Returns whether a run of this state need not be run again."""
+    """Return whether a run of this state need not be run again."""
     return state in AT_THE_END
 
 
 def is_trusted(state: str) -> bool:
-    """Returns whether figures of a run of this state may be taken as data."""
+    """Return whether figures of a run of this state may be taken as data."""
     return state == DONE
 
 

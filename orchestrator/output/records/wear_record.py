@@ -28,12 +28,12 @@ class WearRecord:
         }
 
     def point_depth_m(self, worn_m3: Array) -> Array:
-        """Returns the depth at (points,); zero at points of no triangle."""
+        """Return the depth at (points,); zero at points of no triangle."""
         there = self._area_m2 > 0
         return np.divide(worn_m3, self._area_m2, out=np.zeros(len(worn_m3)), where=there)
 
     def groups(self, worn_m3: Array) -> dict[str, Mapping[str, Array | float]]:
-        """Returns, by panel, what is to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of
+        """Return, by panel, what is to be recorded: ``worn_m3``, ``mean_m`` and ``depth_m`` of
         ``PATCHES``, NaN where a patch has no point."""
         groups: dict[str, Mapping[str, Array | float]] = {}
         for name, (points, patch) in self._panels.items():
@@ -48,7 +48,7 @@ class WearRecord:
 
 
 def point_area_m2(surface: TriangleSurface) -> Array:
-    """Returns (points,) a third of the triangles' area around each."""
+    """Return (points,) a third of the triangles' area around each."""
     a, b, c = (surface.position_m[surface.triangles[:, k]] for k in range(3))
     area_m2 = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
     points, thirds_m2 = surface.triangles.ravel(), np.repeat(area_m2 / 3, 3)
@@ -56,7 +56,7 @@ def point_area_m2(surface: TriangleSurface) -> Array:
 
 
 def _patch(position_m: Array, at: Rectangle) -> Indices:
-    """Returns the number of each point's patch (points,), from its place at t = 0."""
+    """Return the number of each point's patch (points,), from its place at t = 0."""
     from_corner_m = position_m - at.corner_m
     shares = (from_corner_m @ at.along / at.span_m, from_corner_m @ at.across / at.width_m)
     row, column = (

@@ -40,19 +40,19 @@ plt.rcParams.update(
 
 
 def figure(rows: int = 1, columns: int = 1, width: float = HALF, height: float = TALL, **more: Any) -> Any:
-    """Returns a figure and its axes (rows, columns), in the page's style; ``more`` as for
+    """Return a figure and its axes (rows, columns), in the page's style; ``more`` as for
     ``matplotlib.pyplot.subplots``."""
     return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, **more)
 
 
 def save(drawn: Any, file: Path) -> None:
-    """Writes the figure into a file, and closes it."""
+    """Write the figure into a file, and close it."""
     drawn.savefig(file, dpi=110)
     plt.close(drawn)
 
 
-def embedded(drawn: Any) -> str:
-    """Returns the figure as a data URI, and closes it."""
+def embed(drawn: Any) -> str:
+    """Return the figure as a data URI, and close it."""
     made = io.BytesIO()
     drawn.savefig(made, format="svg", metadata={"Date": None})
     plt.close(drawn)
@@ -60,12 +60,12 @@ def embedded(drawn: Any) -> str:
 
 
 def data_uri(content: bytes, kind: str) -> str:
-    """Returns a file's content, for an ``src`` that asks nobody for anything."""
+    """Return a file's content, for an ``src`` that asks nobody for anything."""
     return f"data:{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def fill_template(template: str, **values: Any) -> str:
-    """Returns the HTML of a template, named by its place below ``orchestrator/``: a page that holds all it
+    """Return the HTML of a template, named by its place below ``orchestrator/``: a page that holds all it
     needs."""
     environment = Environment(
         loader=PackageLoader("orchestrator", "."),

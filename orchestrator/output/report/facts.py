@@ -20,7 +20,7 @@ Facts = Iterator[tuple[str, str]]
 
 
 def machine_facts(run: RunReader) -> Facts:
-    """Yields facts on the machine and how it is driven."""
+    """Yield facts on the machine and how it is driven."""
     screen, panels = run.case.screen, single_panels(run.case)
     yield "deck", f"inclined by {screen.inclination_deg:g}°, {len(panels)} panels"
     if panels:
@@ -57,7 +57,7 @@ def machine_facts(run: RunReader) -> Facts:
 
 
 def left_out_facts(summary: dict[str, Any]) -> Facts:
-    """Yields why each effect was left out, and what was judged of it before and after the run."""
+    """Yield why each effect was left out, and what was judged of it before and after the run."""
     for name, why in summary["left_out"].items():
         yield name, why
         entry = summary.get("effects", {}).get(name, {})
@@ -68,7 +68,7 @@ def left_out_facts(summary: dict[str, Any]) -> Facts:
 
 
 def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, Any]) -> list[str]:
-    """Says how the run ended, what is not steady, what is missing, and what the log warned of."""
+    """Say how the run ended, what is not steady, what is missing, and what the log warned of."""
     warnings = [f"Do not trust this run: {doubt}" for doubt in summary["doubts"]]
     if not trust.came_to_its_end(summary["status"]):
         warnings.append(f"The run was {summary['status']}: {summary['reason']}")
@@ -92,7 +92,7 @@ def collect_warnings(folder: Path, summary: dict[str, Any], results: dict[str, A
 
 
 def _logged(folder: Path) -> list[str]:
-    """Returns the first few warnings and errors of the log, each once."""
+    """Return the first few warnings and errors of the log, each once."""
     log = folder / "run.log"
     if not log.is_file():
         return []

@@ -12,7 +12,7 @@ LEAST = 1e-9  # smaller numbers are rounding
 
 
 def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str:
-    """Returns a number with ``digits`` significant digits, no exponent for anything a designer meets."""
+    """Return a number with ``digits`` significant digits, no exponent for anything a designer meets."""
     if value is None or not math.isfinite(value):
         return NONE
     scaled = value * scale
@@ -25,12 +25,12 @@ def number(value: float | None, scale: float = 1.0, digits: int = DIGITS) -> str
 
 
 def whole_number(value: float) -> str:
-    """Returns a number without decimals."""
+    """Return a number without decimals."""
     return f"{value:.0f}".replace("-", "−")
 
 
 def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
-    """Returns such as "82.31 ± 0.42": the value to the second digit of its half width."""
+    """Return such as "82.31 ± 0.42": the value to the second digit of its half width."""
     if estimate is None or estimate["value"] is None:
         return NONE
     width, size = estimate["half_width"], abs(estimate["value"] * scale)
@@ -44,7 +44,7 @@ def interval(estimate: dict[str, Any] | None, scale: float = 1.0) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Returns a time in seconds, minutes or hours."""
+    """Return a time in seconds, minutes or hours."""
     if seconds < 120:
         return f"{number(seconds)} s"
     if seconds < 7200:

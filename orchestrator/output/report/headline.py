@@ -39,13 +39,13 @@ class Tile:
 
 
 def headline(results: dict[str, Any]) -> list[Tile]:
-    """Returns a tile for each figure for which the results of a run have a value."""
+    """Return a tile for each figure for which the results of a run have a value."""
     tiles = [*_material_tiles(results), *_motion_tiles(results)] if results else []
     return [tile for tile in tiles if tile.value != NONE]
 
 
 def _material_tiles(results: dict[str, Any]) -> Iterator[Tile]:
-    """Yields figures of screening and bed, masses of the full width."""
+    """Yield figures of screening and bed, masses of the full width."""
     whole, state = 1.0 / float(results["share_of_width"]), results.get("steady")
     lasting, unsteady = (_lasting(state), not state["is_steady"]) if state else ("the whole run", True)
     screening, bed = results.get("screening", {}), results.get("bed")
@@ -78,7 +78,7 @@ def _motion_tiles(results: dict[str, Any]) -> Iterator[Tile]:
 
 
 def _lasting(window: dict[str, Any]) -> str:
-    """Returns such as "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
+    """Return such as "6 cycles, 0.48 s"; a machine that nothing drives has no cycles."""
     cycles, lasting_s = window["cycles"], window["end_s"] - window["start_s"]
     counted = f"{cycles} cycle{'' if cycles == 1 else 's'}, " if cycles else ""
     return f"{counted}{number(lasting_s)} s"

@@ -19,7 +19,7 @@ from orchestrator.coupling.ledger import share_created
 from orchestrator.output import checkpoints
 from orchestrator.output.records.run_folder import HISTORY, SUMMARY, FolderUnusable, is_at_work, write_text
 from orchestrator.output.report import facts
-from orchestrator.output.report.drawing import data_uri, embedded, fill_template
+from orchestrator.output.report.drawing import data_uri, embed, fill_template
 from orchestrator.output.report.formatting import duration, interval, number, whole_number
 from orchestrator.output.report.headline import NOT_STEADY, headline
 from orchestrator.output.report.pictures import draw_cost, draw_machine, draw_results
@@ -34,7 +34,7 @@ DAMAGED = (ValueError, TypeError, IndexError, AttributeError, RuntimeError, Unde
 
 
 def report(folder: Path) -> Path:
-    """Writes the page of a run and returns its path.
+    """Write the page of a run and return its path.
 
     Raises FolderUnusable where ``folder`` is no run, or is a run from which nothing can be read.
     """
@@ -55,7 +55,7 @@ def report(folder: Path) -> Path:
 
 
 def _why_open(folder: Path) -> str:
-    """Returns why the run has no summary, and what can be done."""
+    """Return why the run has no summary, and what can be done."""
     if is_at_work(folder):
         return "the run is still going on"
     killed = "the run was killed before it could close its books"
@@ -69,7 +69,7 @@ def _why_open(folder: Path) -> str:
 
 
 def _write_page(folder: Path) -> Path:
-    """Raises FolderUnusable where something in the files cannot be used."""
+    """Raise FolderUnusable where something in the files cannot be used."""
     try:
         write_text(folder / NAME, page(folder, compute_results(folder), make_film))
     except CaseError as error:
@@ -101,7 +101,7 @@ class Film:
 
 
 def make_film(folder: Path, lasting_s: float) -> Film:
-    """Returns the film of the last ``lasting_s`` seconds of the run, made in a process of its own: a
+    """Return the film of the last ``lasting_s`` seconds of the run, made in a process of its own: a
     renderer that crashes loses nothing."""
     with tempfile.TemporaryDirectory() as place:
         made = Path(place) / "film.webp"
@@ -115,7 +115,7 @@ def make_film(folder: Path, lasting_s: float) -> Film:
 
 
 def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Film]) -> str:
-    """Returns the HTML of a run's report.  ``results`` are its results, ``film`` makes the animation."""
+    """Return the HTML of a run's report.  ``results`` are its results, ``film`` makes the animation."""
     with RunReader(folder) as run:
         summary = run.summary
         shown = film(folder, FILM_CYCLES * run.cycle_s if run.is_driven else run.end_s)
@@ -134,7 +134,7 @@ def page(folder: Path, results: dict[str, Any], film: Callable[[Path, float], Fi
             not_steady=NOT_STEADY,
             driven=run.is_driven,
             warnings=facts.collect_warnings(folder, summary, results),
-            pictures={name: embedded(drawn) for name, drawn in drawings},
+            pictures={name: embed(drawn) for name, drawn in drawings},
             film=shown,
             film_uri=data_uri(shown.content, "image/webp"),
             left_out=list(facts.left_out_facts(summary)),

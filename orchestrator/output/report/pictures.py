@@ -31,7 +31,7 @@ SMALLEST_SHARE = 1e-3  # of the largest term of a picture: smaller ones are left
 
 
 def draw_frames(run: RunReader) -> Any:
-    """Draws the displacement of the frames' centres of mass along and normal to the deck over the
+    """Draw the displacement of the frames' centres of mass along and normal to the deck over the
     run, and their orbits in the last cycle."""
     drawn, axes = figure(2, 2, WIDE, 5.0, width_ratios=(2, 1))
     for row in axes:
@@ -55,7 +55,7 @@ def draw_frames(run: RunReader) -> Any:
 
 
 def draw_panel_shapes(run: RunReader) -> Any:
-    """Draws the centre lines of the panels at moments of the last cycle (of the whole run where
+    """Draw the centre lines of the panels at moments of the last cycle (of the whole run where
     nothing drives it), over the line between their ends as built."""
     panels = {panel.name: panel.rectangle for panel in single_panels(run.case)}
     drawn, axes = _grid(len(panels), "height / mm, enlarged", 0.6, 2.3)
@@ -74,7 +74,7 @@ def draw_panel_shapes(run: RunReader) -> Any:
 
 
 def draw_bushing_loops(run: RunReader) -> Any:
-    """Draws force against deformation of every bushing in the last cycle, along the axis in which it
+    """Draw force against deformation of every bushing in the last cycle, along the axis in which it
     is deformed most; the area is the energy lost in the cycle."""
     names = run.names("bushings")
     drawn, axes = _grid(len(names), "force / kN", 1.0, 2.8)
@@ -92,7 +92,7 @@ def draw_bushing_loops(run: RunReader) -> Any:
 
 
 def draw_energy(run: RunReader) -> Any:
-    """Draws the energy ledger in three parts: what went in and out, what is stored, and what should
+    """Draw the energy ledger in three parts: what went in and out, what is stored, and what should
     be zero.  Terms below a thousandth of a part's largest are left out."""
     time_s = run.read("energy/time_s")
     terms_J = {name: run.read(f"energy/{name}") for name in run.names("energy") if name != "time_s"}
@@ -113,7 +113,7 @@ def draw_energy(run: RunReader) -> Any:
 
 
 def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
-    """Draws where the wall time went."""
+    """Draw where the wall time went."""
     drawn, ((axes,),) = figure(1, 1, HALF, 2.6)
     parts = list(wall_by_part_s)[::-1]
     seconds = [wall_by_part_s[part] for part in parts]
@@ -126,7 +126,7 @@ def draw_cost(wall_by_part_s: dict[str, float]) -> Any:
 
 
 def draw_balance(results: dict[str, Any]) -> Any:
-    """Draws the rates in and out by cycle, and the hold-up; the cycles averaged over are shaded."""
+    """Draw the rates in and out by cycle, and the hold-up; the cycles averaged over are shaded."""
     flows, state = results["screening"]["in_time"], results["steady"]
     whole = 1.0 / results["share_of_width"]
     drawn, ((rates, held),) = figure(1, 2, WIDE, 3.2)
@@ -145,7 +145,7 @@ def draw_balance(results: dict[str, Any]) -> Any:
 
 
 def draw_partition(screening: dict[str, Any]) -> Any:
-    """Draws the partition number over size, with the cut size, d50 and the feed's sizes behind."""
+    """Draw the partition number over size, with the cut size, d50 and the feed's sizes behind."""
     table = screening["partition"]
     mean, number = np.array(table["mean_m"], float), np.array(table["oversize_percent"], float)
     edges = 1e3 * np.array(table["edges_m"], float)
@@ -165,7 +165,7 @@ def draw_partition(screening: dict[str, Any]) -> Any:
 
 
 def draw_sections(screening: dict[str, Any]) -> Any:
-    """Draws the cumulative and local efficiency of the sections; yields where there is no cut size."""
+    """Draw the cumulative and local efficiency of the sections; yields where there is no cut size."""
     rows = screening["sections"]
     drawn, ((axes,),) = figure(1, 1, HALF, 3.4)
     place = np.arange(len(rows))
@@ -194,7 +194,7 @@ def _bars(estimates: list[dict[str, Any]]) -> tuple[list[float], list[float]]:
 
 
 def draw_along_deck(results: dict[str, Any]) -> Any:
-    """Draws bed depth, velocity, mass and, where it is counted, passing rate."""
+    """Draw bed depth, velocity, mass and, where it is counted, passing rate."""
     profile, whole = results["bed"]["profile"], 1.0 / results["share_of_width"]
     series = [
         ("depth_m", 1e3, "bed depth / mm", HELD),
@@ -220,7 +220,7 @@ def draw_along_deck(results: dict[str, Any]) -> Any:
 
 
 def draw_wear(wear: dict[str, Any]) -> Any:
-    """Draws the depth in 1000 h of all panels' patches, one panel beside the other."""
+    """Draw the depth in 1000 h of all panels' patches, one panel beside the other."""
     maps = {n: MM_IN_1000_H * np.array(p["depth_m_per_h"], float) for n, p in wear["panels"].items()}
     drawn, ((axes,),) = figure(1, 1, WIDE, 2.6)
     deepest = max(float(np.nanmax(values)) for values in maps.values())
@@ -236,7 +236,7 @@ def draw_wear(wear: dict[str, Any]) -> Any:
 
 
 def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yields the name of every picture that the results have numbers for, and its figure."""
+    """Yield the name of every picture that the results have numbers for, and its figure."""
     if screening := results.get("screening"):
         yield "balance", draw_balance(results)
         if screening["partition"]:
@@ -250,7 +250,7 @@ def draw_results(results: dict[str, Any]) -> Iterator[tuple[str, Any]]:
 
 
 def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
-    """Yields the name of every picture that the run has data for, and its figure."""
+    """Yield the name of every picture that the run has data for, and its figure."""
     drawings = {
         "frames": ("frame_motion", draw_frames),
         "panels": ("panel_shapes", draw_panel_shapes),
@@ -263,7 +263,7 @@ def draw_machine(run: RunReader) -> Iterator[tuple[str, Any]]:
 
 
 def write_pictures(folder: Path) -> None:
-    """Writes all pictures that the folder of a run has data for."""
+    """Write all pictures that the folder of a run has data for."""
     with RunReader(folder) as run:
         end_s = run.end_s
         for name, drawn in draw_machine(run):
@@ -275,7 +275,7 @@ def write_pictures(folder: Path) -> None:
 
 
 def _grid(count: int, ylabel: str, edge: float, height: float) -> tuple[Any, Any]:
-    """Returns a figure with axes for so many parts, side by side in rows."""
+    """Return a figure with axes for so many parts, side by side in rows."""
     columns = min(COLUMNS, count)
     rows = -(-count // columns)
     drawn, axes = figure(rows, columns, WIDE, max(edge + height * rows, LOWEST))

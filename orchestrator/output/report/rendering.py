@@ -26,7 +26,7 @@ QUALITY = 65
 
 
 def render_deck(folder: Path, time_s: float, file: Path) -> None:
-    """Writes a picture of the last surface, with the particles as spheres coloured by speed."""
+    """Write a picture of the last surface, with the particles as spheres coloured by speed."""
     plotter = pyvista.Plotter(off_screen=True, window_size=(1280, 720))
     plotter.enable_anti_aliasing("ssaa")
     surface = pyvista.read(snapshots(folder, "surface")[-1][1])
@@ -44,7 +44,7 @@ def render_deck(folder: Path, time_s: float, file: Path) -> None:
 
 
 def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
-    """Returns the WebP of the run's last ``lasting_s`` seconds, in at most ``FRAMES`` frames, and
+    """Return the WebP of the run's last ``lasting_s`` seconds, in at most ``FRAMES`` frames, and
     their times.  Raises FileNotFoundError without snapshots."""
     shown = _last(snapshots(folder, "surface"), lasting_s)
     if not shown:
@@ -71,7 +71,7 @@ def render_film(folder: Path, lasting_s: float) -> tuple[bytes, list[float]]:
 
 
 def snapshots(folder: Path, series: str) -> list[tuple[float, Path]]:
-    """Returns times and files of a ParaView series; none if there is no such series."""
+    """Return times and files of a ParaView series; none if there is no such series."""
     index = folder / f"{series}.pvd"
     if not index.is_file():
         return []
@@ -93,19 +93,19 @@ def _read(file: Path | None) -> Any:
 
 
 def _fast_m_per_s(particles: Any) -> float:
-    """Returns where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
+    """Return where the colours end: nearly all particles are slower, and a few that fall do not dim them."""
     if particles.n_points == 0:
         return 1.0
     return float(np.percentile(particles["speed_m_per_s"], 97)) or 1.0
 
 
 def _touched_m(surface: Any) -> Any:
-    """Returns the (n, 3) points of triangles; others are only looked at, and may be anywhere."""
+    """Return the (n, 3) points of triangles; others are only looked at, and may be anywhere."""
     return surface.points[np.unique(surface.cells_dict[pyvista.CellType.TRIANGLE])]
 
 
 def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
-    """Adds panels in two colours, walls as their edges."""
+    """Add panels in two colours, walls as their edges."""
     panel = surface.cell_data["panel"]
     for number in (0, 1):
         cells = np.flatnonzero((panel >= 0) & (panel % 2 == number))
@@ -117,7 +117,7 @@ def _add_deck(plotter: Any, surface: Any, **panels: Any) -> None:
 
 
 def _add_spheres(plotter: Any, particles: Any) -> None:
-    """Adds particles as meshes; the colour bar stands uphill, where the fewest particles are in the way."""
+    """Add particles as meshes; the colour bar stands uphill, where the fewest particles are in the way."""
     if particles.n_points == 0:
         return
     sphere = pyvista.Sphere(radius=0.5, theta_resolution=16, phi_resolution=16)
@@ -130,7 +130,7 @@ def _add_spheres(plotter: Any, particles: Any) -> None:
 
 
 def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
-    """Adds particles as splats, which cost a fraction of meshed spheres."""
+    """Add particles as splats, which cost a fraction of meshed spheres."""
     if particles is None or particles.n_points == 0:
         return
     spheres = pyvista.PolyData(np.asarray(particles.points))
@@ -149,7 +149,7 @@ def _add_splats(plotter: Any, particles: Any, fast_m_per_s: float) -> None:
 
 
 def _by_speed(fast_m_per_s: float, **bar: Any) -> dict[str, Any]:
-    """Returns how speeds are coloured, with the place of the colour bar."""
+    """Return how speeds are coloured, with the place of the colour bar."""
     return {
         "scalars": "speed_m_per_s",
         "cmap": "viridis",

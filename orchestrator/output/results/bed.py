@@ -16,7 +16,7 @@ from orchestrator.ports import Array
 
 
 def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Returns the bed's metrics over the output times from ``start_s`` to ``end_s``, of which there must
+    """Return the bed's metrics over the output times from ``start_s`` to ``end_s``, of which there must
     be one; intervals only where it is steady.
 
     All are means over time, in which a bin or a deck without particles has no mass and a depth of
@@ -49,7 +49,7 @@ def bed_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -
 
 
 def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any]:
-    """Returns stickers and blinded openings over the same times."""
+    """Return stickers and blinded openings over the same times."""
     time_s = run.read_between("held", "time_s", start_s, end_s)
     cycle = cycle_numbers(time_s, run.cycle_s, start_s)
     names = {"stickers": "stickers", "sticking_kg": "mass_kg", "blinded_openings": "openings"}
@@ -60,7 +60,7 @@ def retained_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bo
 
 
 def residence_s(fed: EventTable, removed: EventTable) -> Array:
-    """Returns the (removed,) time from entering to leaving; NaN for particles that were never fed."""
+    """Return the (removed,) time from entering to leaving; NaN for particles that were never fed."""
     _, known, place = np.intersect1d(removed.id, fed.id, return_indices=True)
     entered_s = np.full(len(removed.id), np.nan)
     entered_s[known] = fed.time_s[place]
@@ -68,7 +68,7 @@ def residence_s(fed: EventTable, removed: EventTable) -> Array:
 
 
 def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s: float) -> Array:
-    """Returns the (bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to
+    """Return the (bins,) mass passed per length of deck and time; what is outside ``edges_m`` counts to
     the nearest bin."""
     inside = np.clip(along_m, edges_m[0], edges_m[-1])
     passed = np.histogram(inside, edges_m, weights=mass_kg)[0]
@@ -76,7 +76,7 @@ def passing_kg_per_s_m(along_m: Array, mass_kg: Array, edges_m: Array, lasting_s
 
 
 def transport(events: Events, deck: DeckLine | None) -> dict[str, Any]:
-    """Returns the residence of the oversize, and where along the deck the undersize passes."""
+    """Return the residence of the oversize, and where along the deck the undersize passes."""
     removed, counted = events.removed, events.counted
     stay_s = residence_s(events.fed, removed)
     over = counted & np.isin(removed.exit, events.exits.of(OVERSIZE)) & np.isfinite(stay_s)

@@ -27,7 +27,7 @@ NO_CYCLE = "nothing drives the machine: it has no cycle, and no first harmonic"
 
 
 def compute_results(folder: Path) -> dict[str, Any]:
-    """Returns the results as plain numbers, lists and None, documented in docs/run-folder.md.
+    """Return the results as plain numbers, lists and None, documented in docs/run-folder.md.
 
     ``missing`` says what the run cannot have, and why: a case without particles has no bed.
     ``failed`` says what it ought to have and could not be computed, by the name of the part, with
@@ -60,7 +60,7 @@ def _gather(run: RunReader) -> dict[str, Any]:
 
 @contextmanager
 def _noted(table: dict[str, Any], part: str) -> Iterator[None]:
-    """Notes the error that prevents a part, and goes on."""
+    """Note the error that prevents a part, and go on."""
     try:
         yield
     except OSError:
@@ -71,13 +71,13 @@ def _noted(table: dict[str, Any], part: str) -> Iterator[None]:
 
 
 def describe_error(error: Exception) -> str:
-    """Names the error, and the line of the program that raised it."""
+    """Name the error, and the line of the program that raised it."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
 
 
 def _add_steady(run: RunReader, table: dict[str, Any]) -> Events | None:
-    """Adds the steady state, and returns what went in and out, where that was counted."""
+    """Add the steady state, and return what went in and out, where that was counted."""
     tables = read_events(run.history)
     if tables is None:
         return None
@@ -173,7 +173,7 @@ def _add_wear(run: RunReader, events: Events | None, table: dict[str, Any]) -> N
 
 
 def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:
-    """Returns begin and end of the cycles from which motion is taken: the steady state of the bed, or
+    """Return begin and end of the cycles from which motion is taken: the steady state of the bed, or
     else the second half of the whole cycles."""
     if events is not None and not events.steady.reason:
         return events.window_s
@@ -181,7 +181,7 @@ def motion_window(run: RunReader, events: Events | None) -> tuple[float, float]:
 
 
 def plain(value: Any) -> Any:
-    """Returns a value as JSON has it: estimates as tables, arrays as lists, None for what is not a number."""
+    """Return a value as JSON has it: estimates as tables, arrays as lists, None for what is not a number."""
     if isinstance(value, Estimate):
         return plain(value.table())
     if isinstance(value, dict):

@@ -32,12 +32,12 @@ class Estimate:
     batches: int = 0
 
     def table(self) -> dict[str, float | int | None]:
-        """Returns the estimate as results have it."""
+        """Return the estimate as results have it."""
         return {"value": self.value, "half_width": self.half_width, "batches": self.batches}
 
 
 def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
-    """Returns (batches, ...) sums of (cycles, ...) over equal batches of whole cycles.
+    """Return (batches, ...) sums of (cycles, ...) over equal batches of whole cycles.
 
     What does not divide is left out at the front, next to the start-up.  Fewer cycles than
     ``batches`` make as many batches as there are cycles.
@@ -49,7 +49,7 @@ def batch_sums(per_cycle: Array, batches: int = BATCHES) -> Array:
 
 
 def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
-    """Returns ``statistic`` of the sum of ``batches`` (n, ...), which it must not depend on the number of:
+    """Return ``statistic`` of the sum of ``batches`` (n, ...), which it must not depend on the number of:
     a mean is a sum over a sum.  NaN where it is not defined."""
     total = batches.sum(axis=0)
     whole = statistic(total)
@@ -65,13 +65,13 @@ def estimate(statistic: Callable[[Array], float], batches: Array) -> Estimate:
 
 
 def mean(values: Array) -> Estimate:
-    """Returns the mean of values (cycles,), by batches."""
+    """Return the mean of values (cycles,), by batches."""
     ones = np.column_stack([values, np.ones(len(values))])
     return estimate(lambda sums: sums[0] / sums[1], batch_sums(ones))
 
 
 def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Returns the mean of values (times,), of which each belongs to a ``cycle``; with its interval from
+    """Return the mean of values (times,), of which each belongs to a ``cycle``; with its interval from
     the cycles' means where it is steady."""
     if not is_steady:
         return Estimate(float(values.mean()))
@@ -79,7 +79,7 @@ def mean_by_cycles(values: Array, cycle: Indices, is_steady: bool) -> Estimate:
 
 
 def ratio_by_cycles(part: Array, whole: Array, cycle: Indices, is_steady: bool) -> Estimate:
-    """Returns the sum of ``part`` over the sum of ``whole``, both at the same times; None where that is 0."""
+    """Return the sum of ``part`` over the sum of ``whole``, both at the same times; None where that is 0."""
     sums = np.array([_sum_by_cycle(part, cycle), _sum_by_cycle(whole, cycle)]).T
     if not is_steady:
         return Estimate(share(*sums.sum(axis=0)))
@@ -92,12 +92,12 @@ def _sum_by_cycle(values: Array, cycle: Indices) -> Array:
 
 
 def share(part: float, whole: float) -> float:
-    """Returns the part over the whole; NaN where there is nothing to share."""
+    """Return the part over the whole; NaN where there is nothing to share."""
     return float(part) / float(whole) if whole > 0 else float("nan")
 
 
 def half_width(values: Array) -> float:
-    """Returns the half width of the interval of the mean of n batches: Student's t with the number of
+    """Return the half width of the interval of the mean of n batches: Student's t with the number of
     independent batches.
 
     With correlation r between neighbours, n values are worth n (1 - r) / (1 + r) independent ones

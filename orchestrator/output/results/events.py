@@ -48,12 +48,12 @@ class Exits:
     products: tuple[str, ...]
 
     def of(self, product: str) -> Indices:
-        """Returns the numbers of the exits of a product, in the case's order."""
+        """Return the numbers of the exits of a product, in the case's order."""
         return np.array([i for i, own in enumerate(self.products) if own == product], dtype=int)
 
 
 def read_events(history: Any) -> tuple[EventTable, EventTable, Exits] | None:
-    """Returns what an open ``history.h5`` says of particles that came and left, and of the exits; None if
+    """Return what an open ``history.h5`` says of particles that came and left, and of the exits; None if
     the run counted none in and out."""
     if "fed/id" not in history or "removed/id" not in history:
         return None
@@ -72,7 +72,7 @@ def _particles(group: Any) -> tuple[Indices, Array, Array, Array]:
 def per_cycle(
     time_s: Array, mass_kg: Array, edges_s: Array, group: Indices | None = None, groups: int = 1
 ) -> Array:
-    """Returns (cycles, groups): mass by cycle and group (a number from 0; others are not counted)."""
+    """Return (cycles, groups): mass by cycle and group (a number from 0; others are not counted)."""
     cycle = cycle_numbers(time_s, float(edges_s[1] - edges_s[0]))
     group = np.zeros(len(time_s), dtype=int) if group is None else group
     counted = (cycle < len(edges_s) - 1) & (group >= 0) & (group < groups)
@@ -97,7 +97,7 @@ class SteadyState:
 
 
 def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadyState:
-    """Finds the steady state, where ``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole
+    """Find the steady state, where ``fed_kg`` and ``out_kg`` (cycles,) are the masses in each whole
     cycle, ``start_kg`` what is there at the first one's beginning."""
     cycles = len(fed_kg)
     feeding = np.flatnonzero(fed_kg)
@@ -126,12 +126,12 @@ def find_steady_state(fed_kg: Array, out_kg: Array, start_kg: float) -> SteadySt
 
 
 def hold_up_kg(fed_kg: Array, out_kg: Array, start_kg: float) -> Array:
-    """Returns what is in the machine at the (cycles + 1,) edges of the cycles."""
+    """Return what is in the machine at the (cycles + 1,) edges of the cycles."""
     return np.asarray(start_kg + np.concatenate([[0.0], np.cumsum(fed_kg - out_kg)]))
 
 
 def find_truncation(values: Array) -> int:
-    """Returns how many of the first values to leave out: at most half of them, at least ``FEWEST_CYCLES``
+    """Return how many of the first values to leave out: at most half of them, at least ``FEWEST_CYCLES``
     staying."""
     candidates = range(min(len(values) // 2, len(values) - FEWEST_CYCLES) + 1)
     errors = [float(values[d:].var()) / (len(values) - d) for d in candidates]
@@ -139,7 +139,7 @@ def find_truncation(values: Array) -> int:
 
 
 def _why_not(imbalance: float, drift: float, cycles: int, held_kg: float, gone_kg: float) -> str:
-    """Returns why a state is not steady.  By Little's law, with more on the deck than left it, particles
+    """Return why a state is not steady.  By Little's law, with more on the deck than left it, particles
     stay longer than the cycles last."""
     largest = 100 * LARGEST_IMBALANCE
     for what, value in (("in less out", imbalance), ("the growth of the hold-up", drift)):
@@ -191,16 +191,16 @@ class Events:
         return inside & (self.removed.exit != LOST)
 
     def figure(self, statistic: Callable[[Array], float], cycles: Array) -> Estimate:
-        """Returns ``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""
+        """Return ``statistic`` of sums of ``cycles`` (cycles, ...); with an interval if it is steady."""
         if self.steady.reason:
             value = statistic(cycles[self.window].sum(axis=0))
             return Estimate(float(value) if np.isfinite(value) else None)
         return estimate(statistic, batch_sums(cycles[self.window]))
 
     def ratio(self, part: Array, whole: Array) -> Estimate:
-        """Returns the sum of ``part`` over the sum of ``whole``, (cycles,) each."""
+        """Return the sum of ``part`` over the sum of ``whole``, (cycles,) each."""
         return self.figure(lambda sums: sums[0] / sums[1], np.column_stack([part, whole]))
 
     def rate(self, per_cycle: Array) -> Estimate:
-        """Returns the rate of something summed per cycle (cycles,), per second."""
+        """Return the rate of something summed per cycle (cycles,), per second."""
         return self.ratio(per_cycle, np.full(len(per_cycle), float(self.edges_s[1] - self.edges_s[0])))

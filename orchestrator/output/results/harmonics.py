@@ -53,12 +53,12 @@ class Harmonic:
         return np.abs(self.phasor)
 
     def estimate(self, component: int) -> Estimate:
-        """Returns the amplitude of one component with its interval."""
+        """Return the amplitude of one component with its interval."""
         width = None if self.half_width is None else float(self.half_width[component])
         return Estimate(float(self.amplitude[component]), width, self.batches)
 
     def orbit(self) -> dict[str, Any]:
-        """Returns the table of a point's motion in m along x, y and z (``results.motion`` in
+        """Return the table of a point's motion in m along x, y and z (``results.motion`` in
         docs/run-folder.md), with the ellipse that it draws in the plane of x and z."""
         major_m, minor_m, tilt_rad = ellipse(self.phasor[0], self.phasor[2])
         return {
@@ -75,7 +75,7 @@ class Harmonic:
 def first_harmonic(
     time_s: Array, values: Array, cycle_s: float, start_s: float = 0.0, end_s: float | None = None
 ) -> Harmonic:
-    """Returns the first harmonic of ``values`` (rows, components) at ``time_s`` (rows,).
+    """Return the first harmonic of ``values`` (rows, components) at ``time_s`` (rows,).
 
     It is taken over the last whole cycles between ``start_s`` and ``end_s`` (the last row's time where
     none is given).  Raises ValueError where there is none, or where a cycle has fewer than four rows.
@@ -109,7 +109,7 @@ def first_harmonic(
 
 
 def drift(harmonics: list[Harmonic]) -> float | None:
-    """Returns the largest change of any component from the first half of the cycles to the second,
+    """Return the largest change of any component from the first half of the cycles to the second,
     over the largest amplitude; None where too few cycles tell it, or nothing moves."""
     changes = [np.abs(each.change).max() for each in harmonics if each.change is not None]
     largest = max((each.amplitude.max() for each in harmonics), default=0.0)
@@ -117,21 +117,21 @@ def drift(harmonics: list[Harmonic]) -> float | None:
 
 
 def find_orbits(results: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Returns the tables of first harmonics in a run's results by name: frames, probes on frames, and
+    """Return the tables of first harmonics in a run's results by name: frames, probes on frames, and
     frames against each other; none where the run has none."""
     motion = results.get("motion", {})
     return {**motion.get("frames", {}), **motion.get("relative", {})}
 
 
 def why_no_orbits(results: Mapping[str, Any]) -> str:
-    """Returns why a run's results have no first harmonics."""
+    """Return why a run's results have no first harmonics."""
     missing, failed = results.get("missing", {}), results.get("failed", {})
     reasons = (missing.get("everything"), missing.get("orbits"), failed.get("motion"))
     return next(filter(None, reasons), "it has no results")
 
 
 def ellipse(x: complex, z: complex) -> tuple[float, float, float]:
-    """Returns half axes and tilt of the path (Re x e^{iwt}, Re z e^{iwt}).
+    """Return half axes and tilt of the path (Re x e^{iwt}, Re z e^{iwt}).
 
     It is the sum of two circles turning against each other, with radii |x + iz| / 2 and
     |x - iz| / 2.  The minor half axis is positive when the point turns from x towards z; the tilt
@@ -144,7 +144,7 @@ def ellipse(x: complex, z: complex) -> tuple[float, float, float]:
 
 
 def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: float) -> tuple[Phasors, Array]:
-    """Returns of the whole cycles between two times the phasors (components,), and the mean place with
+    """Return of the whole cycles between two times the phasors (components,), and the mean place with
     its drift (rows, components)."""
     inside = within(time_s, start_s, end_s, cycle_s)
     time_s, values = time_s[inside], values[inside]
@@ -163,8 +163,8 @@ def _fit(time_s: Array, values: Array, start_s: float, end_s: float, cycle_s: fl
 def _half_width(
     time_s: Array, moved: Array, phasor: Phasors, end_s: float, cycle_s: float, length: int, batches: int
 ) -> Array:
-    """Returns that of the amplitudes, from batches of ``length`` cycles; those that are left over are the
-    first."""
+    """Return the half width of the amplitudes, from batches of ``length`` cycles; cycles that are left over
+    are the first."""
     phase = 2 * np.pi / cycle_s * time_s
     terms = np.column_stack([np.cos(phase), -np.sin(phase), np.ones_like(phase)])
     lasting_s = length * cycle_s

@@ -26,7 +26,7 @@ UNKNOWN = dict.fromkeys(("half_range_m", "mean_m", "peak_m", "peak_speed_m_per_s
 
 
 def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Returns first harmonics in deck axes: ``frames``, of every frame's centre of mass and every
+    """Return first harmonics in deck axes: ``frames``, of every frame's centre of mass and every
     probe on a frame; ``relative``, of every two frames, in the case's order, the motion of the second
     seen from the first, with its amplitude along the deck as an estimate; and their ``drift``."""
     frames = [name for name in run.case.screen.frames if run.has(f"frames/{name}")]
@@ -53,7 +53,7 @@ def orbits(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
 
 
 def why_not_settled(run: RunReader, start_s: float, end_s: float, drifted: float | None) -> str:
-    """Returns why the frames' motion from ``start_s`` to ``end_s`` is no steady one; empty if it is.
+    """Return why the frames' motion from ``start_s`` to ``end_s`` is no steady one; empty if it is.
 
     ``drifted`` is the change of the first harmonics.  What is no harmonic is looked at by its range
     in each cycle, from every sync point.
@@ -84,7 +84,7 @@ def _changes(what: str, share: float, cycles: int) -> str:
 
 
 def why_no_band(run: RunReader) -> str:
-    """Returns why the series tell no acceleration up to BAND_HZ, although sync points would; empty
+    """Return why the series tell no acceleration up to BAND_HZ, although sync points would; empty
     where they do, or where sync points are no nearer to each other."""
     time_s = run.series_s()
     if len(time_s) < 2:
@@ -99,7 +99,7 @@ def why_no_band(run: RunReader) -> str:
 
 
 def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
-    """Returns (n, 3) accelerations from (n, 3) velocities at equal steps.
+    """Return (n, 3) accelerations from (n, 3) velocities at equal steps.
 
     They are band-limited to ``BAND_HZ`` by a Butterworth filter of fourth order run to and fro (no
     phase shift), then differentiated by central differences.
@@ -111,12 +111,12 @@ def acceleration_m_per_s2(velocity_m_per_s: Array, step_s: float) -> Array:
 
 
 def band_hz(step_s: float) -> float:
-    """Returns up to which frequency ``acceleration_m_per_s2`` tells something."""
+    """Return up to which frequency ``acceleration_m_per_s2`` tells something."""
     return BAND_HZ if 2 * BAND_HZ * step_s < LARGEST_BAND else 0.5 / step_s
 
 
 def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Returns the accelerations, in g, of the probes on panels; ``band_Hz`` is how far they reach."""
+    """Return the accelerations, in g, of the probes on panels; ``band_Hz`` is how far they reach."""
     normals = {panel.name: panel.rectangle.normal for panel in single_panels(run.case)}
     table = {}
     for name, probe in run.case.probes.items():
@@ -146,12 +146,12 @@ def panel_points(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]
 
 
 def rms(values: Array) -> float:
-    """Returns the root of the mean square."""
+    """Return the root of the mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 
 def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
-    """Returns the pull on the clamps, the load of the bed and the stretch along the middle line of
+    """Return the pull on the clamps, the load of the bed and the stretch along the middle line of
     every panel, from every sync point of the cycles averaged over."""
     table = {}
     for name in run.names("panel_cycles"):
@@ -170,7 +170,7 @@ def panel_loads(run: RunReader, start_s: float, end_s: float) -> dict[str, Any]:
 
 
 def point_ranges(run: RunReader) -> dict[str, dict[str, Any]]:
-    """Returns how far every frame's centre of mass and every probe moved, whatever its harmonics.
+    """Return how far every frame's centre of mass and every probe moved, whatever its harmonics.
 
     ``half_range_m`` (3,) is half the range over the last two whole cycles of the machine, or over all
     of a run that is shorter or has no cycle; ``mean_m`` (3,) the mean displacement over them;
@@ -201,7 +201,7 @@ def _range_of_point(run: RunReader, group: str) -> dict[str, Any]:
 
 
 def last_cycles(end_s: Array, cycle_s: float | None) -> slice:
-    """Returns which of the rows of cycles that end at ``end_s`` are of the last whole ones; all where
+    """Return which of the rows of cycles that end at ``end_s`` are of the last whole ones; all where
     there are not so many, or no cycles (None)."""
     if cycle_s is None:
         return slice(None)

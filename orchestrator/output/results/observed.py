@@ -44,7 +44,7 @@ STILL_M = 1e-9  # a stretch of less than this is none
 def checked_by_run(
     entries: Mapping[str, Entry], described: Case, folder: Path, results: Mapping[str, Any]
 ) -> dict[str, Entry]:
-    """Returns the entries with the verdicts that the run's own numbers give, where it has them.
+    """Return the entries with the verdicts that the run's own numbers give, where it has them.
 
     ``described`` is the case with all that it describes; ``results`` are those of the run in
     ``folder``.
@@ -60,7 +60,7 @@ def checked_by_run(
 
 
 def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any]) -> Scene:
-    """Returns the scene with the numbers of the run: motion over the window of ``results``, bed over
+    """Return the scene with the numbers of the run: motion over the window of ``results``, bed over
     all of it.  Nothing is said of motion where the series do not show it."""
     bed = Observed(
         bed_kg_per_m2=bed_kg_per_m2(run),
@@ -92,7 +92,7 @@ def observed_scene(estimated: Scene, run: RunReader, results: Mapping[str, Any])
 
 
 def bed_kg_per_m2(run: RunReader) -> float | None:
-    """Returns the largest mass on the deck at an output time, per area of the panels."""
+    """Return the largest mass on the deck at an output time, per area of the panels."""
     area_m2 = deck_m2(run.case)
     group = next((name for name in ("profile", "bed") if run.has(name)), None)
     if area_m2 == 0.0 or group is None:
@@ -102,14 +102,14 @@ def bed_kg_per_m2(run: RunReader) -> float | None:
 
 
 def transport_m_per_s(results: Mapping[str, Any]) -> float | None:
-    """Returns the speed of the bed along the deck."""
+    """Return the speed of the bed along the deck."""
     bed = results.get("bed")
     speed_m_per_s = bed["velocity_m_per_s"]["value"] if bed else None
     return None if speed_m_per_s is None else max(0.0, float(speed_m_per_s))
 
 
 def bearing(scene: Scene, run: RunReader, start_s: float, end_s: float) -> Bearing | None:
-    """Returns means over a window of the force on all panels together; None where nothing lies on them."""
+    """Return means over a window of the force on all panels together; None where nothing lies on them."""
     if not run.has("bed") or not scene.panels:
         return None
     mass_kg = run.read_between("bed", "mass_kg", start_s, end_s)
@@ -132,7 +132,7 @@ def bearing(scene: Scene, run: RunReader, start_s: float, end_s: float) -> Beari
 
 
 def deepest(run: RunReader) -> Deepest | None:
-    """Returns the deepest contacts of all steps; None if nothing ever touched."""
+    """Return the deepest contacts of all steps; None if nothing ever touched."""
     if not run.has("overlaps"):
         return None
     names = ("between_per_diameter", "surface_per_diameter", "surface_m")
@@ -143,7 +143,7 @@ def deepest(run: RunReader) -> Deepest | None:
 
 
 def products(run: RunReader) -> Products | None:
-    """Returns mean diameters by mass of what left through each exit; None with fewer than two that many
+    """Return mean diameters by mass of what left through each exit; None with fewer than two that many
     particles left through."""
     tables = read_events(run.history)
     if tables is None:
@@ -172,18 +172,18 @@ class ObservedMotion:
         self.phasor = cache(self._read_phasor)
 
     def _read_phasor(self, frame: str, name: str = "displacement_m") -> Phasors:
-        """Returns the phasor (3,) of a frame's motion, in world axes."""
+        """Return the phasor (3,) of a frame's motion, in world axes."""
         time_s, values = (self._run.read(f"frames/{frame}/{column}") for column in ("time_s", name))
         return first_harmonic(time_s, values, self._cycle_s, *self._window_s).phasor
 
     def frames_throw(self) -> float:
-        """Returns w^2 a / g of the centre of mass that moves most normal to the deck."""
+        """Return w^2 a / g of the centre of mass that moves most normal to the deck."""
         normal = self._run.deck_axes[:, 2]
         largest_m = max((abs(self.phasor(name) @ normal) for name in self._bodies), default=0.0)
         return float(self._scene.speed_rad_per_s**2 * largest_m / self._scene.gravity_m_per_s2)
 
     def panels(self) -> tuple[MovedPanel, ...]:
-        """Returns the panels with their strokes, and with their shapes where they bend."""
+        """Return the panels with their strokes, and with their shapes where they bend."""
         pairs = zip(self._scene.panels, self._scene.springs, strict=True)
         return tuple(
             replace(
@@ -195,7 +195,7 @@ class ObservedMotion:
         )
 
     def springs(self) -> tuple[PanelSpring, ...]:
-        """Returns the panels' springs as their pull and stretch have them; none where panels do not
+        """Return the panels' springs as their pull and stretch have them; none where panels do not
         bend, or nothing stretches one."""
         springs = []
         for panel, spring in zip(self._scene.panels, self._scene.springs, strict=True):
@@ -208,12 +208,12 @@ class ObservedMotion:
         return tuple(springs)
 
     def loss_factor(self) -> float | None:
-        """Returns the largest loss factor of a panel's material at the frequencies that move it."""
+        """Return the largest loss factor of a panel's material at the frequencies that move it."""
         factors = [loss_factor(panel, *self._pull(panel)) for panel in self._scene.panels if self._bend]
         return max((factor for factor in factors if factor is not None), default=None)
 
     def turned(self) -> Turned | None:
-        """Returns the power of the exciters in the window, and their largest torque before it,
+        """Return the power of the exciters in the window, and their largest torque before it,
         revolution by revolution; None where none turns at its own speed: a motor's lag would be in
         it."""
         exciters = list(self._run.case.screen.exciters.values())
@@ -233,7 +233,7 @@ class ObservedMotion:
         return Turned(float(spent_J / over_s), float(torque_N_m.max()))
 
     def outermost(self, effect: str, part: MotionPart) -> tuple[float, str] | None:
-        """Returns a part of the displacement at a frame's outermost clamp over the translation of its
+        """Return a part of the displacement at a frame's outermost clamp over the translation of its
         centre of mass, of the frame for which it is largest; None where the solver leaves out the
         effect, or nothing moves."""
         ratios = []
@@ -249,7 +249,7 @@ class ObservedMotion:
         return ratio, f"at the outermost clamp of {name}"
 
     def _pull(self, panel: MovedPanel) -> tuple[Array, Array]:
-        """Returns times (rows,) and pull (rows,) of a panel in the window."""
+        """Return times (rows,) and pull (rows,) of a panel in the window."""
         time_s, first_N, second_N = (
             self._run.read_between(f"forces/{panel.panel.name}", column, *self._window_s)
             for column in ("time_s", "first_clamp_N", "second_clamp_N")
@@ -257,19 +257,19 @@ class ObservedMotion:
         return time_s, panel_pull_N(first_N, second_N, panel.panel.rectangle.along)
 
     def _stretch_m(self, spring: PanelSpring) -> complex:
-        """Returns the phasor of the panel's second end against the first, along it."""
+        """Return the phasor of the panel's second end against the first, along it."""
         first_m, second_m = map(self._carried, spring.frames, spring.ends_m)
         return complex((second_m - first_m) @ spring.along)
 
     def _carried(self, frame: str, place_m: Array) -> Phasors:
-        """Returns the phasor (3,) of a place on a frame that turns little; the ground stands."""
+        """Return the phasor (3,) of a place on a frame that turns little; the ground stands."""
         if frame not in self._bodies:
             return np.zeros(3, complex)
         arm_m = place_m - self._bodies[frame].center_of_mass_m
         return self.phasor(frame) + np.cross(self.phasor(frame, "rotation_rad"), arm_m)
 
     def _shape(self, panel: MovedPanel) -> Shape:
-        """Returns the shape from every sync point of the cycles in the window."""
+        """Return the shape from every sync point of the cycles in the window."""
         rows = self._run.read_cycles(f"panel_cycles/{panel.panel.name}", *self._window_s)
         return Shape(
             sag_m=float(rows["sag_most_m"].max()),
@@ -279,13 +279,13 @@ class ObservedMotion:
 
 
 def spring_N_per_m(pull_N: complex, stretch_m: complex) -> float:
-    """Returns the stiffness of the spring whose pull is the part of a panel's pull in phase with the
+    """Return the stiffness of the spring whose pull is the part of a panel's pull in phase with the
     stretch of its ends, both phasors."""
     return max(0.0, float((pull_N / stretch_m).real))
 
 
 def loss_factor(panel: MovedPanel, time_s: Array, pull_N: Array) -> float | None:
-    """Returns the loss factor of the panel's material, weighted with the square of the pull's
+    """Return the loss factor of the panel's material, weighted with the square of the pull's
     amplitude at each frequency: as if stiffness did not depend on it, with the energy stored there."""
     steps_s = np.diff(time_s)
     power_N2 = np.abs(np.fft.rfft(np.hanning(len(pull_N)) * (pull_N - pull_N.mean()))) ** 2
@@ -297,7 +297,7 @@ def loss_factor(panel: MovedPanel, time_s: Array, pull_N: Array) -> float | None
 
 
 def angle_rad(time_s: Array, exciter: Exciter) -> Array:
-    """Returns the angle of a shaft that runs up as prescribed: its speed rises with half a cosine."""
+    """Return the angle of a shaft that runs up as prescribed: its speed rises with half a cosine."""
     since_s = np.maximum(time_s - exciter.start_s, 0.0)
     run_up_s = exciter.run_up_s
     rising_s = np.minimum(since_s, run_up_s)

@@ -41,7 +41,7 @@ class RunReader:
         self.close()
 
     def close(self) -> None:
-        """Closes the time series, if they were opened."""
+        """Close the time series, if they were opened."""
         if "history" in self.__dict__:
             self.history.close()
 
@@ -121,29 +121,29 @@ class RunReader:
         return deck_line(lines_m)
 
     def has(self, path: str) -> bool:
-        """Returns whether the time series have this group or dataset."""
+        """Return whether the time series have this group or dataset."""
         return path in self.history
 
     def names(self, group: str) -> list[str]:
-        """Returns the names in a group, in the order of the alphabet; none where it is not there."""
+        """Return the names in a group, in the order of the alphabet; none where it is not there."""
         return list(self.history.get(group, {}))
 
     def read(self, path: str) -> Array:
-        """Returns a whole dataset.  Raises KeyError where there is none."""
+        """Return a whole dataset.  Raises KeyError where there is none."""
         return np.asarray(self.history[path][:])
 
     def read_between(self, group: str, name: str, start_s: float, end_s: float) -> Array:
-        """Returns the rows of a dataset that are later than ``start_s`` and not later than ``end_s``."""
+        """Return the rows of a dataset that are later than ``start_s`` and not later than ``end_s``."""
         time_s = self.read(f"{group}/time_s")
         return self.read(f"{group}/{name}")[within(time_s, start_s, end_s, self.cycle_s)]
 
     def read_cycles(self, group: str, start_s: float, end_s: float) -> dict[str, Array]:
-        """Returns the rows of ``point_cycles`` or ``panel_cycles``, by column, of the cycles between
+        """Return the rows of ``point_cycles`` or ``panel_cycles``, by column, of the cycles between
         two of ``edges_s``."""
         return {name: self.read_between(group, name, start_s, end_s) for name in self.names(group)}
 
     def series_s(self) -> Array:
-        """Returns the times of the rows of the series; none where nothing is recorded in them."""
+        """Return the times of the rows of the series; none where nothing is recorded in them."""
         for kind in ("frames", "forces", "probes"):
             for name in self.names(kind):
                 return self.read(f"{kind}/{name}/time_s")
@@ -151,7 +151,7 @@ class RunReader:
 
 
 def cut_size_m(case: Case) -> float | None:
-    """Returns ``output.cut_size_m``, or the smaller side of the largest openings; None without either."""
+    """Return ``output.cut_size_m``, or the smaller side of the largest openings; None without either."""
     if case.output.cut_size_m is not None:
         return case.output.cut_size_m
     return max(smaller_sides_m(case), default=None)

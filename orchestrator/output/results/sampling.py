@@ -23,7 +23,7 @@ def rows_too_seldom(
     span: str = "a cycle",
     fewest_at_all: int = FEWEST_AT_ALL,
 ) -> str:
-    """Returns why the rows of a series at ``time_s`` do not show how something moves within a cycle; empty
+    """Return why the rows of a series at ``time_s`` do not show how something moves within a cycle; empty
     where they do.  ``span``: what ``cycle_s`` is, in words.  ``fewest_at_all`` is wanted where there is
     a row at every sync point, which shows all that the coupling has seen."""
     if len(time_s) < 2:
@@ -42,7 +42,7 @@ def rows_too_seldom(
 
 
 def phases_missed(time_s: Array, cycle_s: float | None) -> str:
-    """Returns why a mean over output times would be that of some phases of the cycle only; empty where
+    """Return why a mean over output times would be that of some phases of the cycle only; empty where
     they are spread over all of it.  ``cycle_s`` is None where nothing drives the machine."""
     if not len(time_s):
         return "no output time lies in the part that is averaged over (output.interval_s)"

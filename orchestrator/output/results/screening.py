@@ -24,12 +24,12 @@ PLACEMENTS = (  # all but the first need a cut size
 
 
 def fine_or_coarse(diameter_m: Array, cut_m: float) -> Indices:
-    """Returns ``FINE`` below the cut size, else ``COARSE``."""
+    """Return ``FINE`` below the cut size, else ``COARSE``."""
     return np.where(diameter_m < cut_m, FINE, COARSE)
 
 
 def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
-    """Returns the shares of the whole deck by name; NaN where there is nothing to share.
+    """Return the shares of the whole deck by name; NaN where there is nothing to share.
 
     ``fine_placement`` is the share of the feed's fines that pass (the recovery of undersize),
     ``coarse_placement`` that of its coarse that is held back, ``efficiency`` both less one (1 for a
@@ -51,7 +51,7 @@ def placements(out_kg: Array, exits: Exits) -> dict[str, float]:
 
 
 def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, float]:
-    """Returns the shares of the section at ``place`` of ``sections`` (numbers of exits): its ``yield`` is
+    """Return the shares of the section at ``place`` of ``sections`` (numbers of exits): its ``yield`` is
     what passes there over the feed, ``cumulative_efficiency`` the fines passed up to its end over the
     feed's fines, ``local_efficiency`` the fines passed there over the fines that arrive there."""
     fines_kg, passed_kg = float(out_kg[:, FINE].sum()), out_kg[sections, FINE]
@@ -63,7 +63,7 @@ def section_shares(out_kg: Array, sections: Indices, place: int) -> dict[str, fl
 
 
 def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
-    """Returns (classes + 1,) edges: evenly spaced in the logarithm, one of them at the cut size, with at
+    """Return (classes + 1,) edges: evenly spaced in the logarithm, one of them at the cut size, with at
     least ``FEWEST_IN_CLASS`` particles in each (neighbours are joined until they have)."""
     low, high = float(diameter_m.min()), float(diameter_m.max())
     if high <= low * (1 + 1e-9):
@@ -84,13 +84,13 @@ def size_classes(diameter_m: Array, cut_m: float | None) -> Array:
 
 
 def partition(under_kg: Array, over_kg: Array) -> Array:
-    """Returns the share (classes,) that goes to the oversize; NaN where a class is empty."""
+    """Return the share (classes,) that goes to the oversize; NaN where a class is empty."""
     all_kg = under_kg + over_kg
     return np.divide(over_kg, all_kg, out=np.full(len(all_kg), np.nan), where=all_kg > 0)
 
 
 def size_at(share: float, size_m: Array, partition_number: Array) -> float:
-    """Returns the size at which the curve first rises through ``share``, straight between the classes'
+    """Return the size at which the curve first rises through ``share``, straight between the classes'
     mean sizes (classes,); NaN if it does not."""
     there = np.isfinite(partition_number)
     size, number = size_m[there], partition_number[there]
@@ -103,13 +103,13 @@ def size_at(share: float, size_m: Array, partition_number: Array) -> float:
 
 
 def cut_and_spread(size_m: Array, number: Array) -> tuple[float, float]:
-    """Returns d50 and the probable error Ep = (d75 - d25) / 2; NaN where the curve does not reach."""
+    """Return d50 and the probable error Ep = (d75 - d25) / 2; NaN where the curve does not reach."""
     d25, d50, d75 = (size_at(share, size_m, number) for share in (0.25, 0.5, 0.75))
     return d50, (d75 - d25) / 2
 
 
 def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
-    """Returns every metric that needs no more than what went in and out."""
+    """Return every metric that needs no more than what went in and out."""
     removed, exits, counted = events.removed, events.exits, events.counted
     fine = fine_or_coarse(removed.diameter_m, cut_m or np.inf)
     group = np.where(removed.exit == LOST, -1, 2 * removed.exit + fine)
@@ -137,7 +137,7 @@ def screening(events: Events, cut_m: float | None) -> dict[str, Any]:
 
 
 def _recovered(events: Events, out_kg: Array, cut_m: float) -> Estimate:
-    """Returns fines passed over fines that came in: unlike the fine placement, fines that stay on the
+    """Return fines passed over fines that came in: unlike the fine placement, fines that stay on the
     deck count as not recovered."""
     fed = events.fed
     came = np.where(fine_or_coarse(fed.diameter_m, cut_m) == FINE, 0, -1)
@@ -148,7 +148,7 @@ def _recovered(events: Events, out_kg: Array, cut_m: float) -> Estimate:
 
 
 def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
-    """Returns mass rates; ``hold_up_kg`` is all that was fed and has not left."""
+    """Return mass rates; ``hold_up_kg`` is all that was fed and has not left."""
     held_kg, length_s = hold_up_kg(*events.balance_kg), np.diff(events.edges_s)
     flows = {"feed": events.balance_kg[0]}
     flows |= {p: out_kg[:, events.exits.of(p)].sum(axis=(1, 2)) for p in (UNDERSIZE, OVERSIZE)}
@@ -164,7 +164,7 @@ def _flows(events: Events, out_kg: Array) -> dict[str, Any]:
 
 
 def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, Any]]:
-    """Returns the shares of every exit for undersize, in the case's order."""
+    """Return the shares of every exit for undersize, in the case's order."""
     numbers = events.exits.of(UNDERSIZE)
     names = ("yield", "cumulative_efficiency", "local_efficiency") if divided else ("yield",)
 
@@ -178,7 +178,7 @@ def _sections(events: Events, out_kg: Array, divided: bool) -> list[dict[str, An
 
 
 def _partition(events: Events, cut_m: float | None) -> dict[str, Any] | None:
-    """Returns classes, partition numbers, d50 and Ep; None as long as nothing has left."""
+    """Return classes, partition numbers, d50 and Ep; None as long as nothing has left."""
     removed, counted = events.removed, events.counted
     if not counted.any():
         return None

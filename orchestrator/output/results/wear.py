@@ -17,7 +17,7 @@ HOUR_S = 3600.0
 
 
 def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) -> dict[str, Any] | None:
-    """Returns the wear from the output times from ``start_s`` to ``end_s``; intervals only where it is
+    """Return the wear from the output times from ``start_s`` to ``end_s``; intervals only where it is
     steady. None if fewer than two output times lie there."""
     panels = {panel.name: panel for panel in single_panels(run.case)}
     time_s = run.read(f"wear/{next(iter(panels))}/time_s")
@@ -43,7 +43,7 @@ def wear_metrics(run: RunReader, start_s: float, end_s: float, is_steady: bool) 
 
 
 def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
-    """Returns of the patch that wears fastest: its rate, its middle as shares of length and width, and
+    """Return of the patch that wears fastest: its rate, its middle as shares of length and width, and
     when it is worn through."""
     row, column = np.unravel_index(int(np.nanargmax(depth_m_per_h)), depth_m_per_h.shape)
     rate = float(depth_m_per_h[row, column])
@@ -56,7 +56,7 @@ def _deepest(depth_m_per_h: Array, thickness_m: float) -> dict[str, Any]:
 
 
 def _profile(run: RunReader, names: list[str], rates: list[Array], deck: DeckLine) -> dict[str, Array]:
-    """Returns means across the width, along the deck."""
+    """Return means across the width, along the deck."""
     points = [run.history[f"panels/{name}/centre_line_m"].shape[1] for name in names]
     along, mean, passed = [], [], 0
     for number, forth in deck.panels:

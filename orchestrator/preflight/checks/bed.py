@@ -98,7 +98,7 @@ def boxes_and_sizes(case: Case) -> Iterator[CaseProblem]:
 
 
 def fines(case: Case) -> Iterator[str]:
-    """Warns with numbers of each source that does without its fines."""
+    """Warn with numbers of each source that does without its fines."""
     for key, source in (row for path in SOURCES for row in rows(case, path)):
         if source.smallest_fed_m is not None and (finer := finer_share(source)) > 0:
             fate = {"leave-out": "left out", "next-class": "made of the next class"}[source.finer]
@@ -168,7 +168,7 @@ def adhesive_contacts(case: Case) -> Iterator[CaseProblem]:
 
 
 def too_soft(case: Case) -> Iterator[str]:
-    """Warns of contacts in which particles are expected to sink deeper than contact laws hold."""
+    """Warn of contacts in which particles are expected to sink deeper than contact laws hold."""
     if not has_particles(case):
         return
     soft = compute_softness(scene(case))
@@ -213,7 +213,7 @@ ROUNDED = 0.01  # of the time between batches
 
 
 def feeds_that_hardly_feed(case: Case) -> Iterator[str]:
-    """Warns of feeds of which nothing, or clearly less than is due by the end, comes before it:
+    """Warn of feeds of which nothing, or clearly less than is due by the end, comes before it:
     particles come in batches, and the last batch may be long before the end; and of a time between
     batches that is no whole number of sync intervals."""
     for name, inlet in inlets(case, material_numbers(case)).items():
@@ -287,7 +287,7 @@ def narrow_slice(case: Case) -> Iterator[CaseProblem]:
 
 
 def doubtful_slice(case: Case, folder: Path) -> Iterator[str]:
-    """Warns of a slice that large particles may bridge, and of one whose sides are open: where no
+    """Warn of a slice that large particles may bridge, and of one whose sides are open: where no
     triangle stands along a side of the panels, or outside of them."""
     if case.slice is None or not has_particles(case):
         return

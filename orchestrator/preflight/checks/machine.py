@@ -23,7 +23,7 @@ def frames_and_their_solver(case: Case) -> Iterator[CaseProblem]:
     solver, able = case.frames.solver, case.frames.adapter
     if not able.moved_by_forces:
         return
-    driving = solvers.those("frames", lambda frames: frames.drives and frames.moved_by_forces)
+    driving = solvers.names_able_to("frames", lambda frames: frames.drives and frames.moved_by_forces)
     for key, frame in rows(case, "screen.frames"):
         if frame.drive is not None:
             if not able.drives:
@@ -149,7 +149,7 @@ def start_of_drives(case: Case) -> Iterator[CaseProblem]:
 
 
 def sudden_drives(case: Case) -> Iterator[str]:
-    """Warns of drives without run-up that move panels' clamps at full speed from t = 0, while the
+    """Warn of drives without run-up that move panels' clamps at full speed from t = 0, while the
     panels are at rest."""
     for name, frame in case.screen.frames.items():
         drive = frame.drive

@@ -33,13 +33,13 @@ REFERENCES = {
 
 
 def rows(case: Case, path: str) -> Iterator[tuple[Key, Any]]:
-    """Yields each row or value at a dotted path of a case with its key: ``screen.panels.stops`` are all
+    """Yield each row or value at a dotted path of a case with its key: ``screen.panels.stops`` are all
     stops of all panels.  What is not given is left out."""
-    found: list[tuple[Key, Any]] = [((), case)]
+    reached: list[tuple[Key, Any]] = [((), case)]
     for part in path.split("."):
-        inner = [((*key, part), getattr(table, part)) for key, table in found]
-        found = [row for key, value in inner for row in _members(key, value) if row[1] is not None]
-    yield from found
+        inner = [((*key, part), getattr(table, part)) for key, table in reached]
+        reached = [row for key, value in inner for row in _members(key, value) if row[1] is not None]
+    yield from reached
 
 
 def _members(key: Key, value: Any) -> Iterator[tuple[Key, Any]]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from orchestrator.case import recordings, solvers
-from orchestrator.case.deck.panels import SinglePanel, perforated, single_panels, stiffest_Pa_per_m
+from orchestrator.case.deck.panels import SinglePanel, perforated_panels, single_panels, stiffest_Pa_per_m
 from orchestrator.case.file.errors import CaseProblem, Key
 from orchestrator.case.file.layers import is_outside
 from orchestrator.case.recordings import NoMatch, playbacks, turning
@@ -61,7 +61,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
     """The panels' solver must have the integrator."""
     asked, able = case.panel.integrator, case.panel.adapter.integrators
     if asked not in able:
-        others = solvers.those("panel", lambda panel: asked in panel.integrators)
+        others = solvers.names_able_to("panel", lambda panel: asked in panel.integrators)
         hint = f'take "{able[0]}", or panel.solver = {others}'
         what = f"the {case.panel.solver} is {' or '.join(able)} only"
         yield CaseProblem(("panel", "integrator"), what, hint)
@@ -69,7 +69,7 @@ def panel_integrator(case: Case) -> Iterator[CaseProblem]:
 
 def openings(case: Case) -> Iterator[CaseProblem]:
     """Openings must leave enough land, fit into the panel, and be far enough apart that it is a plate."""
-    for panel, *_ in perforated(case):
+    for panel, *_ in perforated_panels(case):
         key: Key = ("screen", "panels", panel.table_name)
         pattern, thickness_m = panel.apertures, panel.table.thickness_m
         assert pattern is not None, "only panels with apertures are perforated"
@@ -118,7 +118,7 @@ def _room(key: Key, pattern: AperturePattern, panel: SinglePanel) -> Iterator[Ca
 def triangles(case: Case) -> Iterator[CaseProblem]:
     """The mesh generator must make triangles of the openings.  One that is not installed is not asked:
     missing_solvers says so."""
-    if not perforated(case):
+    if not perforated_panels(case):
         return
     from orchestrator.case.deck.triangle_grid import BadMesh, surface_grids
 
@@ -150,7 +150,7 @@ def too_large(case: Case) -> Iterator[CaseProblem]:
 
 
 def beyond_this_machine(case: Case) -> Iterator[str]:
-    """Warns where a run would be ended by the system, without a word, when its memory is used up."""
+    """Warn where a run would be ended by the system, without a word, when its memory is used up."""
     there_GiB = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / GIB
     needed_GiB = memory_GiB(case)
     if needed_GiB > there_GiB:
@@ -211,7 +211,7 @@ def fitting_recording(case: Case, folder: Path) -> Iterator[CaseProblem]:
 
 
 def other_speed(case: Case, folder: Path) -> Iterator[str]:
-    """Warns of a recording made at another speed than it is played back at."""
+    """Warn of a recording made at another speed than it is played back at."""
     machine = turning(case)
     if not case.panel.adapter.plays_back or case.panel.recording is None or machine is None:
         return

@@ -68,7 +68,7 @@ def whole_times(case: Case) -> Iterator[CaseProblem]:
 
 
 def missing_solvers(case: Case) -> Iterator[str]:
-    """Yields the solvers that the case wants and this installation lacks; takes as long as they load."""
+    """Yield the solvers that the case wants and this installation lacks; takes as long as they load."""
     for port, adapter in case.adapters.items():
         if port == "particles" and not has_particles(case):
             continue

@@ -74,7 +74,7 @@ def panels_inside(case: Case) -> Iterator[CaseProblem]:
 
 
 def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
-    """Yields what is wrong with a triangulation, and what to do about it."""
+    """Yield what is wrong with a triangulation, and what to do about it."""
     corners = facets.position_m[facets.triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     size = np.ptp(corners.reshape(-1, 3), axis=0).max()
@@ -101,7 +101,7 @@ def faults(facets: stl.Facets) -> Iterator[tuple[str, str]]:
 
 
 def _outside(case: Case, position_m: Array) -> str:
-    """Returns how far points reach outside the domain, in words; empty if they do not."""
+    """Return how far points reach outside the domain, in words; empty if they do not."""
     low, high = np.array(case.domain_m)
     beyond = np.maximum(low - position_m, position_m - high).max(axis=0)
     if beyond.max() <= 0:
@@ -188,7 +188,7 @@ def _in_feed_box(case: Case, surface: str, corners_m: Array) -> Iterator[CasePro
 
 
 def _surfaces(case: Case, folder: Path) -> Iterator[tuple[str, Array]]:
-    """Yields panels that are not slack, straight between their clamps, and rigid surfaces: by name,
+    """Yield panels that are not slack, straight between their clamps, and rigid surfaces: by name,
     their triangles (m, 3, 3) in the world."""
     for panel in single_panels(case):
         if panel.rectangle.span_m >= panel.rectangle.length_m:
@@ -220,7 +220,7 @@ def _more(numbers: Indices) -> str:
 
 
 def _named(case: Case, number: int) -> tuple[Key, str]:
-    """Returns the key that puts particle ``number`` (from 0) where it is, and what to call it."""
+    """Return the key that puts particle ``number`` (from 0) where it is, and what to call it."""
     singles = list(case.bed.particles)
     if number < len(singles):
         return ("bed", "particles", singles[number], "position_m"), f'"{singles[number]}"'

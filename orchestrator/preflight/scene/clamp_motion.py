@@ -13,15 +13,9 @@ from orchestrator.preflight.scene.scene import Scene, stroke_m
 from orchestrator.preflight.scene.shaking import Shaking, free_frames, solve_shakings
 
 
-def moved_by_forces(case: Case) -> list[str]:
-    """Return the frames with a mass that no drive moves."""
-    frames = case.screen.frames.items()
-    return [name for name, frame in frames if frame.drive is None and frame.mass_kg]
-
-
 def has_moved_by_forces(case: Case) -> bool:
-    """Return whether forces move a frame."""
-    return bool(moved_by_forces(case))
+    """Return whether a frame has a mass and no drive, so that forces move it."""
+    return any(frame.drive is None and frame.mass_kg for frame in case.screen.frames.values())
 
 
 def largest_stroke_m(scene: Scene, shaken: tuple[Shaking, ...]) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from orchestrator.case.bed.adhesion import surface_materials
 from orchestrator.case.bed.contact_times import (
@@ -20,18 +21,11 @@ from orchestrator.preflight.scene.scene import Scene
 
 
 def contact_law_effect(
-    judge: Judge,
-    *,
-    coefficient: str,
-    law: str,
-    laws: tuple[str, ...],
-    without: str,
-    key: str,
-    checked_by: str,
+    judge: Judge, *, coefficient: str, law: str, laws: tuple[str, ...], without: str, **more: Any
 ) -> Effect:
     """Return an effect of the particles that a case describes by a ``coefficient`` of its contacts
     above zero, and whose ``law``, a key of the particles, is one of ``laws`` or "none": ``without``
-    says what that means."""
+    says what that means.  ``more`` are the effect's other fields."""
 
     def described(case: Case) -> bool:
         return any(getattr(row, coefficient) for row in case.contacts)
@@ -47,10 +41,9 @@ def contact_law_effect(
         left_out=left_out,
         overlay=lambda case: {"particles": {law: "none"}},
         laws={name: {"particles": {law: name}} for name in laws},
-        key=key,
-        checked_by=checked_by,
         saves=True,
         about=("particles",),
+        **more,
     )
 
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from orchestrator.case.deck.panels import TRANSPORT_M_S, deck_length_m
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, deck_length_m
 from orchestrator.preflight.scene.effect import TENTH, Verdict, compare
 from orchestrator.preflight.scene.scene import Scene
 
-SLOWEST_M_S = TRANSPORT_M_S / 3  # a thick bed on a flat deck
+SLOWEST_M_PER_S = TRANSPORT_M_PER_S / 3  # a thick bed on a flat deck
 
 
 def compare_passage(scene: Scene, cost: str) -> Verdict:
@@ -46,4 +46,4 @@ def _speeds_m_per_s(scene: Scene) -> tuple[float, float, str]:
         (sliding_m_per_s, "slides down without friction"),
         (scene.impact_m_per_s, "is as fast as what throws it"),
     )
-    return min(SLOWEST_M_S, fast_m_per_s), fast_m_per_s, f", if it {how}"
+    return min(SLOWEST_M_PER_S, fast_m_per_s), fast_m_per_s, f", if it {how}"

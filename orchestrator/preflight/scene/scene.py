@@ -18,7 +18,7 @@ from orchestrator.case.bed.contact_times import impact_speed_m_per_s, smallest_d
 from orchestrator.case.bed.size_distribution import classes, mean_mass_kg, share_left_out, size_class
 from orchestrator.case.bed.sources import largest_diameter_m
 from orchestrator.case.deck.openings import smaller_sides_m
-from orchestrator.case.deck.panels import TRANSPORT_M_S, axes, single_panels, stay_s
+from orchestrator.case.deck.panels import TRANSPORT_M_PER_S, axes, single_panels, stay_s
 from orchestrator.case.solver_plans import frames_plan, hyperelastic
 from orchestrator.case.tables.bed import Feed, SizeClass
 from orchestrator.case.tables.case import Case, has_particles
@@ -113,7 +113,7 @@ class Scene:
     def transport_m_per_s(self) -> float:
         """The speed of the bed along the deck."""
         observed = self.observed.transport_m_per_s
-        return TRANSPORT_M_S if observed is None else observed
+        return TRANSPORT_M_PER_S if observed is None else observed
 
     @property
     def slope(self) -> float:
@@ -199,7 +199,7 @@ def stroke_m(shaken: tuple[Shaking, ...], spring: PanelSpring) -> float:
 
 def elastic_solvers() -> str:
     """Return the panel solvers whose panels deform, as words about a cost."""
-    return f"none with panel.solver {solvers.those('panel', lambda adapter: adapter.deforms)}"
+    return f"none with panel.solver {solvers.names_able_to('panel', lambda adapter: adapter.deforms)}"
 
 
 def deck_m2(case: Case) -> float:

@@ -86,7 +86,7 @@ class Touch:
 
 
 def touches(scene: Scene, surface_material: str) -> list[Touch]:
-    """Returns the smallest and the largest spheres of each material, on surfaces of a material."""
+    """Return the smallest and the largest spheres of each material, on surfaces of a material."""
     smallest_m, largest_m = smallest_diameters_m(scene.case), largest_diameters_m(scene.case)
     return [
         _touch(scene, name, diameter_m, surface_material)
@@ -165,7 +165,7 @@ the seat besides the contact's stiffness and damping."""
 def contact_bounds(
     scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices | None
 ) -> Iterator[Bound]:
-    """Yields for each limit the worst of all particles on all panels, where their load moves these."""
+    """Yield for each limit the worst of all particles on all panels, where their load moves these."""
     exchange, scheme = scene.case.exchange, scene.case.coupling.scheme
     if not (exchange.particle_load and exchange.panel_motion):
         return
@@ -187,7 +187,7 @@ def contact_bounds(
 def _seats(
     scene: Scene, modes_rad_per_s: Mapping[str, float], frames: FrameMatrices | None
 ) -> Iterator[Seat]:
-    """Yields what carries a sphere: the lightest point where it is alone, of many side by side the
+    """Yield what carries a sphere: the lightest point where it is alone, of many side by side the
     area that each takes, and of a few that crowd on the lightest point its share.  Panels that do
     not yield carry with the lightest frame; nothing is yielded where that is not moved."""
     case, exchange = scene.case, scene.case.exchange
@@ -207,7 +207,7 @@ def _seats(
 
 
 def frame_bounds(scene: Scene, frames: FrameMatrices) -> Iterator[Bound]:
-    """Yields the bounds from panels, as springs and as masses, on frames that they push."""
+    """Yield the bounds from panels, as springs and as masses, on frames that they push."""
     scheme, exchange = scene.case.coupling.scheme, scene.case.exchange
     if not (exchange.panel_reaction and exchange.frame_motion):
         return
@@ -250,7 +250,7 @@ class MetSurface:
 
 
 def met_surfaces(scene: Scene) -> list[MetSurface]:
-    """Returns every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
+    """Return every panel and every wall.  Rigid panels and walls move as frames do; other panels, as their
     middles or as the frames, whichever is more."""
     case, moves = scene.case, scene.case.exchange.frame_motion
     panel_solver, gravity_m_per_s2 = case.panel.adapter, scene.gravity_m_per_s2
@@ -278,7 +278,7 @@ def met_surfaces(scene: Scene) -> list[MetSurface]:
 
 
 def surface_bounds(scene: Scene) -> Iterator[Bound]:
-    """Yields the bounds on accuracy, of all particles on all that they meet: at least ten intervals
+    """Yield the bounds on accuracy, of all particles on all that they meet: at least ten intervals
     to the shortest impact on a surface that a load moves, and how far surfaces may be off."""
     meetings = [
         (surface, touch) for surface in met_surfaces(scene) for touch in touches(scene, surface.material)
@@ -307,7 +307,7 @@ def surface_bounds(scene: Scene) -> Iterator[Bound]:
 
 
 def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
-    """Returns the interval in which a surface that is free is off by ``SHARE_OF_OVERLAP``.  robin drifts on
+    """Return the interval in which a surface that is free is off by ``SHARE_OF_OVERLAP``.  robin drifts on
     what it does not foresee; serial-staggered shows the particles the way that the surface has gone."""
     scheme = scene.case.coupling.scheme
     if surface.known or surface.acceleration_m_per_s2 == 0.0 or scheme == "serial-staggered":
@@ -318,7 +318,7 @@ def _extrapolated_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
 
 
 def _smoothed_s(scene: Scene, surface: MetSurface, touch: Touch) -> float:
-    """Returns the interval in which the smooth path of a driven surface, H^4 a w^2, is off by
+    """Return the interval in which the smooth path of a driven surface, H^4 a w^2, is off by
     ``SHARE_OF_OVERLAP``."""
     if not surface.known or surface.acceleration_m_per_s2 == 0.0:
         return math.inf

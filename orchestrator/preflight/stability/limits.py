@@ -29,7 +29,7 @@ m/M = 1 to 10^4 (restitution 0.13 to 0.99)."""
 def light_point_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
-    """Returns the limit of particles-first: the surface drifts through the interval H, so that the
+    """Return the limit of particles-first: the surface drifts through the interval H, so that the
     contact pushes it back too late.  The point swings from side to side, interval by interval, from
 
         (g + k H / 2) tan(w H / 2) = M w,
@@ -50,7 +50,7 @@ def light_point_s(
 
 
 def resting_mode_s(stiffness_N_per_m: float, damping_N_s_per_m: float, mode_rad_per_s: float) -> float:
-    """Returns the limit of particles-first for a contact that lasts on a vibrating surface: within the
+    """Return the limit of particles-first for a contact that lasts on a vibrating surface: within the
     interval its damper sees an old velocity and its spring an old place, and together they drive
     the mode unless
 
@@ -72,14 +72,14 @@ def resting_mode_s(stiffness_N_per_m: float, damping_N_s_per_m: float, mode_rad_
 
 
 def rocking_s(stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float) -> float:
-    """Returns the limit of particles-first for a free sphere m that stays on a free point: that of
+    """Return the limit of particles-first for a free sphere m that stays on a free point: that of
     ``resting_mode_s`` with the frequency of the pair, and the damper over the point's share in it."""
     w, share = _pair(stiffness_N_per_m, sphere_kg, mass_kg)
     return resting_mode_s(stiffness_N_per_m, damping_N_s_per_m / share, w)
 
 
 def _pair(stiffness_N_per_m: float, sphere_kg: float, mass_kg: float) -> tuple[float, float]:
-    """Returns the frequency of a free sphere m on a free point, w^2 = k / m + k / M, and the point's
+    """Return the frequency of a free sphere m on a free point, w^2 = k / m + k / M, and the point's
     share in it, m / (m + M)."""
     w = math.sqrt(stiffness_N_per_m / sphere_kg + stiffness_N_per_m / mass_kg)
     return w, sphere_kg / (sphere_kg + mass_kg)
@@ -88,7 +88,7 @@ def _pair(stiffness_N_per_m: float, sphere_kg: float, mass_kg: float) -> tuple[f
 def foreseen_mode_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float
 ) -> float:
-    """Returns the limit of robin for a mode, whose chord is foreseen as if a change of the load moved
+    """Return the limit of robin for a mode, whose chord is foreseen as if a change of the load moved
     a free mass.  It moves less by b = H^2 / (2 M) (1 - sin^2(w H / 2) / (w H / 2)^2), which is told
     an interval later.  A held sphere cannot drive the mode while
 
@@ -113,7 +113,7 @@ def foreseen_mode_s(
 def foreseen_sphere_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
-    """Returns the limit of robin for a free sphere m on a free point M; the midpoint rule that predicts
+    """Return the limit of robin for a free sphere m on a free point M; the midpoint rule that predicts
     its load is off by k H^2 / (12 m) and (g H / m)^2 / 12 of it, and H / (2 M) times the impedance,
     k H / 2 + g twice, is what that does to the point.  Stable below ``FORESEEN`` times the H from
 
@@ -137,7 +137,7 @@ def foreseen_sphere_s(
 def late_contact_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, mass_kg: float, mode_rad_per_s: float = 0.0
 ) -> float:
-    """Returns the limit of serial-staggered: the force comes an interval late, which is the damping
+    """Return the limit of serial-staggered: the force comes an interval late, which is the damping
     -k H; and a damper that comes late overshoots.  Stable below
 
         1 / H = w / arctan(g w / k) + g / (2 M),    k / g + g / (2 M) for w = 0;
@@ -156,7 +156,7 @@ def late_contact_s(
 def late_rocking_s(
     stiffness_N_per_m: float, damping_N_s_per_m: float, sphere_kg: float, mass_kg: float
 ) -> float:
-    """Returns the limit of serial-staggered for a free sphere m on a free point: as ``late_contact_s``
+    """Return the limit of serial-staggered for a free sphere m on a free point: as ``late_contact_s``
     with the frequency of the pair, and the damper over the point's share."""
     k, g = stiffness_N_per_m, damping_N_s_per_m
     if g == 0:
@@ -167,14 +167,14 @@ def late_rocking_s(
 
 
 def _largest(one: float, other: float) -> float:
-    """Returns the largest value of u (one (1 + u) + other (1 - u)) for u from 0 to 1."""
+    """Return the largest value of u (one (1 + u) + other (1 - u)) for u from 0 to 1."""
     if other <= 3 * one:  # it grows up to u = 1
         return 2 * one
     return (one + other) ** 2 / (4 * (other - one))
 
 
 def _crossing(excess: Callable[[float], float]) -> float:
-    """Returns the exponent at which ``excess``, negative far below and positive far above, is first zero."""
+    """Return the exponent at which ``excess``, negative far below and positive far above, is first zero."""
     before, step = -20.0, 0.05
     while excess(before + step) < 0:
         before += step
@@ -192,14 +192,14 @@ Gerbeau, J.-F. and Nobile, F., Computer Methods in Applied Mechanics and Enginee
 
 
 def extrapolated_clamps_s(mass: Array, panels_N_per_m: Array) -> float:
-    """Returns the limit of ``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs,
+    """Return the limit of ``AHEAD`` schemes: clamps extrapolated with the last acceleration, on springs,
     are stable for w H < 1, w the highest frequency of the frames on the panels alone; damped below."""
     highest = float(eigh(panels_N_per_m, mass, eigvals_only=True)[-1])
     return 1 / math.sqrt(highest) if highest > 0 else math.inf
 
 
 def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Array) -> float:
-    """Returns the limit of serial-staggered: the panels' force comes an interval late, which is the
+    """Return the limit of serial-staggered: the panels' force comes an interval late, which is the
     damping -K H.  Of every mode X (a column), the machine's own must be larger: H < X C X / X K X."""
     driven = np.einsum("im,ij,jm->m", shapes, panels_N_per_m, shapes)
     damped = np.einsum("im,ij,jm->m", shapes, damping_N_s_per_m, shapes)
@@ -208,5 +208,5 @@ def late_reaction_s(shapes: Array, panels_N_per_m: Array, damping_N_s_per_m: Arr
 
 
 def carried_share(mass: Array, carried: Array) -> float:
-    """Returns the largest ratio of carried mass to the frames' own, over all their motions."""
+    """Return the largest ratio of carried mass to the frames' own, over all their motions."""
     return float(eigh(carried, mass, eigvals_only=True)[-1])

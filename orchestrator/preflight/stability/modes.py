@@ -38,13 +38,13 @@ class FrameMatrices:
         return float(np.min(np.diag(self.mass)[:: self.freedoms]))
 
     def modes(self) -> tuple[Array, Array]:
-        """Returns the angular frequencies, and shapes as columns, of frames with panels on them."""
+        """Return the angular frequencies, and shapes as columns, of frames with panels on them."""
         square, shapes = eigh(self.panels_N_per_m + self.bushings_N_per_m, self.mass + self.carried)
         return np.sqrt(np.maximum(square, 0.0)), shapes
 
 
 def frame_matrices(scene: Scene) -> FrameMatrices | None:
-    """Returns the matrices of a scene, or None where no frame is free to be pushed."""
+    """Return the matrices of a scene, or None where no frame is free to be pushed."""
     case, plan = scene.case, scene.plan
     solver = case.frames.adapter
     if not (solver.moved_by_forces and free_frames(plan)):
@@ -79,7 +79,7 @@ period.  Steps of h turn w into (2 / h) arcsin(w h / 2)."""
 
 
 def largest_steps_s(case: Case) -> dict[str, float]:
-    """Returns the largest step of the solver for each row of panels; none where stability does not limit
+    """Return the largest step of the solver for each row of panels; none where stability does not limit
     it.  Raises SolverMissing, and SolverFailed where no resting shape is found."""
     limit = case.panel.adapter.largest_step_s
     if limit is None or case.panel.integrator != "explicit":
@@ -90,7 +90,7 @@ def largest_steps_s(case: Case) -> dict[str, float]:
 
 
 def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
-    """Returns the highest frequency that its steps make for each row of panels; and why not, if none.
+    """Return the highest frequency that its steps make for each row of panels; and why not, if none.
 
     Implicit steps longer than the mesh's periods have none that matters here: their phase
     stays below half a turn."""
@@ -102,13 +102,13 @@ def highest_rad_per_s(case: Case) -> tuple[dict[str, float], str]:
 
 
 def areal_kg_per_m2(case: Case, panel: PanelTable) -> float:
-    """Returns the mass of the perforated part per area."""
+    """Return the mass of the perforated part per area."""
     solid = AperturePattern(**dict(panel.apertures)).solid_share if panel.apertures else 1.0
     return solid * case.materials[panel.material].density_kg_per_m3 * panel.thickness_m
 
 
 def lightest_point_kg(case: Case, name: str) -> float:
-    """Returns the effective mass of the lightest point of the surface of the panels ``name``, as their
+    """Return the effective mass of the lightest point of the surface of the panels ``name``, as their
     solver tells; else the mass under one of the surface's cells."""
     panel, lightest_kg = case.screen.panels[name], case.panel.adapter.lightest_kg
     if lightest_kg is None:

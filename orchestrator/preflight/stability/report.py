@@ -95,7 +95,7 @@ class StabilityReport:
         return self.interval_s > self.safe_s
 
     def short_lines(self) -> Iterator[str]:
-        """Yields how often forces are exchanged, how often they should be, and why."""
+        """Yield how often forces are exchanged, how often they should be, and why."""
         scheme = f"scheme {self.scheme}" + (", chosen by the program" if self.why else "")
         yield (
             f"  particles, panels and frames exchange motion and forces every {self.interval_s:.3g} s "
@@ -113,7 +113,7 @@ class StabilityReport:
         yield "  (--detail: all limits, and the numbers behind them)"
 
     def detail_lines(self) -> Iterator[str]:
-        """Yields all of it: numbers, bounds from the least up, and what follows."""
+        """Yield all of it: numbers, bounds from the least up, and what follows."""
         if self.why:
             yield f"  scheme: {self.scheme}, taken by the program: {self.why}"
         for name, text in self.facts.items():
@@ -124,7 +124,7 @@ class StabilityReport:
         yield f"  {self.verdict()}"
 
     def verdict(self) -> str:
-        """Returns the largest safe interval, and where the case is."""
+        """Return the largest safe interval, and where the case is."""
         if self.stable is None:
             return f"nothing limits the sync interval of {self.interval_s:.3g} s ({self.scheme})"
         if self.safe_s == 0:
@@ -135,7 +135,7 @@ class StabilityReport:
         )
 
     def warnings(self) -> Iterator[str]:
-        """Yields where the case is beyond a limit: one line for stability, one for accuracy."""
+        """Yield where the case is beyond a limit: one line for stability, one for accuracy."""
         begin, accurate = f"coupling.sync_interval_s = {self.interval_s:.3g} s", self.accurate
         if self.stable is not None and self.unsafe:
             why = because(self.stable)
@@ -149,7 +149,7 @@ class StabilityReport:
             yield f"{begin}: accurate by the usual rules is at most {limit_s:.2g} s: {because(accurate)}"
 
     def advice(self) -> str:
-        """Returns a sentence for a run that became unstable."""
+        """Return a sentence for a run that became unstable."""
         if self.stable is None or not self.unsafe:
             return "A smaller coupling.sync_interval_s or solver step usually helps."
         if self.safe_s == 0:
@@ -158,7 +158,7 @@ class StabilityReport:
         return f"At most {safe} is sure to be stable: {because(self.stable)}."
 
     def as_json(self) -> dict[str, Any]:
-        """Returns what ``summary.json`` has: bounds in s (None: no limit), the one that limits, and
+        """Return what ``summary.json`` has: bounds in s (None: no limit), the one that limits, and
         what to do where the case is beyond it."""
         return {
             "scheme": self.scheme,
@@ -174,19 +174,19 @@ class StabilityReport:
 
 
 def because(bound: Bound) -> str:
-    """Returns why the bound allows no longer interval, in a designer's words; what the theory says of a
+    """Return why the bound allows no longer interval, in a designer's words; what the theory says of a
     bound that has none."""
     clause = BECAUSE.get(bound.name)
     return clause.format(where=bound.where) if clause else f"{bound.name} ({bound.why})"
 
 
 def remedy(bound: Bound) -> str:
-    """Returns what helps where the bound allows no interval at all."""
+    """Return what helps where the bound allows no interval at all."""
     return REMEDIES.get(bound.name, 'set coupling.scheme = "auto"')
 
 
 def stability_report(case: Case) -> StabilityReport:
-    """Returns the report of a case without problems.
+    """Return the report of a case without problems.
 
     Where the case leaves its scheme to the program, it is the plain scheme's report if the sync
     interval is safe there or ``robin`` allows no longer one; else it is ``robin``'s.
@@ -206,18 +206,18 @@ def stability_report(case: Case) -> StabilityReport:
 
 
 def case_with_scheme(case: Case) -> Case:
-    """Returns the case with the scheme that it names, or else with the one that its report calls for."""
+    """Return the case with the scheme that it names, or else with the one that its report calls for."""
     return with_scheme(case, stability_report(case).scheme) if case.coupling.scheme == AUTO else case
 
 
 def with_scheme(case: Case, name: str) -> Case:
-    """Returns the case with another scheme."""
+    """Return the case with another scheme."""
     coupling = case.coupling.model_copy(update={"scheme": name})
     return case.model_copy(update={"coupling": coupling})
 
 
 def _report(case: Case) -> StabilityReport:
-    """Returns the report of a case that names its scheme."""
+    """Return the report of a case that names its scheme."""
     there = scene(case)
     modes_rad_per_s, unknown = highest_rad_per_s(case)
     frames = frame_matrices(there)
@@ -239,7 +239,7 @@ def _report(case: Case) -> StabilityReport:
 def _facts(
     scene: Scene, modes_rad_per_s: Mapping[str, float], unknown: str, frames: FrameMatrices | None
 ) -> Iterator[tuple[str, str]]:
-    """Yields times, masses, modes and damping of a scene, and the particles' step, by name."""
+    """Yield times, masses, modes and damping of a scene, and the particles' step, by name."""
     case, rayleigh_s = scene.case, shortest_rayleigh_s(scene.case)
     if has_particles(case):
         yield "Rayleigh time", f"{rayleigh_s:.3g} s, the smallest particle's"

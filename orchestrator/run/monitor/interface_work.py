@@ -30,7 +30,7 @@ from orchestrator.coupling.schemes.scheme import State
 from orchestrator.ports import Array, HermitePath, Indices, Load, Motion, PanelState
 from orchestrator.ports.state import SavedAttributes
 
-SLOW_M_S = 1e-3  # nothing on a screen that moves slower counts
+SLOW_M_PER_S = 1e-3  # nothing on a screen that moves slower counts
 FADE = 1 - 1 / 20  # an interval's share in what is recent falls so much with each one after it
 
 
@@ -46,7 +46,7 @@ class InterfaceData(NamedTuple):
 
 
 def interface_data(members: MeteredSolvers, length_s: float) -> InterfaceData:
-    """Returns what crossed in the interval that the members have just ended, as their meters have it."""
+    """Return what crossed in the interval that the members have just ended, as their meters have it."""
     particles = members.particles.last if members.particles is not None else None
     return InterfaceData(length_s, members.frames.last, members.panel.last, particles)
 
@@ -59,7 +59,7 @@ class ExchangedEnergy:
     falls where it gets back.  Its range is what was exchanged, whether it was given for good (a bed
     that is thrown and takes all of it) or came back (a ball that bounces).  An interface at rest
     exchanges nothing, and what rounding creates there is not to be measured by nothing: ``slow_J``,
-    what the largest load so far does in a sync interval on points that move at ``SLOW_M_S``, is added.
+    what the largest load so far does in a sync interval on points that move at ``SLOW_M_PER_S``, is added.
     """
 
     given_J: float = 0.0
@@ -68,11 +68,11 @@ class ExchangedEnergy:
     slow_J: float = 0.0
 
     def add(self, work_J: float, force_N: Array, length_s: float) -> None:
-        """Adds an interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
+        """Add an interval's ``work_J`` of the mean load ``force_N`` (any shape) over ``length_s``."""
         self.given_J += work_J
         self.least_J = min(self.least_J, self.given_J)
         self.most_J = max(self.most_J, self.given_J)
-        self.slow_J = max(self.slow_J, SLOW_M_S * length_s * float(np.abs(force_N).sum()))
+        self.slow_J = max(self.slow_J, SLOW_M_PER_S * length_s * float(np.abs(force_N).sum()))
 
     @property
     def scale_J(self) -> float:
@@ -84,7 +84,7 @@ class Balance:
     """The energy created at an interface, against what went through it.
 
     ``through_J``: sum of the sizes of the work along each axis at each point; a load on what moves
-    slower than ``SLOW_M_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
+    slower than ``SLOW_M_PER_S`` counts as if it moved so fast.  ``created_J``: since t = 0; negative:
     destroyed.  The recent ones fade with each interval; the newest is of the last interval alone.
     """
 
@@ -95,7 +95,7 @@ class Balance:
     newest_J: float = 0.0
 
     def add(self, created_J: float, through_J: float) -> None:
-        """Adds an interval."""
+        """Add an interval."""
         self.created_J += created_J
         self.through_J += through_J
         self.recent_created_J = FADE * self.recent_created_J + created_J
@@ -103,7 +103,7 @@ class Balance:
         self.newest_J = through_J
 
     def recent_share(self) -> float:
-        """Returns the share created of what went through in the last twenty intervals or so.  What went
+        """Return the share created of what went through in the last twenty intervals or so.  What went
         through in the newest does not count as created: it may come back in the next."""
         beyond_J = abs(self.recent_created_J) - self.newest_J
         if beyond_J <= 0 or self.recent_through_J <= 0:
@@ -111,7 +111,7 @@ class Balance:
         return beyond_J / self.recent_through_J
 
     def begin_anew(self, in_transit_J: float = 0.0) -> None:
-        """Forgets what is recent but what the next interval takes back."""
+        """Forget what is recent but what the next interval takes back."""
         self.recent_created_J = in_transit_J / FADE  # whole in the next interval
         self.recent_through_J = self.newest_J = 0.0
 
@@ -127,16 +127,16 @@ class Acting:
     force_N: Array
 
     def moved_m(self, from_m: Array, to_m: Array) -> Array:
-        """Returns how far the components moved, (n,)."""
+        """Return how far the components moved, (n,)."""
         return np.subtract(to_m.take(self.where), from_m.take(self.where))
 
     def work_J(self, from_m: Array, to_m: Array) -> float:
-        """Returns the work on points that move from one place to another."""
+        """Return the work on points that move from one place to another."""
         return float(self.force_N.dot(self.moved_m(from_m, to_m)))
 
 
 def acting(load: Load, points: slice) -> Acting:
-    """Returns the components of a load that are not zero on some of the points."""
+    """Return the components of a load that are not zero on some of the points."""
     force_N = load.force_N[points]
     where = np.flatnonzero(force_N != 0.0)
     return Acting(where, force_N.take(where))
@@ -157,7 +157,7 @@ class ContactWork(SavedAttributes):
         self._load = self._load_before = acting(start.load, points)
 
     def add(self, data: InterfaceData) -> None:
-        """Books an interval."""
+        """Book an interval."""
         assert data.particles is not None
         path, load = data.particles
         _, given, state = data.panel
@@ -182,7 +182,7 @@ class ContactWork(SavedAttributes):
         self._load_before, self._load = self._load, newest
 
     def begin_anew(self) -> None:
-        """Forgets what is recent: intervals are of another length from now on."""
+        """Forget what is recent: intervals are of another length from now on."""
         surface_m = self._whole_m[self._points]
         self.balance.begin_anew(self._load.work_J(self._path_end_m, surface_m))
 
@@ -201,7 +201,7 @@ class ClampWork(SavedAttributes):
         self._at_end_J = 0.0  # R.e of the last interval
 
     def add(self, data: InterfaceData) -> None:
-        """Books an interval."""
+        """Book an interval."""
         reaction, clamps = data.frames
         told, _, state = data.panel
         all_moved_m, all_N = clamps.position_m - self._clamps_m, state.reaction.force_N
@@ -217,21 +217,21 @@ class ClampWork(SavedAttributes):
         self._at_end_J = at_end_J
 
     def begin_anew(self) -> None:
-        """Forgets what is recent: intervals are of another length from now on."""
+        """Forget what is recent: intervals are of another length from now on."""
         self.balance.begin_anew(self._at_end_J)
 
 
 def through_J(force_N: Array, moved_m: Array, length_s: float) -> float:
-    """Returns the sizes of the work along each axis at each point, added up, of a force and a motion over
+    """Return the sizes of the work along each axis at each point, added up, of a force and a motion over
     ``length_s`` of the same shape."""
-    return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_S * length_s))
+    return float(np.vdot(np.abs(force_N), np.abs(moved_m) + SLOW_M_PER_S * length_s))
 
 
 Works = dict[str, ContactWork | ClampWork]
 
 
 def interface_works(case: Case, machine: Machine, start: State) -> Works:
-    """Returns the work at both interfaces of the panels, whose points come before all else of the surface.
+    """Return the work at both interfaces of the panels, whose points come before all else of the surface.
 
     An interface where a hand-over is turned off has none: its energy does not close.
     """
@@ -246,5 +246,5 @@ def interface_works(case: Case, machine: Machine, start: State) -> Works:
 
 
 def exchanged_J(works: Works) -> dict[str, float]:
-    """Returns for each interface, as the ledger names it, the scale for energy created there."""
+    """Return for each interface, as the ledger names it, the scale for energy created there."""
     return {work.LEDGER_NAME: work.exchange.scale_J for work in works.values()}

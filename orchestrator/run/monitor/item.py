@@ -59,22 +59,22 @@ class MonitorItem:
         self.subject = subject
 
     def add_interval(self, data: InterfaceData) -> None:
-        """Takes in what crossed the interfaces in one interval; called for each, in their order."""
+        """Take in what crossed the interfaces in one interval; called for each, in their order."""
 
     def observe(self) -> Iterable[Observation]:
-        """Returns what is to be judged now: five sync intervals after the last time at most."""
+        """Return what is to be judged now: five sync intervals after the last time at most."""
         return ()
 
     def observe_output(self, output: OutputTime) -> Iterable[Observation]:
-        """Returns what is to be judged at an output time."""
+        """Return what is to be judged at an output time."""
         return ()
 
     def begin_anew(self) -> None:
         """Is called when intervals are of another length from now on."""
 
     def save(self) -> Saved:
-        """Returns all that the item remembers, for a checkpoint."""
+        """Return all that the item remembers, for a checkpoint."""
         return {}
 
     def restore(self, saved: Saved) -> None:
-        """Takes back what ``save`` returned."""
+        """Take back what ``save`` returned."""

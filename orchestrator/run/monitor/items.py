@@ -24,7 +24,7 @@ from orchestrator.coupling.ledger import created_shares
 from orchestrator.coupling.machine import PanelPoints
 from orchestrator.ports import Array, Indices, Saved
 from orchestrator.ports.state import SavedAttributes
-from orchestrator.run.monitor.interface_work import SLOW_M_S, InterfaceData, exchanged_J
+from orchestrator.run.monitor.interface_work import SLOW_M_PER_S, InterfaceData, exchanged_J
 from orchestrator.run.monitor.item import MonitorItem, Observation, OutputTime, Subject
 
 
@@ -118,7 +118,7 @@ class Alternation(SavedAttributes):
 
     def __init__(self, velocity_m_per_s: Array, least: float) -> None:
         self._least = least
-        self._quick_m_per_s, self._growing_m_per_s = SLOW_M_S, 0.0
+        self._quick_m_per_s, self._growing_m_per_s = SLOW_M_PER_S, 0.0
         self._begin(velocity_m_per_s)
 
     def _begin(self, velocity_m_per_s: Array) -> None:
@@ -141,7 +141,7 @@ class Alternation(SavedAttributes):
         self._step_m_per_s, self._change_m_per_s = step_m_per_s, change_m_per_s
 
     def _loud(self, change_m_per_s: Array) -> bool:
-        """Returns whether a point may alternate fast enough to count.  The norm, no smaller than any of
+        """Return whether a point may alternate fast enough to count.  The norm, no smaller than any of
         its parts, is the quickest to find."""
         least_m_per_s = 4 * self._least * self._quick_m_per_s
         if np.vdot(change_m_per_s, change_m_per_s) < least_m_per_s**2:
@@ -149,7 +149,7 @@ class Alternation(SavedAttributes):
         return bool(max(change_m_per_s.max(), -change_m_per_s.min()) > least_m_per_s)
 
     def _count(self, change_m_per_s: Array, loud: bool) -> None:
-        """Counts how often each point has turned round in succession."""
+        """Count how often each point has turned round in succession."""
         self._growing_m_per_s = 0.0
         if not loud:
             if self._turns.any():
@@ -171,12 +171,12 @@ class Alternation(SavedAttributes):
             self._growing_m_per_s = float(np.sqrt(square[grows].max())) / 4
 
     def share(self) -> float:
-        """Returns the speed of the fastest point that alternates and grows, of the surface's largest speed
+        """Return the speed of the fastest point that alternates and grows, of the surface's largest speed
         so far (the root mean square of all points')."""
         return self._growing_m_per_s / self._quick_m_per_s
 
     def begin_anew(self) -> None:
-        """Forgets what alternates: intervals are of another length from now on."""
+        """Forget what alternates: intervals are of another length from now on."""
         self._growing_m_per_s = 0.0
         self._begin(self._before_m_per_s)
 
@@ -267,7 +267,7 @@ class StretchedPanels(MonitorItem):
 
 
 def largest_stretch(panel: PanelPoints, surface_m: Array) -> float:
-    """Returns the largest strain of an edge of the panel's triangles, over its stress-free length."""
+    """Return the largest strain of an edge of the panel's triangles, over its stress-free length."""
     ends_m = surface_m[panel.edges]
     length_m = np.linalg.norm(ends_m[:, 1] - ends_m[:, 0], axis=1)
     return float((length_m / panel.edge_length_m).max()) - 1.0
@@ -282,14 +282,14 @@ class ItemLimit(NamedTuple):
 
 
 def all_items() -> dict[str, type[MonitorItem]]:
-    """Returns every item by its name: those of this file, then those of installed packages."""
+    """Return every item by its name: those of this file, then those of installed packages."""
     classes = [kind for kind in globals().values() if isclass(kind) and issubclass(kind, MonitorItem)]
     classes += [point.load() for point in entry_points(group="flipflow.monitor")]
     return {kind.name: kind for kind in classes if kind is not MonitorItem}
 
 
 def item_limit(settings: MonitorSettings, kind: type[MonitorItem]) -> ItemLimit | None:
-    """Returns what ``[monitor]`` wants of an item, or None for one that the case does not name."""
+    """Return what ``[monitor]`` wants of an item, or None for one that the case does not name."""
     if kind.limit_key:
         limit = getattr(settings, kind.limit_key)
         return ItemLimit(getattr(settings, kind.name), limit, f"monitor.{kind.limit_key}")
@@ -300,7 +300,7 @@ def item_limit(settings: MonitorSettings, kind: type[MonitorItem]) -> ItemLimit 
 
 
 def unknown_items(case: Case) -> list[CaseProblem]:
-    """Returns a problem for each table ``[monitor.items.<name>]`` whose item is nowhere to be found."""
+    """Return a problem for each table ``[monitor.items.<name>]`` whose item is nowhere to be found."""
     if not case.monitor.items:
         return []
     names = [name for name, kind in all_items().items() if not kind.limit_key]

@@ -35,7 +35,7 @@ LOG = logging.getLogger("flipflow")
 MOST_PARTS = 64
 TOGETHER = 5  # intervals are looked at, which costs little more than one, while all is well
 WEIGHT: tuple[Then, ...] = ("stop", "shorten", "warn")
-FASTEST_M_S = 300.0  # nothing on a screen moves at the speed of sound in air
+FASTEST_M_PER_S = 300.0  # nothing on a screen moves at the speed of sound in air
 
 
 class Stopped(SolverFailed):
@@ -62,7 +62,7 @@ class Watched:
         self._worst, self._times, self._first_s = 0.0, 0, 0.0
 
     def judge(self, observations: Iterable[Observation], time_s: float) -> list[Alarm]:
-        """Notes the observations, and returns those beyond the limit."""
+        """Note the observations, and return those beyond the limit."""
         then, limit, key = self._limit
         alarms = []
         for value, where in observations:
@@ -77,7 +77,7 @@ class Watched:
         return alarms
 
     def as_json(self) -> dict[str, Any]:
-        """Returns what ``summary.json`` has of the item."""
+        """Return what ``summary.json`` has of the item."""
         first_s = self._first_s if self._times else None
         return {"worst": self._worst, "limit": self._limit.limit, "times": self._times, "first_s": first_s}
 
@@ -114,13 +114,13 @@ class Monitor:
         self._said_shortest = False
 
     def advance(self, interval: Interval, state: State) -> tuple[State, State]:
-        """Returns the state after a sync interval, to go on from and to be recorded."""
+        """Return the state after a sync interval, to go on from and to be recorded."""
         machine = self._machine
         with machine.stopwatch("coupling"):  # what the members take is not counted there
             return self.pace.advance(machine.scheme, machine.solvers, interval, state, self._note)
 
     def observe_output(self, time_s: float, state: State, terms_J: dict[str, float], bed: Bed | None) -> None:
-        """Observes an output time, after which everything is judged; ``terms_J`` are the ledger's."""
+        """Observe an output time, after which everything is judged; ``terms_J`` are the ledger's."""
         self._at_once = True
         if is_first(self._world):
             with self._machine.stopwatch("monitor"):
@@ -130,7 +130,7 @@ class Monitor:
                     self._alarms += watched.judge(observations, time_s)
 
     def act(self, interval: Interval, state: State) -> None:
-        """Warns after a sync interval, or shortens the next ones, as the case wants.  Raises Stopped."""
+        """Warn after a sync interval, or shorten the next ones, as the case wants.  Raises Stopped."""
         done = interval.index + 1
         if self.pace.trusted and not self._at_once and done - self._judged < TOGETHER:
             return
@@ -146,7 +146,7 @@ class Monitor:
             self._begin_anew(f"t = {time_s:.6g} s: nothing was amiss for a while")
 
     def figures(self, intervals: int) -> dict[str, Any]:
-        """Returns what ``summary.json`` has of the monitor, after so many sync intervals."""
+        """Return what ``summary.json`` has of the monitor, after so many sync intervals."""
         return {
             "shortened_intervals": self.pace.divided,
             "shortened_share": self.pace.divided / intervals if intervals else 0.0,
@@ -155,7 +155,7 @@ class Monitor:
         }
 
     def exchanged_J(self) -> dict[str, float]:
-        """Returns the energy that went through each interface since t = 0, which the first rank knows.
+        """Return the energy that went through each interface since t = 0, which the first rank knows.
         An interface whose hand-over is turned off has none."""
         self._catch_up()
         return exchanged_J(self._works)
@@ -168,7 +168,7 @@ class Monitor:
         return books | save_attributes(self, "_judged", "_at_once")
 
     def restore(self, saved: Saved) -> None:
-        """Takes back what ``save`` returned; an item that the case did not have then begins now."""
+        """Take back what ``save`` returned; an item that the case did not have then begins now."""
         self.pace.restore(saved["pace"])
         for name, work in self._works.items():
             work.restore(saved["work"][name])
@@ -194,7 +194,7 @@ class Monitor:
         self._pending.clear()
 
     def _verdict(self, time_s: float) -> tuple[Then, str]:
-        """Returns what is to be done, and why."""
+        """Return what is to be done, and why."""
         self._catch_up()
         for watched in self._watched.values():
             self._alarms += watched.judge(watched.item.observe(), time_s)
@@ -229,18 +229,18 @@ class Monitor:
 
 
 def check_speeds(state: State, time_s: float, advice: str) -> None:
-    """Raises SolverFailed, with the ``advice`` at its end, when a surface or frame point moves
+    """Raise SolverFailed, with the ``advice`` at its end, when a surface or frame point moves
     impossibly fast."""
     for member, motion in (("frames", state.clamps), ("panel", state.panel.surface)):
         fastest_m_per_s = float(np.abs(motion.velocity_m_per_s).max(initial=0.0))
-        if fastest_m_per_s > FASTEST_M_S:
+        if fastest_m_per_s > FASTEST_M_PER_S:
             raise SolverFailed(
                 f"{member} became unstable at t = {time_s:.6g} s: a point moves at "
-                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_S:g} m/s). {advice}"
+                f"{fastest_m_per_s:.3g} m/s (limit {FASTEST_M_PER_S:g} m/s). {advice}"
             )
 
 
 def calm_intervals(case: Case) -> int:
-    """Returns the sync intervals of a cycle of the machine, if the case says nothing else: what was amiss
+    """Return the sync intervals of a cycle of the machine, if the case says nothing else: what was amiss
     comes back with it."""
     return steps_in(case.monitor.calm_s or cycle_s(case), case.coupling.sync_interval_s)

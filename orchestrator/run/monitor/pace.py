@@ -42,7 +42,7 @@ class Pace(SavedAttributes):
     def advance(
         self, scheme: Scheme, solvers: Solvers, interval: Interval, state: State, look: Look
     ) -> tuple[State, State]:
-        """Returns the state after a sync interval to go on from, and the one to be recorded: the same with
+        """Return the state after a sync interval to go on from, and the one to be recorded: the same with
         the mean loads of the whole interval.  ``look`` is called with each part when it has ended."""
         ends = []
         for part in interval.divided(self.parts):
@@ -55,7 +55,7 @@ class Pace(SavedAttributes):
         return state, mean_of(ends)
 
     def shorten(self) -> bool:
-        """Runs the next intervals in twice as many parts; False where they are the shortest already."""
+        """Run the next intervals in twice as many parts; False where they are the shortest already."""
         self._quiet, self.trusted = 0, False
         if 2 * self.parts > self._most:
             return False
@@ -65,7 +65,7 @@ class Pace(SavedAttributes):
         return True
 
     def ease(self, intervals: int = 1) -> bool:
-        """Counts intervals without trouble; True where that makes parts longer."""
+        """Count intervals without trouble; True where that makes parts longer."""
         if self.trusted:
             return False
         self._quiet += intervals
@@ -78,7 +78,7 @@ class Pace(SavedAttributes):
         return self._eased
 
     def _with_late_loads(self, scheme: Scheme, state: State, part: Interval) -> State:
-        """Returns the state with late loads scaled to the impulse of the part in which they arose."""
+        """Return the state with late loads scaled to the impulse of the part in which they arose."""
         if not scheme.late or part.length_s == self.last_s:
             return state
         share = self.last_s / part.length_s
@@ -88,7 +88,7 @@ class Pace(SavedAttributes):
 
 
 def mean_of(ends: list[State]) -> State:
-    """Returns the last of the states at the ends of equal parts, with the loads' means."""
+    """Return the last of the states at the ends of equal parts, with the loads' means."""
     if len(ends) == 1:
         return ends[0]
     load_N = np.mean([end.load.force_N for end in ends], axis=0)

@@ -31,8 +31,11 @@ ENDED = (*trust.AT_THE_END, "failed")
 
 @dataclass(frozen=True)
 class Asked:
-    """What a user asked for.  ``budget_s``: processor time that one run may take; ``seeds``: runs
-    of each point with other random numbers."""
+    """The request of a user.
+
+    ``budget_s``: processor time that a single run may take; ``seeds``: number of runs of each point with
+    other random numbers.
+    """
 
     study: CaseStudy
     parameters: tuple[str, ...]
@@ -44,8 +47,11 @@ class Asked:
 
 @dataclass(frozen=True)
 class Combination:
-    """The case with ``settings`` by axis; ``runs`` one for each seed, or ``omitted`` says why there
-    are none; ``metrics`` of each run, where all are done."""
+    """The case with ``settings`` by axis.
+
+    ``runs`` has a run for each seed, or ``omitted`` says why there are none; ``metrics`` belongs to the runs,
+    where all are done.
+    """
 
     kind: str
     name: str
@@ -57,44 +63,44 @@ class Combination:
 
     @property
     def sets(self) -> tuple[str, ...]:
-        """The ``--set`` overlays of its settings."""
+        """The ``--set`` overlays of the settings."""
         return joint_sets(self.settings)
 
     @property
     def label(self) -> str:
-        """Its settings, in words."""
+        """The settings, in words."""
         as_it_is = self.kind in (BASE, CALIBRATION)
         return "the case as it is" if as_it_is else joint_label(self.settings)
 
     @property
     def ended(self) -> bool:
-        """Whether all its runs have come to an end, well or not."""
+        """Whether all runs have come to an end, well or not."""
         return bool(self.runs) and all(run.status() in ENDED for run in self.runs)
 
     def with_metrics(self) -> Combination:
-        """Returns the point with the metrics of its runs, if all are done."""
+        """Return the point with the metrics of its runs, if all are done."""
         if self.metrics or not self.runs or any(run.status() != trust.DONE for run in self.runs):
             return self
         return replace(self, metrics=tuple(measure(run.folder) for run in self.runs))
 
     def values(self, name: str) -> list[float]:
-        """Returns a quantity by seed, as far as it is defined."""
+        """Return a quantity by seed, as far as it is defined."""
         return [of_run.values[name] for of_run in self.metrics if name in of_run.values]
 
     def mean(self, name: str) -> float | None:
-        """Returns the mean of a quantity over the seeds."""
+        """Return the mean of a quantity over the seeds."""
         values = self.values(name)
         return float(np.mean(values)) if values else None
 
     @property
     def processor_s(self) -> float:
-        """Processor time of one run."""
+        """The processor time of a single run."""
         return self.cost["processor_s"]
 
     @cached_property
     def cost(self) -> dict[str, float]:
-        """Times of one run, how many runs were at work at a time when these were, and the most memory
-        that one took."""
+        """The times of a single run, the number of runs side by side, and the largest memory of any of
+        them."""
         summaries = [of_run.summary for of_run in self.metrics]
         return {
             "processor_s": float(np.mean([summary["processor_s"] for summary in summaries])),
@@ -105,21 +111,23 @@ class Combination:
 
     @property
     def processor_by_part_s(self) -> dict[str, float]:
-        """Processor time by part of the program, mean over the seeds."""
+        """The processor time by part of the program, as the mean over the seeds."""
         every = [parts_s(of_run.summary) for of_run in self.metrics]
         return {part: float(np.mean([parts[part] for parts in every])) for part in every[0]}
 
 
 def parts_s(summary: Mapping[str, Any]) -> dict[str, float]:
-    """Returns the processor time of a run by part: "start" is before its wall time counts, the rest
-    is divided as that is."""
+    """Return the processor time of a run by part.
+
+    "start" is the time before wall time counts; the rest is divided in the proportions of the wall time.
+    """
     before_s = summary.get("processor_before_s", 0.0)  # runs of older versions do not tell
     rate = (summary["processor_s"] - before_s) / summary["wall_s"]
     return {"start": before_s} | {part: rate * time_s for part, time_s in summary["wall_by_part_s"].items()}
 
 
 def shared_sets(case: Case, coarsest_s: float) -> tuple[str, ...]:
-    """Returns ``--set`` overlays of all points alike: written at the same times by all sync intervals
+    """Return ``--set`` overlays of all points alike: written at the same times by all sync intervals
     down from ``coarsest_s``, and lasting for whole samples.  A monitor that shortens intervals only
     warns: an interval is what its label says."""
     every = sample_s(coarsest_s)
@@ -138,7 +146,7 @@ def _whole(time_s: Fraction, every: Fraction) -> float:
 
 
 def folder_name(kind: str, settings: dict[str, Setting]) -> str:
-    """Returns a folder's name; what is taken together goes by a checksum of what it is."""
+    """Return a folder's name; settings taken together are named by a checksum of them."""
     if kind == ALONE:
         ((axis, setting),) = settings.items()
         return re.sub(r"[^\w.+-]+", "-", f"{axis}-{setting.label}").strip("-")
@@ -148,8 +156,10 @@ def folder_name(kind: str, settings: dict[str, Setting]) -> str:
 
 
 def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
-    """Returns points with their predicted times as this machine takes them, by those that were
-    measured; what takes more than the budget is left out, if it has not been run."""
+    """Return points with their predicted times on this machine, from the points that were measured.
+
+    Points that take more than the budget are left out, unless they have been run.
+    """
     factor = median([one.processor_s / one.predicted_s for one in points if one.metrics] or [1.0])
     affordable = []
     for one in points:
@@ -163,8 +173,10 @@ def afford(points: Sequence[Combination], budget_s: float) -> list[Combination]:
 
 
 def part_s(case: Case, parts: int) -> float:
-    """Returns how long a short run lasts: one of ``parts`` of the time in which all feeds run.  A
-    case in which a feed does not begin is refused."""
+    """Return the length of a short run: a share from ``parts`` of the time in which all feeds run.
+
+    A case in which a feed does not begin is refused.
+    """
     begun_s = max((feed.start_s for feed in case.bed.feeds.values()), default=0.0)
     return begun_s + (case.duration_s - begun_s) / parts
 
@@ -179,26 +191,26 @@ class Error:
 
     @property
     def certain(self) -> bool:
-        """Whether it is more than chance."""
+        """Whether the error is more than chance."""
         return self.half_width is None or self.value > self.half_width
 
     @property
     def at_most(self) -> float:
-        """The upper end of its interval."""
+        """The upper end of the confidence interval."""
         return self.value + (self.half_width or 0.0)
 
 
 @dataclass(frozen=True)
 class Scatter:
-    """Relative standard deviation from seed to seed, apart from what a seed does to all points, and
-    its degrees of freedom; none where nothing is random."""
+    """The relative standard deviation from seed to seed, apart from a seed's effect on all points, and its
+    degrees of freedom; none where nothing is random."""
 
     random: bool
     deviation: Mapping[str, float]
     freedom: int
 
     def half_width(self, name: str, seeds: Sequence[int]) -> float | None:
-        """Returns that of the difference of means over so many seeds each."""
+        """Return the half width of the difference of means over so many seeds each."""
         if not self.random:
             return 0.0
         if self.freedom == 0 or name not in self.deviation:
@@ -212,10 +224,10 @@ EXACT = Scatter(False, {}, 0)
 
 
 def scatter(every: Iterable[Combination], random: bool) -> Scatter:
-    """Returns how points scatter.
+    """Return the scatter of the points.
 
-    Every point has the same random numbers, so that what a seed does to all of them alike is no
-    scatter between them: the residual of points and seeds (randomised blocks).  Points are taken to
+    Every point has the same random numbers, so the effect of a seed on all of them alike is no scatter
+    between them: the scatter is the residual of points and seeds (randomised blocks).  Points are assumed to
     scatter alike, so that two or three seeds each are enough.
     """
     every = list(every)
@@ -235,7 +247,7 @@ def scatter(every: Iterable[Combination], random: bool) -> Scatter:
 
 
 def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[str, Error]:
-    """Returns the errors of every quantity that both have, relative to the reference; shapes seed by
+    """Return the errors of every quantity that both have, relative to the reference; shapes seed by
     seed."""
     seeds = (len(point.metrics), len(reference.metrics))
     differences = {}
@@ -255,13 +267,13 @@ def errors(point: Combination, reference: Combination, spread: Scatter) -> dict[
 
 
 def answer_errors(point: Combination, known: Sequence[Criterion]) -> dict[str, float]:
-    """Returns relative errors against known answers, mean over the seeds."""
+    """Return relative errors against known answers, mean over the seeds."""
     every = {row.what: [answer_error(row, run.folder) for run in point.runs] for row in known}
     told = {name: [x for x in each if x is not None] for name, each in every.items()}
     return {name: float(np.mean(each)) for name, each in told.items() if each}
 
 
 def worst_error(errors: Mapping[str, Error], judged_by: Sequence[str]) -> tuple[str, Error] | None:
-    """Returns the largest of the errors that decide, with its name."""
+    """Return the largest of the errors that decide, with its name."""
     deciding = [(name, errors[name]) for name in judged_by if name in errors]
     return max(deciding, key=lambda pair: pair[1].value, default=None)

@@ -1,9 +1,9 @@
-"""How series of settings converge, and what settings taken together should give.
+"""Convergence of series of settings, and predictions for settings taken together.
 
-A series shows the order that is observed, and what is left of error in its finest setting.  Of
-settings taken together errors add up, quantity by quantity; the processor time of each part of the
-program (particles, panel, frames ...) is multiplied by what each setting does to it.  The study then
-runs what this proposes, so that a prediction stands beside what was measured.
+A series shows the order that is observed, and the error that remains in its finest setting.  The errors of
+settings taken together add up, quantity by quantity; the processor time of each part of the program
+(particles, panel, frames ...) is multiplied by the effect of each setting on it.  The study then runs the
+proposed settings, so that a prediction stands beside the measurement.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ class Order:
         return self.spread < CLEAN
 
     def error(self, h: float) -> float:
-        """Returns the error at a length."""
+        """Return the error at a length."""
         return float(self.constant * h**self.order)
 
 
 def fit_order(h: Sequence[float], error: Sequence[float], reference_h: float) -> Order | None:
-    """Returns the order by least squares in logarithms, of errors against a run of the same series at
+    """Return the order by least squares in logarithms, of errors against a run of the same series at
     ``reference_h``, whose own error is not nothing: e_i = C (h_i^p - reference^p).
 
     With one halving this is Richardson's p = log2 of the ratio of successive differences (Roache, J.
@@ -96,13 +96,13 @@ class Converged:
 
     @property
     def lengths(self) -> list[float]:
-        """The length h of each setting; none where that is no matter of degree."""
+        """The length h of each setting; none where the series has no length."""
         lengths = [setting.h for setting in self.settings if setting.h is not None]
         return lengths if len(lengths) == len(self.settings) else []
 
     @cached_property
     def orders(self) -> dict[str, Order]:
-        """The orders by quantity; what chance explains is no error that an order can be seen in."""
+        """The orders by quantity; errors that chance explains show no order."""
         h, orders = self.lengths, {}
         if len(h) < 3:
             return {}
@@ -115,13 +115,16 @@ class Converged:
 
     @property
     def observed(self) -> float | None:
-        """Median over the quantities that fall along a line."""
+        """The median order over the quantities that fall along a line."""
         clean = [one.order for one in self.orders.values() if one.clean]
         return median(clean) if clean else None
 
     def remaining(self, name: str) -> float:
-        """Returns the estimated error of the finest setting: from the order observed, else from the
-        expected one and the last difference (Roache's estimate); 0 where neither is known."""
+        """Return the estimated error of the finest setting.
+
+        It follows from the observed order, else from the expected order and the last difference (Roache's
+        estimate); it is 0 where neither is known.
+        """
         finest_h, order = self.settings[-1].h, self.orders.get(name)
         if order is not None and order.clean and finest_h:
             return order.error(finest_h)
@@ -136,7 +139,7 @@ class Converged:
 def measure_series(
     series: RefinementSeries, measured: Mapping[str, Combination], spread: Scatter, known: Sequence[Criterion]
 ) -> Converged | None:
-    """Returns a series with what was measured of it; None where nothing was."""
+    """Return a series with its measurements; None where nothing was measured."""
     names = {
         setting: folder_name(ALONE, {series.axis: setting}) if setting.sets else BASE
         for setting in series.settings
@@ -156,8 +159,8 @@ def measure_series(
 
 @dataclass(frozen=True)
 class Option:
-    """A setting that was measured: error by quantity against the best of its axis, and what it
-    does to the processor time of each part (ratio to the case as it is)."""
+    """A setting that was measured: error by quantity against the best setting of its axis, and the ratio of
+    the processor time of each part to that of the case as it is."""
 
     axis: str
     setting: Setting
@@ -166,7 +169,7 @@ class Option:
 
 
 def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
-    """Returns the ratio of processor times by part; of parts that hardly count, 1."""
+    """Return the ratio of processor times by part, and 1 for parts that hardly count."""
     ours, theirs = point.processor_by_part_s, base.processor_by_part_s
     return {
         part: ours.get(part, 0.0) / theirs[part] if theirs[part] > LEAST_SHARE * base.processor_s else 1.0
@@ -176,7 +179,7 @@ def cost_ratio(point: Combination, base: Combination) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Proposal:
-    """One option of each axis."""
+    """A proposal with an option of each axis."""
 
     options: tuple[Option, ...]
     error: float
@@ -184,13 +187,16 @@ class Proposal:
 
     @property
     def settings(self) -> dict[str, Setting]:
-        """Those that differ from the case as it is."""
+        """The settings that differ from the case as it is."""
         return {one.axis: one.setting for one in self.options if one.setting.sets}
 
 
 class Model:
-    """``axes``: options by axis; ``parts_s``: processor time of the case as it is, by part;
-    ``remaining``: error by quantity that even the best options have."""
+    """A model of error and cost.
+
+    ``axes``: options by axis; ``parts_s``: processor time of the case as it is, by part; ``remaining``: error
+    by quantity that even the best options have.
+    """
 
     def __init__(
         self,
@@ -209,14 +215,17 @@ class Model:
         self._cost_s = _combined(np.multiply, ratios, len(parts_s)) @ _row(parts_s, parts_s)
 
     def cheapest(self, tolerance: float) -> Proposal | None:
-        """Returns the cheapest with an error of at most ``tolerance``; None where there is none."""
+        """Return the cheapest proposal with an error of at most ``tolerance``; None where there is none."""
         if not (self._worst <= tolerance).any():
             return None
         return self._proposal(int(np.where(self._worst <= tolerance, self._cost_s, np.inf).argmin()))
 
     def best(self, budget_s: float, ties: Literal["cheapest", "finest"]) -> Proposal | None:
-        """Returns that of the least error for at most so much processor time; None where none is so
-        cheap.  Times are measured, so that what is finest must not go by them."""
+        """Return the proposal of the least error for at most so much processor time; None where none is so
+        cheap.
+
+        Times are measured, so the finest setting must not be chosen by them.
+        """
         within = np.flatnonzero(self._cost_s <= budget_s)
         if not len(within):
             return None
@@ -236,6 +245,6 @@ def _row(
 
 
 def _combined(how: np.ufunc, axes: list[list[Array]], width: int) -> Array:
-    """Returns (n_1, n_2, ..., width) of every choice of one row from each axis."""
+    """Return (n_1, n_2, ..., width) of every choice of one row from each axis."""
     start = np.full(width, how.identity, dtype=float)
     return reduce(lambda before, rows: how(before[..., None, :], np.array(rows)), axes, start)

@@ -62,7 +62,7 @@ class StoredStudy:
 
     @cached_property
     def model(self) -> Model:
-        """What predicts settings taken together."""
+        """The model that predicts settings taken together."""
         table, axes = self.table, {}
         for axis, every in table["options"].items():
             settings = (Setting(one["label"], tuple(one["sets"])) for one in every)
@@ -72,12 +72,12 @@ class StoredStudy:
 
     @property
     def of_nothing(self) -> bool:
-        """Whether nothing happened in it: errors of what cannot be resolved promise nothing."""
+        """Whether nothing happened in the study: errors of unresolvable quantities promise nothing."""
         base = [one for one in self.table["points"] if one.get("point") == BASE]
         return bool(base) and not any(happens(one) for one in base)
 
     def measured(self) -> list[Candidate]:
-        """Returns the points with their errors at the upper end of their confidence intervals."""
+        """Return the points with their errors at the upper end of their confidence intervals."""
         return [
             Candidate(
                 one["settings"],
@@ -91,21 +91,21 @@ class StoredStudy:
         ]
 
     def cheapest(self, tolerance: float) -> Candidate | None:
-        """Returns the cheapest within a tolerance: measured, or predicted where nothing measured is so
-        cheap."""
+        """Return the cheapest candidate within a tolerance: a measured candidate, or a predicted one where no
+        measured candidate is so cheap."""
         within = [each for each in self.measured() if each.error <= tolerance]
         within += self._predicted(self.model.cheapest(tolerance - self._chance))
         return min(within, key=lambda each: each.processor_s, default=None)
 
     def best(self, budget_s: float) -> Candidate | None:
-        """Returns that of the least error for so much processor time."""
+        """Return the candidate of the least error for so much processor time."""
         within = [each for each in self.measured() if each.processor_s <= budget_s]
         within += self._predicted(self.model.best(budget_s, "cheapest"))
         return min(within, key=lambda each: each.error, default=None)
 
     @property
     def _chance(self) -> float:
-        """By how much a prediction may be off although all adds up."""
+        """The uncertainty of a prediction even where all errors add up."""
         return float(self.table["chance"] or 0.0)
 
     def _predicted(self, proposal: Proposal | None) -> list[Candidate]:
@@ -116,8 +116,10 @@ class StoredStudy:
 
 
 def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdict:
-    """Returns the verdict on an effect with the error and cost of the model that does without it;
-    as it was where no such model was run."""
+    """Return the verdict on an effect with the error and cost of the model that leaves it out.
+
+    Without a run of such a model the verdict stays as it was.
+    """
     model = _model_without(effect, study.table.get("models", []))
     decisive = {name: model["error"][name] for name in DECISIVE if name in model["error"]} if model else {}
     if model is None or not decisive:
@@ -135,8 +137,10 @@ def measured_verdict(effect: str, verdict: Verdict, study: StoredStudy) -> Verdi
 
 
 def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
-    """Returns the measured model that does without an effect: as the case has it, else the finest;
-    of softened contacts the case itself, of single particles coarser ones."""
+    """Return the measured model that leaves an effect out: the case's own model, else the finest.
+
+    For softened contacts it is the case itself, for single particles the coarser particles.
+    """
     wanted = {"contact-stiffness": ("stiffness", ""), "single-particles": ("number", "")}
     ports: tuple[solvers.Port, ...] = ("panel", "frames")
     for port in ports:
@@ -151,8 +155,8 @@ def _model_without(effect: str, models: Sequence[dict[str, Any]]) -> dict[str, A
 
 
 def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
-    """Returns the study in the file given, or beside the case, or in its usual folder, if it is of
-    this case and level; None where there is none.  Raises CaseError for a file that is none."""
+    """Return the study in the given file, beside the case, or in its usual folder, if it belongs to this case
+    and level; None where there is none.  Raises CaseError for a file that holds no study."""
 
     def problem(file: Path, what: str) -> CaseError:
         return CaseError([CaseProblem((), what, file=str(file))])
@@ -174,8 +178,8 @@ def find_study(loaded: JudgedCase, given: Path | None) -> StoredStudy | None:
 
 
 def filling(case: Case, study_s: float) -> Callable[[float], float]:
-    """Returns what tells, of a run of so many seconds, its particles in the mean over the run, relative
-    to those of a run of ``study_s``."""
+    """Return a function that gives the mean number of particles of a run of so many seconds, relative to runs
+    of ``study_s``."""
     if not case.bed.feeds:
         return lambda duration_s: 1.0
     bed = THIN if case.particles.adhesion == "none" else THICK
@@ -194,12 +198,11 @@ PART = 8  # of a run that has no study: of so many parts, one is made
 
 @dataclass(frozen=True)
 class Timing:
-    """What a run takes here.
+    """The time that runs take on this machine.
 
-    The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``.  A
-    start takes ``start_s`` of wall time here, and a second of the study's processor time in stepping
-    ``factor``; ``particles`` is their share of its stepping, ``filling`` how many there are in runs
-    of other lengths.
+    The study took ``study_start_s`` of processor time to start and simulated ``simulated_s``.  A start takes
+    ``start_s`` of wall time here, and a second of the study's processor time in stepping ``factor``;
+    ``particles`` is their share of its stepping, ``filling`` their number in runs of other lengths.
     """
 
     study_start_s: float
@@ -210,14 +213,16 @@ class Timing:
     filling: Callable[[float], float] = lambda duration_s: 1.0
 
     def wall_s(self, processor_s: float, duration_s: float) -> float:
-        """Returns the wall time here of a run of ``duration_s`` with settings that took
+        """Return the wall time here of a run of ``duration_s`` with settings that took
         ``processor_s`` in the study."""
         study_s = max(processor_s - self.study_start_s, 0.0)
         return self.start_s + self.factor * study_s * self._lasts(duration_s)
 
     def duration_s(self, processor_s: float, wall_s: float, longest_s: float) -> float:
-        """Returns how long a run may last, at most ``longest_s``, to take so much wall time; 0 if not
-        even its start fits."""
+        """Return the longest duration of a run, at most ``longest_s``, that takes so much wall time.
+
+        It is 0 if not even the start fits.
+        """
         if self.wall_s(processor_s, longest_s) <= wall_s:
             return longest_s
         if wall_s <= self.start_s:
@@ -225,19 +230,22 @@ class Timing:
         return float(brentq(lambda t: self.wall_s(processor_s, t) - wall_s, 0.0, longest_s))
 
     def affordable_s(self, wall_s: float, duration_s: float) -> float:
-        """Returns the study's processor time of settings that take so much wall time here."""
+        """Return the study's processor time of settings that take so much wall time here."""
         stepping_s = max(wall_s - self.start_s, 0.0) / self.factor
         return self.study_start_s + stepping_s / self._lasts(duration_s)
 
     def _lasts(self, duration_s: float) -> float:
-        """Returns the stepping of a run of ``duration_s``, relative to the study's."""
+        """Return the stepping of a run of ``duration_s``, relative to the study's."""
         more = 1.0 + self.particles * (self.filling(duration_s) - 1.0)
         return more * duration_s / self.simulated_s
 
 
 def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, Any]:
-    """Returns the summary of a run that nobody keeps; only its times are asked for, so that it may be
-    a doubtful one.  Raises CaseError, and SolverFailed if it does not come to its end."""
+    """Return the summary of a run that nobody keeps.
+
+    Only its times count, so the run may be doubtful.  Raises CaseError, and SolverFailed if the run does not
+    come to its end.
+    """
     try:
         summary = run_in_scratch(case, CaseStudy(case, level, tuple(sets)).check().level, sets)
     except RunFailed as why:
@@ -248,7 +256,7 @@ def time_run(case: Path, level: str | None, sets: Sequence[str]) -> dict[str, An
 
 
 def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
-    """Returns what runs take here, from the study's short run, made again here."""
+    """Return the time that runs take on this machine, from the study's short run, made again here."""
     base = study.table["base"]
     (short,) = study.table["short"].values()
     here = time_run(case, level, [*study.table["sets"], *study.table["shared"], *short["sets"]])
@@ -265,7 +273,7 @@ def time_by_study(study: StoredStudy, case: Path, level: str | None) -> Timing:
 
 
 def predict_wall_s(path: Path, level: str | None, sets: Sequence[str], case: Case) -> float:
-    """Returns the wall time here of a case without a study, from a short run."""
+    """Return the wall time here of a case without a study, from a short run."""
     duration_s = part_s(case, PART)
     short = [*sets, f"duration_s={duration_s!r}", "output.pictures=false"]
     wall_s = time_run(path, level, short)["wall_by_part_s"]
@@ -286,7 +294,7 @@ MOST_RANKS = 1024
 
 @dataclass(frozen=True)
 class Plan:
-    """What is chosen for a case by its study, a tolerance and a wall time."""
+    """The choice for a case by its study, a tolerance and a wall time."""
 
     case: Case
     study: StoredStudy
@@ -306,14 +314,14 @@ class Plan:
 
     @property
     def fits(self) -> bool:
-        """Whether that is within the budget."""
+        """Whether the wall time is within the budget."""
         return self.wall_s <= self.budget_s
 
     def _wall_s(self, candidate: Candidate) -> float:
         return self.timing.wall_s(candidate.processor_s, self.case.duration_s)
 
     def remedies(self) -> Iterator[str]:
-        """Yields what would make it fit, in words."""
+        """Yield changes that would make the plan fit, in words."""
         if self.chosen is not None:
             yield from self._shorter(self.chosen)
         coarser = self.study.best(self.timing.affordable_s(self.budget_s, self.case.duration_s))
@@ -335,7 +343,7 @@ class Plan:
             yield f"a shorter run: duration_s={duration_s:.3g}"
 
     def _more_ranks_or_narrower(self) -> Iterator[str]:
-        """Yields ranks, and a slice where particles and panels are what takes the time."""
+        """Yield more ranks, and a slice where particles and panels take most of the time."""
         case, parts_s = self.case, self.study.table["base"]["processor_by_part_s"]
         share = sum(parts_s.get(name, 0.0) for name in SHARED) / sum(parts_s.values())
         shared_s, left_s = share * self.wall_s, self.budget_s - (1 - share) * self.wall_s

@@ -64,12 +64,12 @@ class Setting:
 
 
 def joint_sets(settings: Mapping[str, Setting]) -> tuple[str, ...]:
-    """Returns the ``--set`` overlays of settings by axis, in the order of the axes."""
+    """Return the ``--set`` overlays of settings by axis, in the order of the axes."""
     return tuple(overlay for setting in settings.values() for overlay in setting.sets)
 
 
 def joint_label(settings: Mapping[str, Setting]) -> str:
-    """Returns settings by axis in words."""
+    """Return settings by axis in words."""
     return "; ".join(f"{axis}: {setting.label}" for axis, setting in settings.items())
 
 
@@ -114,13 +114,13 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Offer:
-    """What a case can refine, and why it cannot refine the rest: parameter -> reason."""
+    """The parameters that a case can refine, and the reasons for the rest: parameter -> reason."""
 
     series: tuple[RefinementSeries, ...]
     missing: dict[str, str]
 
     def of(self, axis: str) -> list[RefinementSeries]:
-        """Returns the series on an axis."""
+        """Return the series on an axis."""
         return [series for series in self.series if series.axis == axis]
 
     @property
@@ -133,7 +133,7 @@ class Offer:
 
 
 def offer(case: Case, names: Sequence[str], points: int) -> Offer:
-    """Returns the series of the parameters named, ``points`` values each;
+    """Return the series of the parameters named, ``points`` values each;
     "scheme=aitken+robin" has these variants only."""
     every: list[RefinementSeries] = []
     missing = {}
@@ -152,7 +152,7 @@ def offer(case: Case, names: Sequence[str], points: int) -> Offer:
 
 
 def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> list[RefinementSeries]:
-    """Raises NotOffered for a variant that there is not."""
+    """Raise NotOffered for an unknown variant."""
     known = [each.variant for each in series]
     for name in variants:
         if name not in known:
@@ -161,7 +161,7 @@ def _variants(series: Sequence[RefinementSeries], variants: Sequence[str]) -> li
 
 
 def _degrees(points: int) -> list[int]:
-    """Returns how often a value is halved, from coarse to fine, for ``points`` values: 0 is the
+    """Return how often a value is halved, from coarse to fine, for ``points`` values: 0 is the
     case's own; 3 gives -1, 0, 1."""
     coarser = (points - 1) // 2
     return list(range(-coarser, points - coarser))
@@ -173,7 +173,7 @@ def _settings(
     key: str | Callable[[float], tuple[str, ...]],
     h: Callable[[float], float] = float,
 ) -> tuple[Setting, ...]:
-    """Returns settings of values by degree, of which 0 is the case's own: ``label`` and ``key`` are
+    """Return settings of values by degree, of which 0 is the case's own: ``label`` and ``key`` are
     formats of a value, or ``key`` makes the overlays."""
     make = (lambda value: (key.format(value),)) if isinstance(key, str) else key
     return tuple(
@@ -183,8 +183,7 @@ def _settings(
 
 
 def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """The interval of the case's own scheme, or of the one that is taken for it, halved and
-    doubled."""
+    """Yield the interval of the case's own scheme, or of the scheme chosen for it, halved and doubled."""
     name = case_with_scheme(case).coupling.scheme
     overlay = (f"coupling.scheme={name}",) if case.coupling.scheme != name else ()
     series = _intervals(case, name, (), overlay, points)
@@ -192,7 +191,7 @@ def _sync(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Every other scheme, at the same intervals.  Raises NotOffered."""
+    """Yield every other scheme, at the same intervals.  Raises NotOffered."""
     some, own = has_particles(case), case_with_scheme(case).coupling.scheme
     if not (case.screen.panels and (some or case.screen.frames)):
         raise NotOffered("nothing is coupled: schemes differ only where panels meet others")
@@ -205,7 +204,7 @@ def _scheme(case: Case, points: int) -> Iterable[RefinementSeries]:
 def _intervals(
     case: Case, name: str, at_own: tuple[str, ...], elsewhere: tuple[str, ...], points: int
 ) -> RefinementSeries:
-    """Returns a scheme's series, with overlays at the case's own interval and at others."""
+    """Return a scheme's series, with overlays at the case's own interval and at others."""
     own_s = exact(case.coupling.sync_interval_s)
     settings = []
     for halved in _degrees(points):
@@ -218,14 +217,14 @@ def _intervals(
 
 
 def _panel_mesh(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Cells of the case's own model.  Raises NotOffered."""
+    """Yield meshes of the case's own model.  Raises NotOffered."""
     if not case.panel.adapter.refined_by:
         raise NotOffered(f"panels of solver {case.panel.solver} have no mesh")
     yield _meshes(case, case.panel.solver, case.panel.cells, points)
 
 
 def _panel_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Every other model, at a few meshes each."""
+    """Yield every other model, at a few meshes each."""
     own = case.panel.adapter
     along, across = case.panel.cells if own.refined_by and own.varies_across else USUAL_CELLS
     for name in _by_fidelity("panel"):
@@ -260,19 +259,21 @@ def _meshes(case: Case, name: str, cells: tuple[int, int], points: int) -> Refin
 
 
 def _model(port: solvers.Port, setting: Setting) -> RefinementSeries:
-    """Returns the series of one setting, a model, which is named after its solver."""
+    """Return the series of one setting, a model, which is named after its solver."""
     rank, is_choice = _fidelity(port, setting.label), not setting.made_from_run
     return RefinementSeries(port, setting.label, (setting,), rank=rank, is_choice=is_choice)
 
 
 def _by_fidelity(port: solvers.Port) -> list[str]:
-    """Returns the solvers of a port, the better the later."""
+    """Return the solvers of a port in ascending order of fidelity."""
     return sorted(solvers.names(port), key=lambda name: _fidelity(port, name))
 
 
 def _fidelity(port: solvers.Port, name: str) -> float:
-    """Returns the place of a solver; one that plays another's motion back is the better one of two
-    that nothing bends."""
+    """Return the place of a solver.
+
+    A solver that plays another's motion back is the better of two where nothing bends.
+    """
     fidelity: float | None = _adapter(port, name).fidelity
     return PLAYED_BACK if fidelity is None else fidelity
 
@@ -282,14 +283,14 @@ def _adapter(port: solvers.Port, name: str) -> Any:
 
 
 def _panel_step(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """The panels' own step, its half and its quarter.  Raises NotOffered."""
+    """Yield the panels' own step, its half and its quarter.  Raises NotOffered."""
     own_s = min(case.coupling.sync_interval_s, _usual_panel_step_s(case))
     settings = _steps(case, "panel.step_s", own_s, points)
     yield RefinementSeries("panel-step", "", settings, "panel's step / s", 2.0)
 
 
 def _usual_panel_step_s(case: Case) -> float:
-    """Returns the step that the panels take as the case is."""
+    """Return the panels' step in the case as it is."""
     if case.panel.step_s > 0:
         return case.panel.step_s
     if case.panel.integrator == "implicit" and case.panel.adapter.largest_step_s is not None:
@@ -304,7 +305,7 @@ def _usual_panel_step_s(case: Case) -> float:
 
 
 def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ...]:
-    """Returns a step, its half and its quarter, whole parts of the sync interval."""
+    """Return a step, its half and its quarter, whole parts of the sync interval."""
     interval_s = case.coupling.sync_interval_s
     first = steps_in(interval_s, own_s)
     halves = range(min(points, FINEST_STEPS))
@@ -313,7 +314,7 @@ def _steps(case: Case, key: str, own_s: float, points: int) -> tuple[Setting, ..
 
 
 def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Every model of the frames."""
+    """Yield every model of the frames."""
     driven = all(frame.drive for frame in case.screen.frames.values())
     for name in _by_fidelity("frames"):
         own = name == case.frames.solver
@@ -324,7 +325,7 @@ def _frames_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """No particles at all, and every solver of them."""
+    """Yield no particles at all, and every solver of them."""
     own, without = case.particles.solver, Setting(solvers.NONE, (f"particles.solver={solvers.NONE}",))
     yield RefinementSeries("particles", solvers.NONE, (without,), rank=-1.0, is_choice=False)
     for name in _by_fidelity("particles"):
@@ -332,15 +333,18 @@ def _particle_model(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _particle_step(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """The particles' step, its half and its quarter."""
+    """Yield the particles' step, its half and its quarter."""
     settings = _steps(case, "particles.step_s", particle_step_s(case), points)
     note = DAMPED_STEPS if damped_contacts(case) else JUMPING if _surface_jumps(case) else ""
     yield RefinementSeries("particle-step", "", settings, "step / s", 1.0 if note else 2.0, note=note)
 
 
 def _surface_jumps(case: Case) -> bool:
-    """Returns whether an interval's path may begin elsewhere than the last one's ended: where the
-    surface is extrapolated, and of some with robin (docs/theory/coupling.md)."""
+    """Return whether an interval's path may begin elsewhere than the last path ended.
+
+    This happens where the surface is extrapolated, and for some surfaces with robin
+    (docs/theory/coupling.md).
+    """
     rigid = not (case.screen.panels and case.panel.adapter.deforms)
     extrapolated = {"particles-first": True, "robin": rigid or bool(case.screen.surfaces)}
     moves = bool(case.screen.frames) or not rigid
@@ -348,7 +352,8 @@ def _surface_jumps(case: Case) -> bool:
 
 
 def _stiffness(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """The largest Young's modulus in contacts, up to the materials' own.  Raises NotOffered."""
+    """Yield values of the largest Young's modulus in contacts, up to the materials' own.  Raises
+    NotOffered."""
     used_Pa = [m.youngs_modulus_Pa for m in case.materials.values() if m.youngs_modulus_Pa]
     if not used_Pa:
         raise NotOffered("no material has a Young's modulus of its own")
@@ -362,7 +367,7 @@ def _stiffness(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _number(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """Coarser particles, each for several."""
+    """Yield coarser particles, each for several."""
     own = case.particles.coarse_graining
     values = {degree: own * COARSER**-degree for degree in range(1 - min(points, 3), 1)}
     settings = _settings(values, "diameters x {:.3g}", "particles.coarse_graining={:.4g}")
@@ -370,7 +375,7 @@ def _number(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """The finest size that is fed.  Raises NotOffered."""
+    """Yield values of the finest size that is fed.  Raises NotOffered."""
     rows = [
         (f"bed.{kind}.{name}.smallest_fed_m", row.smallest_fed_m)
         for kind, table in (("blocks", case.bed.blocks), ("feeds", case.bed.feeds))
@@ -389,7 +394,7 @@ def _cut_off(case: Case, points: int) -> Iterable[RefinementSeries]:
 
 
 def _width(case: Case, points: int) -> Iterable[RefinementSeries]:
-    """A slice, up to the whole width.  Raises NotOffered."""
+    """Yield slices, up to the whole width.  Raises NotOffered."""
     try:
         low, high = full_width_m(case.whole)
     except CaseError as error:

@@ -59,8 +59,8 @@ SHORT = 5  # the short part is one of so many of the run
 
 @dataclass(frozen=True)
 class Compared:
-    """A setting of an axis with its ``errors`` against the best of all its settings; ``is_best``
-    of that one itself."""
+    """A setting of an axis with its ``errors`` against the best of all settings; ``is_best`` marks the best
+    itself."""
 
     series: RefinementSeries
     setting: Setting
@@ -71,8 +71,10 @@ class Compared:
 
 @dataclass(frozen=True)
 class Row:
-    """A point: its errors against the reference by quantity, the ``worst`` of those that decide,
-    and those against known answers."""
+    """A point with its errors against the reference by quantity.
+
+    ``worst`` is the largest of the errors that decide; the other errors are against known answers.
+    """
 
     point: Combination
     errors: dict[str, Error]
@@ -87,7 +89,7 @@ class Row:
 
     @property
     def why(self) -> str:
-        """Why nothing was measured."""
+        """The reason why nothing was measured."""
         if self.point.metrics:
             return ""
         states = {run.status() for run in self.point.runs}
@@ -96,8 +98,10 @@ class Row:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """The cheapest row within a tolerance, None where there is none; ``proven``: also at the upper
-    end of its confidence interval."""
+    """The cheapest row within a tolerance, None where there is none.
+
+    ``proven`` means that the row is within the tolerance even at the upper end of its confidence interval.
+    """
 
     tolerance: float
     row: Row | None
@@ -106,10 +110,10 @@ class Recommendation:
 
 @dataclass(frozen=True)
 class AccuracyStudy:
-    """A study as far as it was run.
+    """A study of accuracy with the runs made so far.
 
-    ``shared``: ``--set`` overlays of all points; ``known``: answers known from elsewhere;
-    ``proposals``: what was predicted of points, by name; ``reference``: name of a point.
+    ``shared``: ``--set`` overlays of all points; ``known``: answers known from elsewhere; ``proposals``:
+    predictions for points, by name; ``reference``: name of a point.
     """
 
     asked: Asked
@@ -122,7 +126,7 @@ class AccuracyStudy:
     reference: str = BASE
 
     def combine(self, kind: str, settings: dict[str, Setting]) -> Combination:
-        """Returns settings as a point of this study, checked, with the time that a run should take."""
+        """Return settings as a point of this study, checked, with the time that a run should take."""
         name, case = folder_name(kind, settings), self.loaded.case
         seeds = self.asked.seeds if is_random(case) and kind != CALIBRATION else 1
         runs = []
@@ -136,14 +140,14 @@ class AccuracyStudy:
         return Combination(kind, name, settings, tuple(runs), predicted_s(there, particles_at_start(there)))
 
     def run(self, points: Sequence[Combination]) -> Generator[str, None, AccuracyStudy]:
-        """Runs points that are not done, yields a line for each run, and returns the study with them
+        """Run points that are not done, yield a line for each run, and return the study with them
         and their metrics.  Runs that have failed are results, too, and not run again."""
         todo = [run for one in points for run in one.runs if run.status() != "failed"]
         yield from run_points(todo, self.asked.study.crew)
         return self.with_points([one.with_metrics() for one in points])
 
     def with_points(self, points: Iterable[Combination]) -> AccuracyStudy:
-        """Returns the study with these points in the place of those of the same names, or added."""
+        """Return the study with these points, which replace points of the same names or are added."""
         every = {one.name: one for one in (*self.points, *points)}
         return replace(self, points=tuple(every.values()))
 
@@ -164,22 +168,22 @@ class AccuracyStudy:
 
     @cached_property
     def spread(self) -> Scatter:
-        """How points scatter by chance."""
+        """The chance scatter of the points."""
         return scatter(self.measured.values(), is_random(self.loaded.case))
 
     @cached_property
     def converged(self) -> list[Converged]:
-        """Every series of which something was measured."""
+        """Every series that was measured."""
         every = (measure_series(one, self.measured, self.spread, self.known) for one in self.offer.series)
         return [one for one in every if one is not None]
 
     def best(self, axis: str) -> Converged | None:
-        """Returns the series on an axis that is nearest to the truth."""
+        """Return the series on an axis that is nearest to the truth."""
         mine = [one for one in self.converged if one.series.axis == axis]
         return max(mine, key=lambda one: one.series.rank, default=None)
 
     def compared(self, axis: str, spread: Scatter | None = None) -> list[Compared]:
-        """Returns every setting of an axis that was measured, against the best of them; another
+        """Return every setting of an axis that was measured, against the best of them; another
         ``spread`` says what counts as chance."""
         best = self.best(axis)
         if best is None:
@@ -193,7 +197,7 @@ class AccuracyStudy:
         ]
 
     def options(self, spread: Scatter | None = None) -> dict[str, list[Option]]:
-        """Returns the choices by axis; errors that chance explains count as none."""
+        """Return the choices by axis; errors that chance explains count as none."""
         options: dict[str, list[Option]] = {}
         for axis in self.offer.titles:
             choices = {one.setting: one for one in self.compared(axis, spread) if one.series.is_choice}
@@ -205,12 +209,12 @@ class AccuracyStudy:
 
     @cached_property
     def remaining(self) -> dict[str, float]:
-        """What errors add up to where every axis has its best setting."""
+        """The sum of the errors where every axis has its best setting."""
         best = [one for axis in self.offer.titles if (one := self.best(axis)) is not None]
         return {name: sum(one.remaining(name) for one in best) for name in self.judged_by}
 
     def model(self, spread: Scatter | None = None) -> Model:
-        """Returns what predicts settings taken together."""
+        """Return the model that predicts settings taken together."""
         return Model(self.options(spread), self.base.processor_by_part_s, self.remaining, self.judged_by)
 
     @cached_property
@@ -231,7 +235,7 @@ class AccuracyStudy:
         return sorted((r for r in self.rows if r.point.metrics), key=lambda row: row.point.processor_s)
 
     def front(self) -> list[Row]:
-        """Returns the rows that no other beats in both error and processor time, cheap ones first."""
+        """Return the rows that no other beats in both error and processor time, cheap ones first."""
         front: list[Row] = []
         least = inf
         for row in self.by_cost:
@@ -241,8 +245,11 @@ class AccuracyStudy:
         return front
 
     def recommend(self, tolerance: float) -> Recommendation:
-        """Returns the cheapest of all points that were measured; where chance leaves none proven, the
-        one of which most is sure.  The reference is no candidate: nobody knows its error."""
+        """Return the cheapest of all points that were measured.
+
+        Where chance leaves none proven, return the point of which most is sure.  The reference is no
+        candidate: nobody knows its error.
+        """
         within = [(row, row.error) for row in self.by_cost if row.error and row.error.value <= tolerance]
         for row, error in within:
             if error.half_width is not None and error.at_most <= tolerance:
@@ -252,7 +259,7 @@ class AccuracyStudy:
 
 
 def plan_study(asked: Asked) -> AccuracyStudy:
-    """Returns what is known before anything is run, with the points that need no other run: first the
+    """Return what is known before anything is run, with the points that need no other run: first the
     case as it is and its short part.  Raises CaseError."""
     loaded = asked.study.check()
     offered = offer(loaded.case, asked.parameters, asked.values)
@@ -271,7 +278,7 @@ def plan_study(asked: Asked) -> AccuracyStudy:
 
 
 def _short(base: Combination) -> dict[str, Setting]:
-    """Returns a whole number of samples."""
+    """Return a whole number of samples."""
     case = base.runs[0].loaded.case
     sample_s = exact(case.output.series_s)
     short_s = float(ceil(exact(part_s(case, SHORT)) / sample_s) * sample_s)
@@ -279,8 +286,10 @@ def _short(base: Combination) -> dict[str, Setting]:
 
 
 def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
-    """Runs what is not done yet, yields a line for each run, and returns what was found.  Raises
-    CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable."""
+    """Run the missing points, yield a line for each run, and return the study.
+
+    Raises CaseError, also where the case as it is gives nothing to compare with, and FolderUnusable.
+    """
     study = plan_study(asked)
     study = yield from study.run(study.points[:2])
     runs = study.points[0].runs
@@ -302,13 +311,14 @@ def run_study(asked: Asked) -> Generator[str, None, AccuracyStudy]:
     points = afford([*study.points, *_made_points(study, runs[0])], asked.budget_s)
     study = yield from study.with_points(points).run(points[2:])
     proposed, there = _proposals(study), {one.name for one in study.points}
-    study = yield from study.run([one for one, _ in proposed if one.name not in there])
+    new = {one.name: one for one, _ in proposed if one.name not in there}  # several may propose the same
+    study = yield from study.run([*new.values()])
     reference = next((one.name for one, _ in proposed if one.name in study.measured), BASE)
     return replace(study, proposals={one.name: each for one, each in proposed}, reference=reference)
 
 
 def _made_points(study: AccuracyStudy, run: Point) -> Iterator[Combination]:
-    """Yields the points whose settings are made from the run of the case as it is."""
+    """Yield the points whose settings are made from the run of the case as it is."""
     for series in study.offer.series:
         for setting in series.settings:
             if not setting.made_from_run:
@@ -333,8 +343,7 @@ def _unmeasured(run: Point, why: str, hint: str) -> CaseError:
 
 
 def _proposals(study: AccuracyStudy) -> list[tuple[Combination, Proposal]]:
-    """Returns the reference first, then the diagonal; a point that is there already stands for
-    itself."""
+    """Return the reference first, then the diagonal; existing points stand for themselves."""
     model, budget_s = study.model(), study.asked.budget_s
     # chance is no reason to take less than the best for what all are compared with
     wanted = [(REFERENCE, study.model(EXACT).best(budget_s, "finest"))]

@@ -75,7 +75,7 @@ def command(
 
 
 def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) -> tuple[str, ...]:
-    """Returns names that are known, as they are given with commas.  Raises CaseError."""
+    """Return names that are known, as they are given with commas.  Raises CaseError."""
     names = tuple(word.strip() for word in given.split(",")) if given else tuple(usual)
     for name in names:
         if name.partition("=")[0] not in known:
@@ -84,7 +84,7 @@ def _names(option: str, given: str, known: Sequence[str], usual: Sequence[str]) 
 
 
 def _predictions(asked: Asked) -> Iterator[str]:
-    """Yields what would be run, with predictions."""
+    """Yield what would be run, with predictions."""
     study = plan_study(asked)
     yield from (f"not offered: {name}: {why}" for name, why in study.offer.missing.items())
     start = [one.with_metrics() for one in study.points[:2]]

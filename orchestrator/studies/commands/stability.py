@@ -97,7 +97,7 @@ def write_stability_page(
     picture: Path | None,
     folder: Path,
 ) -> Path:
-    """Writes ``stability.html``."""
+    """Write ``stability.html``."""
     verdicts = [result.verdict for _, results in cases for result in results]
     return write_page(
         "commands/stability.html",
@@ -110,7 +110,7 @@ def write_stability_page(
 
 
 def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
-    """Returns every case of a folder with criteria, in the order of their numbers; nothing is run.
+    """Return every case of a folder with criteria, in the order of their numbers; nothing is run.
     Raises CaseError if one of them is wrong or there is none."""
     for case in folder.glob("*/"):
         if not (case / FILE).exists():
@@ -122,12 +122,12 @@ def find_benchmarks(folder: Path, out: Path) -> list[CaseCriteria]:
 
 
 def benchmark(case: Path, out: Path) -> CaseCriteria:
-    """Returns one case at its default level.  Raises CaseError."""
+    """Return one case at its default level.  Raises CaseError."""
     return case_criteria(CaseStudy(case, None, QUIET, out / case.name), is_over)
 
 
 def is_over(run: Path) -> bool:
-    """Returns whether a run is over: also one that was stopped, which is what it found out."""
+    """Return whether a run is over; a run that was stopped is over, too, since the stop is its result."""
     return outcome(run) != "not run"
 
 
@@ -156,13 +156,13 @@ class Spot:
 
     @property
     def outcome(self) -> str:
-        """How the run came out."""
+        """The outcome of the run."""
         return outcome(self.run.folder)
 
     @property
     def words(self) -> dict[str, str]:
-        """A row of the map's table: with it energy created over all exchanged and lost, intervals
-        that an iterated scheme did not solve to its tolerance, and the reason of an early end."""
+        """A row of the map's table, with the energy created over all exchanged and lost, intervals that an
+        iterated scheme did not solve to its tolerance, and the reason of an early end."""
         summary = summary_of(self.run.folder)
         interval_s = self.run.loaded.case.coupling.sync_interval_s
         return {
@@ -178,7 +178,7 @@ class Spot:
 
 
 def map_spots(folder: Path, out: Path) -> list[Spot]:
-    """Returns every run of the map; none is run here.  Raises CaseError."""
+    """Return every run of the map; none is run here.  Raises CaseError."""
     try:
         wanted = MapAxes.model_validate(read_toml(folder / MAP_FILE, folder))
     except ValidationError as error:
@@ -203,7 +203,7 @@ def map_spots(folder: Path, out: Path) -> list[Spot]:
 
 
 def draw_map(spots: Sequence[Spot], file: Path) -> Path:
-    """Draws a panel for each scheme: sync interval across, mass of the bed upwards."""
+    """Draw a panel for each scheme: sync interval across, mass of the bed upwards."""
     schemes = list(dict.fromkeys(spot.scheme for spot in spots))
     outcomes = [spot.outcome for spot in spots]
     multiples, ratios = (sorted({getattr(s, key) for s in spots}) for key in ("multiple", "mass_ratio"))

@@ -61,7 +61,7 @@ def command(
 
 
 def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]:
-    """Writes ``sweep.csv`` and ``sweep.png``; the picture only where values are numbers and two or
+    """Write ``sweep.csv`` and ``sweep.png``; the picture only where values are numbers and two or
     more came to their end."""
     rows = sweep_rows(vary, points)
     files = [write_csv(rows, folder / "sweep.csv")]
@@ -77,7 +77,7 @@ def write_sweep(vary: Vary, points: Sequence[Point], folder: Path) -> list[Path]
 
 
 def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
-    """Returns a row for each point.
+    """Return a row for each point.
 
     Its columns are the swept key as it is written after ``--vary``; ``status``, how the run ended;
     ``settled``, whether its motion had; ``drift`` and the amplitudes of the first harmonic along
@@ -96,7 +96,7 @@ def sweep_rows(vary: Vary, points: Sequence[Point]) -> list[Row]:
 
 
 def _motion(summary: dict[str, Any]) -> Row:
-    """Returns whether the motion had settled, and the amplitudes with their half widths."""
+    """Return whether the motion had settled, and the amplitudes with their half widths."""
     results = summary.get("results") or {}
     orbits = find_orbits(results)
     if not orbits:
@@ -115,7 +115,7 @@ def _motion(summary: dict[str, Any]) -> Row:
 
 
 def _numbers(value: Any, where: str) -> Iterator[tuple[str, float]]:
-    """Yields every single number of a run's results by its keys with dots between.
+    """Yield every single number of a run's results by its keys with dots between.
 
     An estimate has its ``value`` under its own keys and its ``half_width``, where there is one,
     under one more; a vector has x, y and z, and a list of tables their ``exit`` or their numbers.
@@ -150,7 +150,7 @@ def _parts_of_the_picture(rows: Sequence[Row]) -> list[Part]:
 def _plot(
     rows: Sequence[Row], values: Sequence[float], parts: Sequence[Part], vary: Vary, file: Path
 ) -> Path:
-    """Draws columns over the swept value, with intervals.  A line joins good points that are
+    """Draw columns over the swept value, with intervals.  A line joins good points that are
     neighbours, and no others."""
     drawn, every = figure_parts(len(parts), 2, 5.5, 4.5)
     for axes, (label, names, scale) in zip(every, parts, strict=True):
@@ -180,8 +180,7 @@ def _plot(
 
 
 def _kind(row: Row, column: str) -> str:
-    """Returns how far a value may be taken as data: what is of the bed, by the steady state of the
-    bed."""
+    """Return how far a value may be taken as data: bed values depend on the steady state of the bed."""
     if not trust.is_trusted(str(row["status"])):
         return "cross"
     steady = row.get("steady.is_steady") if column in DRAWN else row["settled"] == SETTLED

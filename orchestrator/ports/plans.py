@@ -46,9 +46,11 @@ class HyperelasticPlan:
 
 @dataclass(frozen=True)
 class StopPlan:
-    """The flat top of a beam under the free length of a panel from ``from_m`` to ``to_m``, carried
-    by ``frame``, ``gap_m`` below the panel as it is mounted straight.  The layer on it has the
-    stiffness ``stiffness_Pa_per_m`` and the damping ``damping_Pa_s_per_m``: pressure per depth, per speed.
+    """The flat top of a beam under the free length of a panel from ``from_m`` to ``to_m``.
+
+    The beam is carried by ``frame``, ``gap_m`` below the panel as it is mounted straight.  The layer on the
+    top has the stiffness ``stiffness_Pa_per_m`` and the damping ``damping_Pa_s_per_m``: pressure per depth
+    and per speed.
     """
 
     name: str
@@ -96,9 +98,12 @@ class PanelPlan:
 
 @dataclass(frozen=True)
 class MeshSize:
-    """How large a panel's mesh is, before it is made: cells with material, nodes (each with three
-    unknowns), memory with the factorised stiffness (good to a factor of two), and the mass of the
-    lightest node that particles can touch."""
+    """The size of a panel's mesh, before it is made.
+
+    It has the numbers of cells with material and of nodes (each with three unknowns), the memory with the
+    factorised stiffness (good to a factor of two), and the mass of the lightest node that particles can
+    touch.
+    """
 
     cells: int
     nodes: int
@@ -139,10 +144,12 @@ class BushingPlan:
 
 @dataclass(frozen=True)
 class MotorPlan:
-    """An induction motor by its rating: lags behind ``synchronous_rad_per_s`` by ``rated_slip`` of it
-    at ``rated_power_W``; its breakdown torque is ``breakdown_ratio`` times the rated one.
-    ``inertia_kg_m2`` of all that turns, the unbalance included; ``bearing_N_m_s`` torque lost per
-    speed."""
+    """An induction motor, given by its rating.
+
+    The motor lags behind ``synchronous_rad_per_s`` by ``rated_slip`` of it at ``rated_power_W``; its
+    breakdown torque is ``breakdown_ratio`` times the rated torque.  ``inertia_kg_m2`` belongs to all that
+    turns, the unbalance included; ``bearing_N_m_s`` is the torque lost per speed.
+    """
 
     rated_power_W: float
     synchronous_rad_per_s: float
@@ -202,11 +209,12 @@ class DrivePlan:
 
 @dataclass(frozen=True)
 class FramesPlan:
-    """The frames and the points they carry: ``points_m`` (n, 3) at t = 0, ``carrier`` (n,) names.
+    """The frames and the points they carry.
 
-    ``reaction_N`` (n, 3) is the panels' force at t = 0.  With ``drawn_at_rest`` the bushings'
-    preload holds weight and initial reaction, so that nothing moves until something drives;
-    otherwise the machine drops onto force-free bushings.
+    ``points_m`` (n, 3) are the places at t = 0, ``carrier`` (n,) the frames' names, and ``reaction_N`` (n, 3)
+    the panels' force at t = 0.  With ``drawn_at_rest`` the bushings' preload holds weight and initial
+    reaction, so that nothing moves until something drives; otherwise the machine drops onto force-free
+    bushings.
     """
 
     bodies: tuple[BodyPlan, ...]
@@ -247,7 +255,7 @@ class ParticleList:
         return len(self.diameter_m)
 
     def part(self, rows: npt.NDArray[np.bool_]) -> ParticleList:
-        """Returns the particles of some rows."""
+        """Return the particles of some rows."""
         return ParticleList(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
@@ -255,11 +263,11 @@ class ParticleFeed(Protocol):
     """A source of new particles for each interval, alike on every rank."""
 
     def due(self, interval: Interval) -> ParticleList:
-        """Returns the particles wanted at the interval's start; they do not overlap each other."""
+        """Return the particles wanted at the interval's start; they do not overlap each other."""
         ...
 
     def settle(self, accepted: npt.NDArray[np.bool_]) -> None:
-        """Takes note of which of those just offered (bool per particle) had room; the rest is tried again."""
+        """Take note of which particles just offered (bool per particle) had room; the rest is tried again."""
         ...
 
 
@@ -278,7 +286,7 @@ class ExitPlan:
     half_m: Array
 
     def holds(self, position_m: Array) -> npt.NDArray[np.bool_]:
-        """Tells which of the positions (n, 3) are in the box, (n,)."""
+        """Tell which of the positions (n, 3) are in the box, (n,)."""
         along_edges_m = (position_m - self.center_m) @ self.axes.T
         return np.asarray(np.all(np.abs(along_edges_m) <= self.half_m, axis=1))
 
@@ -349,9 +357,12 @@ class Cost:
 
 @dataclass(frozen=True)
 class PanelsWork:
-    """The work of ``panels`` alike, each of ``cells`` along and across; ``resolved_cells`` of all of them
-    together where the mesh follows openings, else 0.  They are moved over ``runs`` intervals of
-    ``interval_s``; ``step_s`` is the largest step that the case allows, 0: the solver's own."""
+    """The work of ``panels`` equal panels, each of ``cells`` along and across.
+
+    ``resolved_cells`` is the number of cells of all of them together where the mesh follows openings, else 0.
+    They are moved over ``runs`` intervals of ``interval_s``; ``step_s`` is the largest step that the case
+    allows, or 0 for the solver's own step.
+    """
 
     panels: int
     cells: tuple[int, int]
@@ -364,8 +375,11 @@ class PanelsWork:
 
 @dataclass(frozen=True)
 class FramesWork:
-    """The work of ``bodies`` of which ``driven`` follow a drive, on ``bushings`` (each at one place), with
-    ``exciters``, of which ``motors`` lag; moved over ``runs`` intervals of ``interval_s``."""
+    """The work of ``bodies``, of which ``driven`` follow a drive, on ``bushings`` (each at one place).
+
+    There are ``exciters``, of which ``motors`` lag; the bodies are moved over ``runs`` intervals of
+    ``interval_s``.
+    """
 
     bodies: int
     driven: int
@@ -378,8 +392,11 @@ class FramesWork:
 
 @dataclass(frozen=True)
 class ParticlesWork:
-    """The work of particles: ``particle_steps`` of all particles together; ``steps`` of the solver, in
-    ``runs`` intervals; ``triangles`` that they may touch; ``sticky`` where contacts have adhesion."""
+    """The work of particles.
+
+    ``particle_steps`` counts the steps of all particles together, ``steps`` those of the solver, in ``runs``
+    intervals; particles may touch ``triangles``; ``sticky`` says whether contacts have adhesion.
+    """
 
     particle_steps: float
     steps: float
